@@ -1,0 +1,65 @@
+# From a bare machine (python3 >= 3.11 and make) to results: `make demo`; to a checked tree: `make test`.
+
+.DEFAULT_GOAL := help
+SHELL := /bin/bash
+VENV := .venv
+BIN := $(VENV)/bin
+RESULTS := results
+WORKERS ?= 2
+# The first interpreter that is new enough; `make PYTHON=/path/to/python3 ...` overrides it.
+PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
+  "$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo "$$p"; break; }; done)
+# One thread per process: the test workers share the cores between them.
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
+
+.PHONY: help demo test lint format clean
+
+help:
+	@echo "make demo   set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
+	@echo "make test   set up, then check style, types, layers and run every test"
+	@echo "make lint   style, types and layers only"
+	@echo "make format rewrite the sources in the project's style"
+	@echo "make clean  remove the environment and the results"
+
+demo: $(VENV)/.ready
+	@$(BIN)/supple benchmark rotating-beam --quick -o $(RESULTS)/rotating-beam
+	@$(BIN)/supple run examples/blade.toml -o $(RESULTS)/blade
+	@echo
+	@echo "Done. Tables, pictures, animations and HDF5 files are in $(CURDIR)/$(RESULTS)/:"
+	@find $(RESULTS)/rotating-beam $(RESULTS)/blade -type f | sort | sed 's/^/  /'
+
+test: lint
+	$(ONE_THREAD) $(BIN)/python -m pytest -n $(WORKERS)
+
+lint: $(VENV)/.ready-dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright
+	$(BIN)/lint-imports
+
+format: $(VENV)/.ready-dev
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+clean:
+	rm -rf $(VENV) $(RESULTS)
+
+$(VENV)/bin/python:
+	@test -n "$(PYTHON)" || { echo "supple needs Python 3.11 or newer; found: $$(python3 --version 2>&1 || true)"; \
+	  echo "Remedy: install one (Debian, Ubuntu: apt install python3 python3-venv), or say: make PYTHON=/path/to/python3.11"; exit 2; }
+	@"$(PYTHON)" -c 'import ensurepip, venv' 2>/dev/null || { \
+	  echo "$(PYTHON) ($$("$(PYTHON)" --version)) cannot create virtual environments: its venv or ensurepip module is missing."; \
+	  echo "Remedy (Debian, Ubuntu): apt install python3-venv"; exit 2; }
+	@echo "Creating the environment $(VENV) with $$("$(PYTHON)" --version)"
+	@"$(PYTHON)" -m venv $(VENV)
+
+# Stamps, renewed when the dependencies change: the demo needs no developer tools.
+$(VENV)/.ready: pyproject.toml | $(VENV)/bin/python
+	@echo "Installing supple and its dependencies into $(VENV) (once; about 700 MB, a minute or two)"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[fast]'
+	@touch $@
+
+$(VENV)/.ready-dev: pyproject.toml | $(VENV)/.ready
+	@echo "Installing the developer tools into $(VENV) (once)"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[fast,dev]'
+	@touch $@

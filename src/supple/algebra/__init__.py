@@ -1,0 +1,41 @@
+"""Arrays in, arrays out: rotations, sparse factors, constrained solves, eigenpairs, orthonormal bases."""
+
+from supple.algebra.constrained_solve import (
+    ConstrainedFactor,
+    GroundedFactor,
+    constrained_factor,
+    grounded_factor,
+)
+from supple.algebra.eigen import Eigenpairs, lowest_modes
+from supple.algebra.orthonormalize import OrthonormalBasis, mass_orthonormalize
+from supple.algebra.read_only import read_only
+from supple.algebra.sparse_factor import (
+    DirectSolver,
+    Inertia,
+    Rslab,
+    SparseFactor,
+    SuperLU,
+    factorize_general,
+    factorize_symmetric,
+    installed_solver,
+)
+
+__all__ = [
+    "ConstrainedFactor",
+    "DirectSolver",
+    "Eigenpairs",
+    "GroundedFactor",
+    "Inertia",
+    "OrthonormalBasis",
+    "Rslab",
+    "SparseFactor",
+    "SuperLU",
+    "constrained_factor",
+    "factorize_general",
+    "factorize_symmetric",
+    "grounded_factor",
+    "installed_solver",
+    "lowest_modes",
+    "mass_orthonormalize",
+    "read_only",
+]

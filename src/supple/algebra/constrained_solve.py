@@ -1,0 +1,249 @@
+"""Static equilibrium under linear constraints, with one sparse factor even when the body is free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import linalg, sparse
+
+from supple.algebra.sparse_factor import DirectSolver, SparseFactor, factorize_symmetric
+from supple.errors import AccuracyError, ModelError
+
+LARGEST_RESIDUAL = 1e-8
+SMALLEST_RECIPROCAL_CONDITION = 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class GroundedFactor:
+    """A free body's stiffness K, held by springs at as many freedoms as it has rigid motions.
+
+    K_g = K + E k E^T is positive definite and sparse. For a self-equilibrated load (R^T b = 0) the springs
+    carry nothing, so K_g^-1 b solves K x = b exactly; and x + R a does so for every a.
+    """
+
+    stiffness: sparse.csc_array = field(repr=False)
+    rigid_modes: NDArray[np.float64] = field(repr=False)
+    springs: NDArray[np.intp]
+    factor: SparseFactor
+
+    @property
+    def n(self) -> int:
+        """Number of freedoms."""
+        return self.factor.n
+
+
+def grounded_factor(
+    stiffness: Any, rigid_modes: ArrayLike | None, *, solver: DirectSolver | None = None
+) -> GroundedFactor:
+    """Factor a stiffness grounded at statically determinate freedoms.
+
+    The freedoms are the pivots of a rank-revealing QR of the rigid modes, in the scale of diag(K), where forces
+    and moments weigh alike; each spring is as stiff as the freedom it holds.
+
+    Parameters
+    ----------
+    stiffness   : sparse array (n, n)   symmetric; K R = 0
+    rigid_modes : array (n, d) or None  R, all motions without strain; None when K is regular
+    Raises
+    ------
+    ModelError      wrong shapes, linearly dependent rigid modes
+    AccuracyError   K moves without force in more ways than R says
+    """
+    stiffness = sparse.csc_array(stiffness, dtype=np.float64)
+    n = stiffness.shape[0]
+    modes = np.zeros((n, 0)) if rigid_modes is None else np.array(rigid_modes, dtype=np.float64)
+    if modes.ndim != 2 or modes.shape[0] != n:
+        raise ModelError(f"rigid modes have shape {modes.shape}; the stiffness has {n} rows")
+    modes.flags.writeable = False
+
+    diagonal = stiffness.diagonal()
+    springs = _determinate_freedoms(modes * np.sqrt(np.maximum(diagonal, 0))[:, None])
+    spring_stiffness = np.zeros(n)
+    spring_stiffness[springs] = diagonal[springs]
+    grounded = stiffness + sparse.diags_array(spring_stiffness, format="csc")
+    return GroundedFactor(stiffness, modes, springs, factorize_symmetric(grounded, solver=solver))
+
+
+def _determinate_freedoms(modes: NDArray[np.float64]) -> NDArray[np.intp]:
+    count = modes.shape[1]
+    if count == 0:
+        return np.zeros(0, dtype=np.intp)
+    lengths = np.linalg.norm(modes, axis=0)
+    orthonormal, triangle = np.linalg.qr(modes / np.where(lengths > 0, lengths, 1.0))
+    if np.min(np.abs(np.diag(triangle))) < 1e-10:
+        raise ModelError(
+            f"the {count} rigid modes are linearly dependent, or move only freedoms without stiffness"
+        )
+    _, pivots = linalg.qr(orthonormal.T, mode="r", pivoting=True)
+    return np.sort(pivots[:count])
+
+
+@dataclass(frozen=True, eq=False)
+class ConstrainedFactor:
+    """Solves K x + D^T mu = b with D x = c; see `constrained_factor`."""
+
+    grounded: GroundedFactor
+    constraint: NDArray[np.float64] = field(repr=False)
+    _response: NDArray[np.float64] = field(repr=False)  # K_g^-1 D^T
+    _border: tuple[NDArray[np.float64], NDArray[np.intp]] = field(repr=False)
+    _scale: NDArray[np.float64] = field(repr=False)
+
+    @property
+    def n(self) -> int:
+        """Number of freedoms."""
+        return self.grounded.n
+
+    def solve(self, loads: ArrayLike | None = None, values: ArrayLike | None = None) -> NDArray[np.float64]:
+        """Displacement x (n,) or (n, k) under loads b of that shape and values c (m,) or (m, k)."""
+        return self.solve_with_multipliers(loads, values)[0]
+
+    def solve_with_multipliers(
+        self, loads: ArrayLike | None = None, values: ArrayLike | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Displacement x and multipliers mu, the forces of the constraint: K x = b - D^T mu."""
+        n, m = self.n, self.constraint.shape[0]
+        flat = all(given is None or np.ndim(given) == 1 for given in (loads, values))
+        b = None if loads is None else _columns(loads, n, "loads")
+        c = None if values is None else _columns(values, m, "constraint values")
+        if b is None:
+            b = np.zeros((n, 1 if c is None else c.shape[1]))
+        if c is None:
+            c = np.zeros((m, b.shape[1]))
+        if b.shape[1] != c.shape[1]:
+            raise ModelError(f"{b.shape[1]} load columns but {c.shape[1]} columns of constraint values")
+        x, mu = self._solve(b, c)
+        return (x[:, 0], mu[:, 0]) if flat else (x, mu)
+
+    def _solve(
+        self, b: NDArray[np.float64], c: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        D, R = self.constraint, self.grounded.rigid_modes
+        x = self.grounded.factor.solve(b) if np.any(b) else np.zeros(b.shape)
+        mu = np.zeros(c.shape)
+        if self._scale.size == 0:
+            return x, mu
+        # The second pass removes the drift that round-off leaves where K is nearly singular: x is then a small
+        # difference of large parts.
+        for imbalance in (R.T @ b, np.zeros((R.shape[1], b.shape[1]))):
+            right = self._scale[:, None] * np.vstack([D @ x - c, imbalance])
+            forces, rigid = np.split(self._scale[:, None] * linalg.lu_solve(self._border, right), [len(D)])
+            x = x - self._response @ forces - R @ rigid
+            mu += forces
+        return x, mu
+
+
+def constrained_factor(
+    stiffness: Any,
+    constraint: ArrayLike | sparse.sparray | None,
+    rigid_modes: ArrayLike | None = None,
+    *,
+    grounded: GroundedFactor | None = None,
+    solver: DirectSolver | None = None,
+) -> ConstrainedFactor:
+    """Factor the equilibrium of a body, free or held, under m linear constraints.
+
+        [ K  D^T ] [ x  ]   [ b ]
+        [ D   0  ] [ mu ] = [ c ]
+
+    K may be singular with null space R (free body). With the grounded factor K_g of `grounded_factor`,
+
+        x = K_g^-1 (b - D^T mu) - R a,     R^T (b - D^T mu) = 0,     D x = c
+
+    leaves a dense symmetric system of m + 6 unknowns (mu, a): the springs carry no force, so they are removed
+    exactly. D = R^T M gives inertia relief (mean-axis frame), an interface's motion its held solution.
+
+    Parameters
+    ----------
+    stiffness   : sparse array (n, n)             symmetric, N/m
+    constraint  : array (m, n), dense or sparse   D, of full row rank; together with K it must hold the body
+    rigid_modes : array (n, d) or None            null space R of K; None when K is regular
+    grounded    : GroundedFactor                  factor to share; it then supplies stiffness and rigid modes
+    Returns
+    -------
+    ConstrainedFactor   .solve(loads, values) -> x, .solve_with_multipliers(loads, values) -> (x, mu)
+    Raises
+    ------
+    ModelError      wrong shapes; redundant rows of D; D leaves a rigid motion free
+    AccuracyError   K singular beyond R; the solved system misses equilibrium
+    """
+    if grounded is None:
+        grounded = grounded_factor(stiffness, rigid_modes, solver=solver)
+    n, R = grounded.n, grounded.rigid_modes
+    if constraint is None:
+        D = np.zeros((0, n))
+    else:
+        D = np.array(constraint.toarray() if sparse.issparse(constraint) else constraint, dtype=np.float64)
+    if D.ndim != 2 or D.shape[1] != n:
+        raise ModelError(f"the constraint has shape {D.shape}; give (m, n) with n = {n}")
+    D.flags.writeable = False
+    m, d = D.shape[0], R.shape[1]
+    if m < d:
+        raise ModelError(
+            f"{m} constraint rows cannot hold {d} rigid motions; give a frame or held interfaces"
+        )
+
+    response = grounded.factor.solve(D.T)
+    compliance = D @ response
+    compliance = 0.5 * (compliance + compliance.T)
+    held = D @ R
+    border = np.block([[compliance, held], [held.T, np.zeros((d, d))]])
+    border_factor, scale = _border_factor(border, m)
+    factor = ConstrainedFactor(grounded, D, response, border_factor, scale)
+    _check_equilibrium(factor)
+    return factor
+
+
+def _border_factor(
+    border: NDArray[np.float64], m: int
+) -> tuple[tuple[NDArray[np.float64], NDArray[np.intp]], NDArray[np.float64]]:
+    """Equilibrate the border (multipliers carry forces and moments) and factor it."""
+    if border.shape[0] == 0:
+        return (border, np.zeros(0, dtype=np.intp)), np.zeros(0)
+    scale = np.ones(border.shape[0])
+    diagonal = np.diag(border)[:m]
+    if not np.all(diagonal > 0):
+        raise ModelError(f"constraint row {int(np.argmin(diagonal))} is zero: it holds nothing")
+    scale[:m] = 1 / np.sqrt(diagonal)
+    lengths = np.linalg.norm(scale[:m, None] * border[:m, m:], axis=0)
+    if not np.all(lengths > 0):
+        raise ModelError(f"the constraint leaves rigid motion {int(np.argmin(lengths))} free")
+    scale[m:] = 1 / lengths
+    scaled = scale[:, None] * border * scale
+    singular = np.linalg.svd(scaled, compute_uv=False)
+    if singular[-1] < SMALLEST_RECIPROCAL_CONDITION * singular[0]:
+        raise ModelError(
+            f"the {m} constraint rows are linearly dependent or leave a rigid motion free "
+            f"(smallest singular value {singular[-1] / singular[0]:.1e} of the largest)"
+        )
+    return linalg.lu_factor(scaled), scale
+
+
+def _check_equilibrium(factor: ConstrainedFactor) -> None:
+    """Solve one pseudo-random case and measure K x + D^T mu - b against the largest of its terms."""
+    K, D = factor.grounded.stiffness, factor.constraint
+    rng = np.random.default_rng(0)
+    b = np.sqrt(np.abs(K.diagonal())) * rng.standard_normal(factor.n)
+    x, mu = factor.solve_with_multipliers(b)
+    internal, reaction = K @ x, D.T @ mu
+    size = max(np.linalg.norm(abs(K) @ np.abs(x)), np.linalg.norm(reaction), np.linalg.norm(b))
+    residual = np.linalg.norm(internal + reaction - b) / size if size else 0.0
+    # |D_i x|^2 <= (D K_g^-1 D^T)_ii (x^T K_g x): what the constraint row could read in a motion of this energy.
+    springs = factor.grounded.springs
+    energy = x @ internal + K.diagonal()[springs] @ x[springs] ** 2
+    reach = np.sqrt(np.einsum("ij,ji->i", D, factor._response) * max(energy, 0.0))
+    held = float(np.max(np.abs(D @ x) / np.where(reach > 0, reach, 1.0), initial=0.0))
+    if not max(residual, held) < LARGEST_RESIDUAL:
+        raise AccuracyError(
+            f"the constrained solution misses equilibrium by {residual:.1e} and its constraint by {held:.1e} "
+            f"(allowed {LARGEST_RESIDUAL:.0e}); are the rigid modes those of this stiffness?"
+        )
+
+
+def _columns(values: ArrayLike, rows: int, what: str) -> NDArray[np.float64]:
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim not in (1, 2) or array.shape[0] != rows:
+        raise ModelError(f"{what} have shape {array.shape}; give ({rows},) or ({rows}, k)")
+    return array.reshape(rows, -1)

@@ -1,0 +1,233 @@
+"""The lowest vibration modes of a sparse pair (K, M), certified complete by an inertia count."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import linalg, sparse
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
+
+from supple.algebra.constrained_solve import ConstrainedFactor, GroundedFactor, constrained_factor
+from supple.algebra.orthonormalize import mass_orthonormalize
+from supple.algebra.sparse_factor import DirectSolver, factorize_symmetric
+from supple.errors import AccuracyError, ModelError
+
+# Below this size a dense solution is as fast and finds every mode at once.
+LARGEST_DENSE = 400
+
+LARGEST_RESIDUAL = 1e-6
+GUARD_MODES = 4
+ROUNDS = 4
+
+
+class Eigenpairs(NamedTuple):
+    """Eigenvalues (k,) in ascending order, rad^2/s^2, and M-orthonormal vectors (n, k)."""
+
+    values: NDArray[np.float64]
+    vectors: NDArray[np.float64]
+
+
+def lowest_modes(
+    stiffness: Any,
+    mass: Any,
+    n_modes: int,
+    *,
+    constraint: ArrayLike | sparse.sparray | None = None,
+    solver: DirectSolver | None = None,
+) -> Eigenpairs:
+    """The n_modes lowest modes of K x = lambda M x on {x : D x = 0}, with proof that none below was missed.
+
+    Shift-invert Lanczos (ARPACK) at a negative shift -s, so a free body's singular K needs no care. On the
+    constrained space the inverse of K + s M is, exactly and sparsely,
+
+        P b = z - Y (D Y)^-1 D z,     z = (K + s M)^-1 b,     Y = (K + s M)^-1 D^T.
+
+    At a shift t in the gap above the last mode found, Sylvester's law counts the modes below t,
+
+        neg(K - t M) + pos(D (K - t M)^-1 D^T) - m     (Haynsworth),
+
+    and modes that Lanczos missed (clusters, symmetries) are sought in the complement of those it found.
+
+    Parameters
+    ----------
+    stiffness, mass : sparse array (n, n)   symmetric; K positive semi-definite, M positive definite
+    n_modes         : int                   0 <= n_modes <= n - m
+    constraint      : array (m, n) or None  D of full row rank; R^T M leaves the elastic modes of a free body
+    Returns
+    -------
+    Eigenpairs   .values (n_modes,) ascending, .vectors (n, n_modes) with X^T M X = I, largest entry positive
+    Raises
+    ------
+    ModelError      wrong shapes; more modes than freedoms; K not positive semi-definite
+    AccuracyError   the count and the modes found disagree, or a mode misses its equation
+    """
+    stiffness = sparse.csc_array(stiffness, dtype=np.float64)
+    mass = sparse.csc_array(mass, dtype=np.float64)
+    n = stiffness.shape[0]
+    if stiffness.shape != (n, n) or mass.shape != (n, n):
+        raise ModelError(f"stiffness {stiffness.shape} and mass {mass.shape} must be square and of one size")
+    if constraint is None:
+        D = np.zeros((0, n))
+    else:
+        D = np.asarray(constraint.toarray() if sparse.issparse(constraint) else constraint, dtype=np.float64)
+    if D.ndim != 2 or D.shape[1] != n:
+        raise ModelError(f"the constraint has shape {D.shape}; give (m, n) with n = {n}")
+    freedoms = n - D.shape[0]
+    if not 0 <= n_modes <= freedoms:
+        raise ModelError(f"{n_modes} modes asked of a body with {freedoms} freedoms")
+    if n_modes == 0:
+        return Eigenpairs(np.zeros(0), np.zeros((n, 0)))
+    if n <= LARGEST_DENSE or 3 * (n_modes + GUARD_MODES) > freedoms:
+        return _dense_modes(stiffness, mass, n_modes, D)
+
+    inverse, shift = _shifted_factor(stiffness, mass, D, solver)
+    values, vectors = _certified_modes(mass, n_modes, inverse, shift, solver)
+    return Eigenpairs(values, _fixed_sign(vectors))
+
+
+def _dense_modes(
+    stiffness: sparse.csc_array, mass: sparse.csc_array, n_modes: int, D: NDArray[np.float64]
+) -> Eigenpairs:
+    K, M = stiffness.toarray(), mass.toarray()
+    m = D.shape[0]
+    if m:
+        Z = linalg.qr(D.T)[0][:, m:]
+        K, M = Z.T @ K @ Z, Z.T @ M @ Z
+    values, vectors = linalg.eigh(0.5 * (K + K.T), 0.5 * (M + M.T), subset_by_index=(0, n_modes - 1))
+    return Eigenpairs(values, _fixed_sign(Z @ vectors if m else vectors))
+
+
+def _shifted_factor(
+    stiffness: sparse.csc_array,
+    mass: sparse.csc_array,
+    D: NDArray[np.float64],
+    solver: DirectSolver | None,
+) -> tuple[ConstrainedFactor, float]:
+    """Factor K + s M, s a small fraction of the eigenvalues sought, which subspace iteration estimates."""
+    n = stiffness.shape[0]
+    shift = 1e-9 * float(np.max(stiffness.diagonal() / mass.diagonal()))
+    start = np.random.default_rng(0).standard_normal((n, 8))
+    while True:
+        shifted = stiffness + shift * mass
+        factor = factorize_symmetric(shifted, solver=solver)
+        if factor.inertia.negative:
+            raise ModelError(
+                f"the stiffness is not positive semi-definite: {factor.inertia.negative} eigenvalues lie below "
+                f"{-shift:.3e} rad^2/s^2"
+            )
+        grounded = GroundedFactor(shifted, np.zeros((n, 0)), np.zeros(0, dtype=np.intp), factor)
+        constrained = constrained_factor(shifted, D, grounded=grounded)
+        block = start
+        for _ in range(3):
+            # Elastic parts may be 1e-9 of the rigid ones here, so almost nothing counts as dependent.
+            images = constrained.solve(mass @ block)
+            block = mass_orthonormalize(images, mass, rank_tolerance=1e-14).vectors
+        estimate = float(np.linalg.eigvalsh(block.T @ (stiffness @ block))[-1])
+        # Three steps bring even a far too large shift down by orders of magnitude, so this ends soon. A shift
+        # far too small would drown the elastic modes in the rigid ones.
+        if 1e-5 * estimate <= shift <= 0.3 * estimate:
+            return constrained, shift
+        shift = 1e-2 * estimate
+
+
+def _certified_modes(
+    mass: sparse.csc_array,
+    n_modes: int,
+    inverse: ConstrainedFactor,
+    shift: float,
+    solver: DirectSolver | None,
+) -> Eigenpairs:
+    vectors = np.zeros((inverse.n, 0))
+    values = np.zeros(0)
+    missing, verdict = n_modes, "none was sought"
+    for _ in range(ROUNDS):
+        more = _lanczos(mass, inverse, Eigenpairs(values, vectors), missing + GUARD_MODES, shift)
+        values, vectors, residuals = _ritz(mass, inverse, np.hstack([vectors, more]), shift)
+        gap = _widest_gap(values + shift, n_modes)
+        if gap is None:
+            missing, verdict = max(GUARD_MODES, n_modes - values.size), "the modes found end inside a cluster"
+            continue
+        count = _count_below(0.5 * (values[gap - 1] + values[gap]), mass, inverse, shift, solver)
+        if count == gap:
+            worst = float(np.max(residuals[:n_modes]))
+            if not worst < LARGEST_RESIDUAL:
+                raise AccuracyError(
+                    f"a mode misses its equation by {worst:.1e} (allowed {LARGEST_RESIDUAL:.0e})"
+                )
+            return Eigenpairs(values[:n_modes], vectors[:, :n_modes])
+        missing, verdict = max(count - gap, 0), f"{gap} were found where the inertia counts {count}"
+    raise AccuracyError(f"the {n_modes} lowest modes could not be certified in {ROUNDS} rounds: {verdict}")
+
+
+def _lanczos(
+    mass: sparse.csc_array, inverse: ConstrainedFactor, known: Eigenpairs, count: int, shift: float
+) -> NDArray[np.float64]:
+    """The next modes, M-orthogonal to the known ones, whose eigenvalues are moved to infinity."""
+
+    def solve(load: NDArray[np.float64]) -> NDArray[np.float64]:
+        load = load.reshape(inverse.n, -1)
+        return inverse.solve(load) - known.vectors @ (
+            (known.vectors.T @ load) / (known.values + shift)[:, None]
+        )
+
+    operator = LinearOperator((inverse.n, inverse.n), matvec=solve, matmat=solve, dtype=np.float64)  # pyright: ignore[reportCallIssue]
+    start = solve(mass @ np.random.default_rng(known.values.size).standard_normal(inverse.n))[:, 0]
+    try:
+        _, vectors = eigsh(
+            inverse.grounded.stiffness,
+            k=count,
+            M=mass,
+            sigma=-shift,
+            OPinv=operator,
+            v0=start,
+            ncv=max(2 * count + 1, 20),
+        )
+    except ArpackNoConvergence as error:
+        vectors = error.eigenvectors
+    return vectors
+
+
+def _ritz(
+    mass: sparse.csc_array, inverse: ConstrainedFactor, vectors: NDArray[np.float64], shift: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Best eigenvalues, M-orthonormal vectors and relative residuals in a subspace, by the inverse."""
+    loads = mass @ vectors
+    images = inverse.solve(loads)
+    projected = loads.T @ images
+    mu, weights = linalg.eigh(0.5 * (projected + projected.T), vectors.T @ loads)
+    mu, weights = mu[::-1], weights[:, ::-1]
+    vectors = vectors @ weights
+    error = images @ weights - vectors * mu
+    residuals = np.sqrt(np.maximum(np.sum(error * (mass @ error), axis=0), 0)) / mu
+    return 1 / mu - shift, vectors, residuals
+
+
+def _widest_gap(values: NDArray[np.float64], n_modes: int) -> int | None:
+    """How many of the modes lie below the widest relative gap that leaves at least n_modes there."""
+    if values.size <= n_modes:
+        return None
+    widths = np.diff(values[n_modes - 1 :]) / values[n_modes:]
+    widest = int(np.argmax(widths))
+    return n_modes + widest if widths[widest] > 1e-6 else None
+
+
+def _count_below(
+    value: float,
+    mass: sparse.csc_array,
+    inverse: ConstrainedFactor,
+    shift: float,
+    solver: DirectSolver | None,
+) -> int:
+    """Number of constrained eigenvalues below a value, from inertias alone."""
+    D = inverse.constraint
+    factor = factorize_symmetric(inverse.grounded.stiffness - (value + shift) * mass, solver=solver)
+    flexibility = D @ factor.solve(D.T)
+    signs = np.linalg.eigvalsh(0.5 * (flexibility + flexibility.T))
+    return factor.inertia.negative + int(np.sum(signs > 0)) - D.shape[0]
+
+
+def _fixed_sign(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    largest = np.take_along_axis(vectors, np.argmax(np.abs(vectors), axis=0)[None, :], axis=0)
+    return vectors * np.where(largest < 0, -1.0, 1.0)

@@ -1,0 +1,102 @@
+"""Finite rotations in JAX: skew matrix, exponential, its right Jacobian, logarithm, Euler parameters.
+
+A rotation `A` maps body components to global ones. Variations are taken on the right, in body components:
+`dA = A skew(dpsi)`. Everything is smooth at zero, so that it can be differentiated there.
+"""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+
+__all__ = ["euler_parameters", "rotation_exp", "rotation_log", "rotation_right_jacobian", "skew", "unskew"]
+
+jax.config.update("jax_enable_x64", True)
+
+# Below this squared angle the trigonometric quotients are replaced by their series (error < 1e-17).
+_SMALL_SQUARED_ANGLE = 1e-2
+
+
+def skew(v: jax.Array) -> jax.Array:
+    """Matrix of the cross product, `skew(v) @ w = v x w`; shape (3,) to (3, 3)."""
+    x, y, z = v[0], v[1], v[2]
+    zero = jnp.zeros_like(x)
+    return jnp.stack([zero, -z, y, z, zero, -x, -y, x, zero]).reshape(3, 3)
+
+
+def unskew(matrix: jax.Array) -> jax.Array:
+    """Axial vector of the skew part of a 3 x 3 matrix; equals `sin(angle) axis` for a rotation matrix."""
+    return 0.5 * jnp.stack(
+        [matrix[2, 1] - matrix[1, 2], matrix[0, 2] - matrix[2, 0], matrix[1, 0] - matrix[0, 1]]
+    )
+
+
+def _angle_quotients(squared: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """`sin x / x`, `(1 - cos x) / x^2`, `(x - sin x) / x^3` as smooth functions of `x^2`."""
+    small = squared < _SMALL_SQUARED_ANGLE
+    s = jnp.where(small, squared, 0.0)
+    sinc = 1 - s / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110))))
+    versine = 0.5 * (1 - s / 12 * (1 - s / 30 * (1 - s / 56 * (1 - s / 90 * (1 - s / 132)))))
+    cubic = (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110 * (1 - s / 156))))) / 6
+    # `where` evaluates both branches: keep the closed form away from 0 / 0, whose derivative is NaN.
+    safe = jnp.where(small, 1.0, squared)
+    x = jnp.sqrt(safe)
+    sin, cos = jnp.sin(x), jnp.cos(x)
+    return (
+        jnp.where(small, sinc, sin / x),
+        jnp.where(small, versine, (1 - cos) / safe),
+        jnp.where(small, cubic, (x - sin) / (safe * x)),
+    )
+
+
+def rotation_exp(psi: jax.Array) -> jax.Array:
+    """Rotation matrix of a rotation vector (Rodrigues): `exp(skew(psi))`; shape (3,) to (3, 3)."""
+    sinc, versine, _ = _angle_quotients(psi @ psi)
+    matrix = skew(psi)
+    return jnp.eye(3) + sinc * matrix + versine * (jnp.outer(psi, psi) - (psi @ psi) * jnp.eye(3))
+
+
+def rotation_right_jacobian(psi: jax.Array) -> jax.Array:
+    """Matrix `T(psi)` with `exp(psi)^T d exp(psi) = skew(T dpsi)`; shape (3,) to (3, 3)."""
+    _, versine, cubic = _angle_quotients(psi @ psi)
+    matrix = skew(psi)
+    return jnp.eye(3) - versine * matrix + cubic * (jnp.outer(psi, psi) - (psi @ psi) * jnp.eye(3))
+
+
+def euler_parameters(rotation: jax.Array) -> jax.Array:
+    """Unit quaternion `(e0, e1, e2, e3)`, `e0 >= 0`, of a rotation matrix; shape (3, 3) to (4,).
+
+    The largest of the four is found first, so that no division is by a small number (Shepperd 1978).
+    """
+    trace = jnp.trace(rotation)
+    diagonal = jnp.diagonal(rotation)
+    squared = jnp.concatenate([(1 + trace)[None], 1 + 2 * diagonal - trace])
+    off = jnp.stack(
+        [
+            rotation[2, 1] - rotation[1, 2],
+            rotation[0, 2] - rotation[2, 0],
+            rotation[1, 0] - rotation[0, 1],
+        ]
+    )
+    sums = rotation + rotation.T
+    rows = jnp.stack(
+        [
+            jnp.stack([squared[0], off[0], off[1], off[2]]),
+            jnp.stack([off[0], squared[1], sums[0, 1], sums[0, 2]]),
+            jnp.stack([off[1], sums[0, 1], squared[2], sums[1, 2]]),
+            jnp.stack([off[2], sums[0, 2], sums[1, 2], squared[3]]),
+        ]
+    )
+    largest = jnp.argmax(squared)
+    quaternion = rows[largest] / jnp.linalg.norm(rows[largest])
+    return jnp.where(quaternion[0] < 0, -quaternion, quaternion)
+
+
+def rotation_log(rotation: jax.Array) -> jax.Array:
+    """Rotation vector of a rotation matrix, angle in [0, pi]; shape (3, 3) to (3,)."""
+    quaternion = euler_parameters(rotation)
+    vector = quaternion[1:]
+    squared_sine = vector @ vector
+    small = squared_sine < 1e-16
+    sine = jnp.sqrt(jnp.where(small, 1.0, squared_sine))
+    return jnp.where(small, 2.0, 2 * jnp.arctan2(sine, quaternion[0]) / sine) * vector

@@ -1,0 +1,51 @@
+"""The smooth spin-up law of the rotating-beam benchmark: from rest to a constant speed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+from jax.typing import ArrayLike
+
+from supple.errors import ModelError
+
+
+@dataclass(frozen=True)
+class SpinUp:
+    """Prescribed rotation that reaches the speed omega_s smoothly at the time T_s and then keeps it.
+
+        theta(t) = omega_s / T_s [t^2 / 2 + (T_s / 2 pi)^2 (cos(2 pi t / T_s) - 1)]     t <= T_s
+                 = omega_s (t - T_s / 2)                                                t >  T_s
+
+    Angle, speed and acceleration are continuous. The law is traced and differentiated by JAX as it stands,
+    so it can drive a prescribed-rotation joint.
+
+    Parameters
+    ----------
+    speed : float       omega_s, the final speed, rad/s; a negative one turns the other way
+    rise_time : float   T_s, s, positive
+
+    Raises
+    ------
+    ModelError  speed not finite, or rise time not finite and positive
+    Source: [Wu2019], section 6.1
+    """
+
+    speed: float
+    rise_time: float = 15.0
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.speed):
+            raise ModelError(f"the spin-up speed is {self.speed}: give a finite speed in rad/s")
+        if not (math.isfinite(self.rise_time) and self.rise_time > 0.0):
+            raise ModelError(f"the spin-up rise time is {self.rise_time}: give a positive time in s")
+
+    def __call__(self, time: ArrayLike) -> jax.Array:
+        """Angle theta(t) in rad, of the shape of the time."""
+        t = jnp.asarray(time, dtype=float)
+        radian_time = self.rise_time / (2.0 * math.pi)
+        ripple = radian_time**2 * (jnp.cos(t / radian_time) - 1.0)
+        rising = self.speed / self.rise_time * (0.5 * t**2 + ripple)
+        return jnp.where(t <= self.rise_time, rising, self.speed * (t - 0.5 * self.rise_time))

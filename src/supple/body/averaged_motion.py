@@ -1,0 +1,59 @@
+"""Averaging interfaces (RBE3): the rigid motion that fits the motion of some nodes best."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body.rigid_motion import COLLINEAR, cross_of_axes
+from supple.errors import ModelError
+
+
+def averaged_motion(
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    position: NDArray[np.float64],
+    dofs_per_node: int,
+) -> NDArray[np.float64]:
+    """Least-squares rigid motion of weighted nodes, seen at a position.
+
+        min  sum_a w_a |u_a - u - theta x r_a|^2,     r_a = x_a - centroid
+        u = mean of u_a,     J theta = sum_a w_a r_a x u_a,     J = sum_a w_a (r_a.r_a I - r_a r_a^T)
+        u_v = u + theta x (position - centroid),     theta_v = theta
+
+    About an axis that displacements do not see (nodes on one line, a single node), theta is the weighted mean of the
+    nodes' own rotations; solids have none. A rigid motion is reproduced exactly; hence the transpose spreads a force
+    and moment at the position over the nodes with the same resultant.
+
+    Parameters
+    ----------
+    points   : (k, 3);  weights : (k,) positive;  position : (3,)
+    Returns
+    -------
+    (6, k, dofs_per_node)   (u_v, theta_v) as a linear map of the nodes' freedoms
+    Raises
+    ------
+    ModelError   nodes of solids on one line
+    """
+    shares = weights / weights.sum()
+    centroid = shares @ points
+    arms = points - centroid
+    spread = (arms * shares[:, None]).T @ arms
+    inertias, axes = np.linalg.eigh(np.trace(spread) * np.eye(3) - spread)
+    seen = inertias > COLLINEAR**2 * inertias[-1]
+    if dofs_per_node == 3 and not np.all(seen):
+        raise ModelError(
+            f"its {len(points)} nodes lie on one line or point, and the nodes of solids have no rotations, so it "
+            "cannot follow a rotation; give at least three nodes that are not on a line"
+        )
+
+    motion = np.zeros((6, len(points), dofs_per_node))
+    J_inverse = (axes[:, seen] / inertias[seen]) @ axes[:, seen].T
+    moment_of_displacement = np.swapaxes(cross_of_axes(arms), -1, -2)
+    motion[:3, :, :3] = shares[:, None] * np.eye(3)[:, None, :]
+    motion[3:, :, :3] = np.einsum("ij,a,ajk->iak", J_inverse, shares, moment_of_displacement)
+    if dofs_per_node == 6:
+        unseen = axes[:, ~seen] @ axes[:, ~seen].T
+        motion[3:, :, 3:] = shares[:, None] * unseen[:, None, :]
+    motion[:3] += np.einsum("ij,jak->iak", cross_of_axes(position - centroid), motion[3:])
+    return motion

@@ -1,0 +1,129 @@
+"""What the matrices of a flexible body must satisfy, and how it is said when they do not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from supple.algebra import GroundedFactor, factorize_symmetric, grounded_factor
+from supple.errors import AccuracyError, ModelError
+
+SYMMETRY = 1e-9
+RIGID_NAMES = (
+    "translation along x",
+    "translation along y",
+    "translation along z",
+    "rotation about x",
+    "rotation about y",
+    "rotation about z",
+)
+FREEDOM_NAMES = ("ux", "uy", "uz", "rx", "ry", "rz")
+
+
+def checked_nodal_matrix(
+    body: str, what: str, matrix: Any, nodes: NDArray[np.float64], dofs_per_node: int
+) -> sparse.csc_array:
+    """A nodal matrix as csc, after checking its shape, that it is finite and that it is symmetric."""
+    n_nodal = len(nodes) * dofs_per_node
+    result = sparse.csc_array(matrix, dtype=np.float64)
+    if result.shape != (n_nodal, n_nodal):
+        raise ModelError(
+            f"body '{body}': the {what} has shape {result.shape}, but {len(nodes)} nodes with "
+            f"{dofs_per_node} freedoms each need ({n_nodal}, {n_nodal})"
+        )
+    if not np.all(np.isfinite(result.data)):
+        entry = int(np.flatnonzero(~np.isfinite(result.data))[0])
+        raise ModelError(
+            f"body '{body}': the {what} is not finite at {_freedom(int(result.indices[entry]), dofs_per_node)}"
+        )
+    largest = abs(result).max() if result.nnz else 0.0
+    difference = abs(result - result.T).tocoo()
+    if difference.nnz and difference.data.max() > SYMMETRY * largest:
+        entry = int(np.argmax(difference.data))
+        raise ModelError(
+            f"body '{body}': the {what} is not symmetric: entries of {_freedom(int(difference.row[entry]), dofs_per_node)}"
+            f" and {_freedom(int(difference.col[entry]), dofs_per_node)} differ by "
+            f"{difference.data[entry] / largest:.1e} of the largest entry"
+        )
+    return result
+
+
+def check_nodes(body: str, nodes: NDArray[np.float64]) -> None:
+    """Nodes are an (N, 3) array of finite numbers."""
+    if nodes.ndim != 2 or nodes.shape[1] != 3 or len(nodes) == 0:
+        raise ModelError(f"body '{body}': nodes have shape {nodes.shape}; give (N, 3)")
+    bad = np.flatnonzero(~np.all(np.isfinite(nodes), axis=1))
+    if bad.size:
+        raise ModelError(
+            f"body '{body}': node {bad[0]} has the coordinates {nodes[bad[0]]}, which are not finite"
+        )
+
+
+def check_positive_mass(
+    body: str, nodal_mass: sparse.csc_array, mass: sparse.csc_array, dofs_per_node: int
+) -> None:
+    """Every motion carries kinetic energy: all eigenvalues of the mass matrix are positive, by inertia count."""
+    diagonal = nodal_mass.diagonal()
+    if np.any(diagonal <= 0):
+        worst = int(np.argmin(diagonal))
+        raise ModelError(
+            f"body '{body}': {_freedom(worst, dofs_per_node)} has the mass {diagonal[worst]:.3e} (and "
+            f"{int(np.sum(diagonal <= 0))} freedoms in all have none or less); every freedom must carry mass, "
+            "rotations a rotary inertia"
+        )
+    try:
+        inertia = factorize_symmetric(mass).inertia
+    except AccuracyError as error:
+        raise ModelError(
+            f"body '{body}': the mass matrix is singular: some motion carries no mass"
+        ) from error
+    if inertia.negative or inertia.zero:
+        raise ModelError(
+            f"body '{body}': the mass matrix is not positive definite: {inertia.negative} negative and "
+            f"{inertia.zero} zero eigenvalues of {sum(inertia)}; is the density positive everywhere?"
+        )
+
+
+def check_moves_rigidly(
+    body: str, stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64], tolerance: float
+) -> None:
+    """K R = 0, row by row against the largest forces that can cancel there, |K_ij| <= sqrt(K_ii K_jj)."""
+    force = np.abs(stiffness @ rigid_modes)
+    root = np.sqrt(np.maximum(stiffness.diagonal(), 0))[:, None]
+    pattern = sparse.csc_array((np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), stiffness.shape)
+    cancelled = root * (pattern @ (root * np.abs(rigid_modes)))
+    ratio = np.divide(force, cancelled, out=np.zeros_like(force), where=cancelled > 0)
+    row, mode = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+    if ratio[row, mode] > tolerance:
+        raise ModelError(
+            f"body '{body}': its stiffness resists rigid motion: {RIGID_NAMES[mode]} meets {ratio[row, mode]:.1e} of "
+            f"the forces that should cancel (allowed {tolerance:.0e}), most at coordinate {row}. A body must be free: "
+            "leave supports out of its matrices and hold it by joints; for matrices printed with few digits, raise "
+            "rigid_tolerance"
+        )
+
+
+def checked_grounded_stiffness(
+    body: str, stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64]
+) -> GroundedFactor:
+    """The grounded factor of K, after checking that six rigid motions are all the motions without energy."""
+    try:
+        grounded = grounded_factor(stiffness, rigid_modes)
+    except AccuracyError as error:
+        raise ModelError(
+            f"body '{body}' can move in more than six ways without strain: a mechanism, a freedom without stiffness, "
+            "or a part hanging on a single node"
+        ) from error
+    if grounded.factor.inertia.negative:
+        raise ModelError(
+            f"body '{body}': its stiffness has {grounded.factor.inertia.negative} negative eigenvalues; "
+            "strain energy cannot be negative"
+        )
+    return grounded
+
+
+def _freedom(dof: int, dofs_per_node: int) -> str:
+    return f"node {dof // dofs_per_node} {FREEDOM_NAMES[dof % dofs_per_node]}"

@@ -1,0 +1,77 @@
+"""Damping of a body's deformation, as frozen options."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import linalg
+
+from supple.algebra import read_only
+from supple.errors import ModelError
+
+
+@dataclass(frozen=True)
+class RayleighDamping:
+    """C = alpha M + beta K: modal ratio zeta(omega) = alpha / (2 omega) + beta omega / 2.
+
+    alpha in 1/s, beta in s; neither negative.
+    """
+
+    alpha: float
+    beta: float
+
+    def __post_init__(self) -> None:
+        for name, value in (("alpha", self.alpha), ("beta", self.beta)):
+            if not (np.isfinite(value) and value >= 0):
+                raise ModelError(f"Rayleigh damping: {name} is {value}; it must be zero or positive")
+
+    def matrix(self, stiffness, mass):
+        """C (n, n), sparse or dense as the matrices given."""
+        return self.alpha * mass + self.beta * stiffness
+
+
+def rayleigh_from_ratios(
+    ratio: float | tuple[float, float], omega_1: float, omega_2: float
+) -> RayleighDamping:
+    """Rayleigh damping with given ratios (one for both, or one each) at two frequencies in rad/s.
+
+        zeta_i = alpha / (2 omega_i) + beta omega_i / 2,     i = 1, 2
+
+    Raises
+    ------
+    ModelError   frequencies not positive and distinct; ratios that need a negative alpha or beta
+    """
+    if not (np.isfinite(omega_1) and np.isfinite(omega_2) and 0 < omega_1 != omega_2 > 0):
+        raise ModelError(
+            f"Rayleigh damping needs two distinct positive frequencies, not {omega_1} and {omega_2}"
+        )
+    omega = np.array([omega_1, omega_2])
+    alpha, beta = np.linalg.solve(np.column_stack([0.5 / omega, 0.5 * omega]), np.broadcast_to(ratio, 2))
+    return RayleighDamping(float(alpha), float(beta))
+
+
+@dataclass(frozen=True, eq=False)
+class ModalDamping:
+    """A damping ratio for each mode of the body as it is simulated.
+
+    ratios : one for all modes, or one per mode from the lowest up; modes beyond the last take the last ratio
+    """
+
+    ratios: NDArray[np.float64] | float
+
+    def __post_init__(self) -> None:
+        ratios = read_only(np.atleast_1d(np.asarray(self.ratios, dtype=np.float64)))
+        if ratios.ndim != 1 or ratios.size == 0 or not np.all(np.isfinite(ratios) & (ratios >= 0)):
+            raise ModelError(f"modal damping ratios must be zero or positive numbers, not {self.ratios}")
+        object.__setattr__(self, "ratios", ratios)
+
+    def matrix(self, stiffness: ArrayLike, mass: ArrayLike) -> NDArray[np.float64]:
+        """C = M Phi diag(2 zeta omega) Phi^T M from the modes of dense matrices (r, r)."""
+        M = np.asarray(mass, dtype=np.float64)
+        squares, modes = linalg.eigh(np.asarray(stiffness, dtype=np.float64), M)
+        given = np.asarray(self.ratios)
+        ratios = given[np.minimum(np.arange(squares.size), given.size - 1)]
+        weighted = M @ modes
+        return (weighted * (2 * ratios * np.sqrt(np.maximum(squares, 0)))) @ weighted.T

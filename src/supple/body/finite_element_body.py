@@ -1,0 +1,50 @@
+"""Bodies made of finite elements."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from supple.body.flexible_body import FlexibleBody
+from supple.body.free_body import free_body
+from supple.body.interface import AveragingInterface, RigidInterface
+
+if TYPE_CHECKING:
+    from supple.fem import FiniteElementModel
+
+
+def flexible_body(
+    name: str,
+    model: FiniteElementModel,
+    interfaces: Sequence[RigidInterface | AveragingInterface] = (),
+) -> FlexibleBody:
+    """A body made of finite elements.
+
+    Parameters
+    ----------
+    model      : its elements, mass and stiffness; free, without supports
+    interfaces : where joints and loads act; node sets are those of the model's mesh
+    Raises
+    ------
+    MeshError    unknown node set
+    ModelError   matrices that are not finite or symmetric, a mass that is not positive, a stiffness that resists
+                 rigid motion or leaves more than six motions free; interfaces that are empty, share a name, hold a
+                 node rigidly twice, or cannot carry a rotation
+    """
+    from supple.fem import nodal_rotation_operator
+
+    return free_body(
+        name,
+        model.mesh.nodes,
+        model.stiffness,
+        model.mass,
+        dofs_per_node=model.dofs_per_node,
+        interfaces=tuple(
+            replace(given, nodes=model.mesh.nodes_of(given.nodes)) if isinstance(given.nodes, str) else given
+            for given in interfaces
+        ),
+        model=model,
+        rotation_operator=nodal_rotation_operator(model),
+        rotation_limit=model.rotation_limit,
+    )

@@ -1,0 +1,100 @@
+"""FlexibleBody: matrices, nodes and interfaces of a free elastic body; every importer ends here, every method starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import sparse
+
+from supple.algebra import ConstrainedFactor, GroundedFactor, constrained_factor
+from supple.body.checks import checked_grounded_stiffness
+from supple.body.interface import BodyInterface
+from supple.errors import ModelError
+
+if TYPE_CHECKING:
+    from supple.fem import Assembly, FiniteElementModel
+
+
+@dataclass(frozen=True, eq=False)
+class FlexibleBody:
+    """A free elastic body; build it with `flexible_body` or `superelement`, which check it.
+
+    Its n coordinates q are the nodal freedoms left after rigid interfaces are eliminated: u_nodal = expansion @ q.
+
+    nodes         : (N, 3) m, in the mesh axes
+    dofs_per_node : 3 (ux uy uz) or 6 (.. rx ry rz)
+    expansion     : csc (n_nodal, n), T
+    nodal_mass    : csc (n_nodal, n_nodal)
+    mass          : csc (n, n), T^T M T, kg
+    stiffness     : csc (n, n), T^T K T, N/m
+    interfaces    : virtual nodes, in the order given
+    rigid_modes   : (n, 6), R: translations e_i, rotations e_i x x_a about the mesh origin; K R = 0
+    model         : its elements; None for a body that is linear (it has no quadratic strains)
+    rotation_operator : csc (3 P, n_nodal), rotation vectors at P points; None where rotations are unknown
+    rotation_limit    : rad against the body's frame up to which its kinematics hold
+    """
+
+    name: str
+    nodes: NDArray[np.float64]
+    dofs_per_node: int
+    expansion: sparse.csc_array = field(repr=False)
+    nodal_mass: sparse.csc_array = field(repr=False)
+    mass: sparse.csc_array = field(repr=False)
+    stiffness: sparse.csc_array = field(repr=False)
+    interfaces: tuple[BodyInterface, ...] = field(repr=False)
+    rigid_modes: NDArray[np.float64] = field(repr=False)
+    model: FiniteElementModel | None = field(repr=False)
+    rotation_operator: sparse.csc_array | None = field(repr=False)
+    rotation_limit: float
+
+    @property
+    def n(self) -> int:
+        """Number of coordinates."""
+        return self.mass.shape[0]
+
+    @property
+    def n_nodal(self) -> int:
+        """Number of nodal freedoms, N * dofs_per_node."""
+        return self.nodal_mass.shape[0]
+
+    def interface(self, name: str) -> BodyInterface:
+        """The interface of that name; ModelError lists those there are."""
+        for interface in self.interfaces:
+            if interface.name == name:
+                return interface
+        known = ", ".join(f"'{interface.name}'" for interface in self.interfaces) or "none"
+        raise ModelError(f"body '{self.name}' has no interface '{name}'; it has {known}")
+
+    def linearized(self) -> FlexibleBody:
+        """The same body without quadratic strains: its internal force is K q."""
+        return replace(self, model=None)
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Nonlinear force and tangent in the body's coordinates; ModelError for a linear body."""
+        if self.model is None:
+            raise ModelError(
+                f"body '{self.name}' is linear: it has matrices but no elements, so no nonlinear force, tangent or "
+                "modal derivative; build it from a finite-element model"
+            )
+        from supple.fem import assemble
+
+        return assemble(self.model, self.expansion)
+
+    @cached_property
+    def grounded_stiffness(self) -> GroundedFactor:
+        """One sparse factor of K, held at six freedoms, that serves every static solution of the body."""
+        return checked_grounded_stiffness(self.name, self.stiffness, self.rigid_modes)
+
+    def constrained(self, constraint: ArrayLike | sparse.sparray) -> ConstrainedFactor:
+        """Static equilibrium with D q = c held, (m, n) rows D; all share the factor of `grounded_stiffness`."""
+        return constrained_factor(self.stiffness, constraint, grounded=self.grounded_stiffness)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Factors live in the memory of a solver library and cannot travel between processes; they are made anew.
+        cached = ("assembly", "grounded_stiffness")
+        return {key: value for key, value in self.__dict__.items() if key not in cached}

@@ -1,0 +1,54 @@
+"""Floating frames: the six conditions that tell a body's rigid motion from its deformation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body.flexible_body import FlexibleBody
+from supple.errors import ModelError
+
+
+class Frame(Protocol):
+    """A choice of frame: six linear conditions D q = 0 on a body's coordinates."""
+
+    def constraint(self, body: FlexibleBody) -> NDArray[np.float64]:
+        """D, (6, n), with D R regular."""
+        ...
+
+
+@dataclass(frozen=True)
+class NodalFixedFrame:
+    """The frame rides on an interface: q_v = 0 there. [Wu2019 (11)]"""
+
+    interface: str
+
+    def constraint(self, body: FlexibleBody) -> NDArray[np.float64]:
+        """D = the interface's motion; ModelError when the body has no such interface."""
+        return body.interface(self.interface).motion.toarray()
+
+
+@dataclass(frozen=True)
+class MeanAxisFrame:
+    """The frame follows the body's mean motion, so that deformation carries no momentum to first order.
+
+    The linearised Tisserand frame, R^T M q = 0. [Wu2019 (17)-(18)]
+    """
+
+    def constraint(self, body: FlexibleBody) -> NDArray[np.float64]:
+        """D = R^T M."""
+        return (body.mass @ body.rigid_modes).T
+
+
+def frame_projector(body: FlexibleBody, frame: Frame) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """The map x -> x - R (D R)^-1 D x, which shows a motion of shape (n,) or (n, k) as seen from the frame."""
+    D, R = frame.constraint(body), body.rigid_modes
+    held = D @ R
+    if np.linalg.matrix_rank(held / np.linalg.norm(held, axis=1)[:, None]) < 6:
+        raise ModelError(f"{frame} does not hold the rigid motion of body '{body.name}'")
+    rigid_part = R @ np.linalg.inv(held)
+    return lambda x: x - rigid_part @ (D @ x)

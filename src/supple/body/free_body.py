@@ -1,0 +1,88 @@
+"""From nodal matrices and interfaces to a checked FlexibleBody: the step that all builders share."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from supple.algebra import read_only
+from supple.body.checks import (
+    check_moves_rigidly,
+    check_nodes,
+    check_positive_mass,
+    checked_nodal_matrix,
+)
+from supple.body.flexible_body import FlexibleBody
+from supple.body.interface import AveragingInterface, RigidInterface
+from supple.body.rigid_elimination import rigid_elimination
+from supple.body.rigid_motion import nodal_rigid_modes
+from supple.body.virtual_node import interface_motions, virtual_nodes
+from supple.errors import ModelError
+
+if TYPE_CHECKING:
+    from supple.fem import FiniteElementModel
+
+RIGID_TOLERANCE = 1e-9
+
+
+def free_body(
+    name: str,
+    nodes: NDArray[np.float64],
+    nodal_stiffness: Any,
+    nodal_mass: Any,
+    *,
+    dofs_per_node: int,
+    interfaces: tuple[RigidInterface | AveragingInterface, ...],
+    model: FiniteElementModel | None = None,
+    rotation_operator: sparse.csc_array | None = None,
+    rotation_limit: float = np.inf,
+    rigid_tolerance: float = RIGID_TOLERANCE,
+) -> FlexibleBody:
+    """Eliminate rigid interfaces, M = T^T M_nodal T and K likewise, and check what any free body must satisfy."""
+    check_nodes(name, nodes)
+    M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node)
+    K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node)
+    virtual = virtual_nodes(name, nodes, dofs_per_node, interfaces)
+    rigid = [node for node in virtual if node.is_rigid]
+
+    T = rigid_elimination(nodes, dofs_per_node, [(node.node_ids, node.position) for node in rigid])
+    if T.shape[1] <= 6:
+        raise ModelError(f"body '{name}': its interfaces hold every node rigidly; describe it by a RigidBody")
+    M, K = _congruent(T, M_nodal), _congruent(T, K_nodal)
+    check_positive_mass(name, M_nodal, M, dofs_per_node)
+
+    free = np.ones(len(nodes), dtype=bool)
+    for node in rigid:
+        free[node.node_ids] = False
+    R = np.vstack(
+        [
+            nodal_rigid_modes(nodes[free], dofs_per_node),
+            nodal_rigid_modes(np.array([node.position for node in rigid]).reshape(-1, 3), 6),
+        ]
+    )
+    check_moves_rigidly(name, K, R, rigid_tolerance)
+
+    body = FlexibleBody(
+        name=name,
+        nodes=read_only(nodes),
+        dofs_per_node=dofs_per_node,
+        expansion=T,
+        nodal_mass=M_nodal,
+        mass=M,
+        stiffness=K,
+        interfaces=interface_motions(nodes, dofs_per_node, T, virtual),
+        rigid_modes=read_only(R),
+        model=model,
+        rotation_operator=rotation_operator,
+        rotation_limit=rotation_limit,
+    )
+    _ = body.grounded_stiffness  # made now, so that a mechanism is named where the body is built
+    return body
+
+
+def _congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array:
+    product = T.T @ matrix @ T
+    return sparse.csc_array(0.5 * (product + product.T))

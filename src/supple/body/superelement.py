@@ -1,0 +1,94 @@
+"""Superelements: linear bodies from the matrices of another program."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+
+from supple.body.flexible_body import FlexibleBody
+from supple.body.free_body import RIGID_TOLERANCE, free_body
+from supple.body.interface import AveragingInterface, RigidInterface
+from supple.errors import ModelError
+from supple.importers import read_matrix
+
+
+def superelement(
+    name: str,
+    nodes: ArrayLike,
+    stiffness: Any,
+    mass: Any,
+    *,
+    dofs_per_node: int,
+    interfaces: Sequence[RigidInterface | AveragingInterface] = (),
+    rigid_tolerance: float = RIGID_TOLERANCE,
+) -> FlexibleBody:
+    """A linear body from nodes and matrices.
+
+    Parameters
+    ----------
+    nodes           : (N, 3) m, where the freedoms sit
+    stiffness, mass : sparse or dense (n, n), n = N * dofs_per_node, node by node: ux uy uz [rx ry rz]
+    dofs_per_node   : 3 or 6
+    interfaces      : as for `flexible_body`, with node numbers
+    rigid_tolerance : largest |K R| against the forces that cancel in it; about the last digit of the matrices
+    Raises
+    ------
+    ModelError   as for `flexible_body`
+    """
+    if dofs_per_node not in (3, 6):
+        raise ModelError(f"body '{name}': {dofs_per_node} freedoms per node; only 3 and 6 are possible")
+    for interface in interfaces:
+        if isinstance(interface.nodes, str):
+            raise ModelError(
+                f"body '{name}': interface '{interface.name}' names the node set '{interface.nodes}', but a "
+                "superelement has no node sets; give node numbers"
+            )
+    points = np.array(nodes, dtype=np.float64)
+    rotations = None
+    if dofs_per_node == 6:
+        rows = (6 * np.arange(len(points))[:, None] + np.arange(3, 6)).ravel()
+        rotations = sparse.eye_array(6 * len(points), format="csr")[rows].tocsc()
+    return free_body(
+        name,
+        points,
+        stiffness,
+        mass,
+        dofs_per_node=dofs_per_node,
+        interfaces=tuple(interfaces),
+        rotation_operator=rotations,
+        rigid_tolerance=rigid_tolerance,
+    )
+
+
+def read_superelement(
+    name: str,
+    *,
+    nodes: str | Path,
+    stiffness: str | Path,
+    mass: str | Path,
+    dofs_per_node: int,
+    interfaces: Sequence[RigidInterface | AveragingInterface] = (),
+    rigid_tolerance: float = RIGID_TOLERANCE,
+) -> FlexibleBody:
+    """A linear body from three Matrix Market files; `nodes` holds a dense (N, 3) array.
+
+    Raises
+    ------
+    ImportFormatError   a file that is not Matrix Market
+    ModelError          as for `superelement`
+    """
+    positions = read_matrix(nodes)
+    return superelement(
+        name,
+        positions.toarray() if sparse.issparse(positions) else positions,
+        read_matrix(stiffness),
+        read_matrix(mass),
+        dofs_per_node=dofs_per_node,
+        interfaces=interfaces,
+        rigid_tolerance=rigid_tolerance,
+    )

@@ -1,0 +1,130 @@
+"""Virtual nodes: interfaces resolved to node numbers, places and motions, with everything checked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from supple.algebra import read_only
+from supple.body.averaged_motion import averaged_motion
+from supple.body.interface import AveragingInterface, BodyInterface, RigidInterface
+from supple.body.rigid_motion import are_collinear
+from supple.errors import ModelError
+
+
+@dataclass(frozen=True, eq=False)
+class VirtualNode:
+    """An interface with its nodes and place known; without weights it is rigid."""
+
+    name: str
+    node_ids: NDArray[np.int64]
+    position: NDArray[np.float64]
+    weights: NDArray[np.float64] | None
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether its nodes move with it, rather than it with them."""
+        return self.weights is None
+
+
+def virtual_nodes(
+    body: str,
+    nodes: NDArray[np.float64],
+    dofs_per_node: int,
+    interfaces: Sequence[RigidInterface | AveragingInterface],
+) -> tuple[VirtualNode, ...]:
+    """Resolve interfaces given by node numbers; ModelError for each way in which one can be impossible."""
+    held_by: dict[int, str] = {}
+    placed: dict[str, VirtualNode] = {}
+    for interface in interfaces:
+        where = f"body '{body}', interface '{interface.name}'"
+        if interface.name in placed:
+            raise ModelError(f"{where}: another interface has this name; names must differ")
+        node_ids = _node_ids(where, interface, len(nodes))
+        points = nodes[node_ids]
+        if dofs_per_node == 3 and are_collinear(points):
+            raise ModelError(
+                f"{where}: its {len(points)} nodes lie on one line or point, and the nodes of solids have no "
+                "rotations, so it cannot carry a rotation; give at least three nodes that are not on a line"
+            )
+        if isinstance(interface, RigidInterface):
+            twice = [node for node in node_ids.tolist() if node in held_by]
+            if twice:
+                raise ModelError(
+                    f"{where}: node {twice[0]} (one of {len(twice)}) is already rigid in interface "
+                    f"'{held_by[twice[0]]}'; a node can belong to one rigid interface only"
+                )
+            held_by.update(dict.fromkeys(node_ids.tolist(), interface.name))
+            weights, centroid = None, points.mean(axis=0)
+        else:
+            weights = _weights(where, interface, len(points))
+            centroid = weights @ points / weights.sum()
+        position = _position(where, interface, centroid)
+        placed[interface.name] = VirtualNode(interface.name, node_ids, position, weights)
+    return tuple(placed.values())
+
+
+def interface_motions(
+    nodes: NDArray[np.float64],
+    dofs_per_node: int,
+    expansion: sparse.csc_array,
+    virtual: Sequence[VirtualNode],
+) -> tuple[BodyInterface, ...]:
+    """The motion (6, n) of each virtual node; the coordinates of rigid ones stand last, in order."""
+    n = expansion.shape[1]
+    first = n - 6 * sum(node.is_rigid for node in virtual)
+    result = []
+    for node in virtual:
+        if node.weights is None:
+            motion = sparse.csr_array((np.ones(6), (np.arange(6), first + np.arange(6))), shape=(6, n))
+            first += 6
+        else:
+            averages = averaged_motion(nodes[node.node_ids], node.weights, node.position, dofs_per_node)
+            dofs = (node.node_ids[:, None] * dofs_per_node + np.arange(dofs_per_node)).ravel()
+            columns = np.broadcast_to(dofs, (6, dofs.size)).ravel()
+            rows = np.repeat(np.arange(6), dofs.size)
+            nodal = sparse.csr_array((averages.ravel(), (rows, columns)), shape=(6, expansion.shape[0]))
+            motion = sparse.csr_array(nodal @ expansion)
+        result.append(BodyInterface(node.name, node.position, motion, node.node_ids))
+    return tuple(result)
+
+
+def _node_ids(where: str, interface: RigidInterface | AveragingInterface, n_nodes: int) -> NDArray[np.int64]:
+    given = np.atleast_1d(np.asarray(interface.nodes))
+    if given.size == 0:
+        raise ModelError(f"{where}: it has no nodes")
+    if given.ndim != 1 or not np.issubdtype(given.dtype, np.integer):
+        raise ModelError(
+            f"{where}: nodes must be a list of node numbers, not {given.dtype} of shape {given.shape}"
+        )
+    outside = given[(given < 0) | (given >= n_nodes)]
+    if outside.size:
+        raise ModelError(f"{where}: there is no node {outside[0]}; the body's nodes are 0 to {n_nodes - 1}")
+    unique, counts = np.unique(given, return_counts=True)
+    if np.any(counts > 1):
+        raise ModelError(f"{where}: node {unique[np.argmax(counts)]} is listed {counts.max()} times")
+    return read_only(given, np.int64)
+
+
+def _weights(where: str, interface: AveragingInterface, count: int) -> NDArray[np.float64]:
+    if interface.weights is None:
+        return read_only(np.ones(count))
+    weights = np.asarray(interface.weights, dtype=np.float64)
+    if weights.shape != (count,):
+        raise ModelError(f"{where}: {count} nodes but weights of shape {weights.shape}; give one per node")
+    if not np.all(np.isfinite(weights) & (weights > 0)):
+        raise ModelError(f"{where}: weights must be positive numbers; the smallest is {weights.min()}")
+    return read_only(weights)
+
+
+def _position(
+    where: str, interface: RigidInterface | AveragingInterface, centroid: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    position = read_only(centroid if interface.position is None else interface.position)
+    if position.shape != (3,) or not np.all(np.isfinite(position)):
+        raise ModelError(f"{where}: position must be three finite numbers, not {position}")
+    return position

@@ -1,0 +1,169 @@
+"""From a case file to the system and the run that a script would describe."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from supple.cli import case_schema as schema
+from supple.cli.build_bodies import Notify, build_body, read_meshes
+from supple.cli.read_case import CaseFile
+from supple.cli.time_laws import time_function
+from supple.integrate import AdaptiveStep, FixedStep
+from supple.mesh import Mesh
+from supple.multibody import (
+    GROUND,
+    At,
+    Ball,
+    Cylindrical,
+    DeadForce,
+    DeadTorque,
+    Fixed,
+    FollowerForce,
+    FollowerTorque,
+    ForceElement,
+    Joint,
+    Placed,
+    PrescribedRotation,
+    PrescribedTranslation,
+    Prismatic,
+    Revolute,
+    SpringDamper,
+    System,
+    TorsionSpringDamper,
+    Universal,
+)
+from supple.multibody.model import initial_point
+
+
+@dataclass(frozen=True, eq=False)
+class BuiltCase:
+    """The system of a case with the meshes of its bodies, by body name."""
+
+    case_file: CaseFile
+    system: System
+    meshes: Mapping[str, Mesh]
+
+
+def build_case(case_file: CaseFile, notify: Notify) -> BuiltCase:
+    """Read meshes, assemble and reduce bodies, and join them.
+
+    notify : called with a line of text as each long step begins
+
+    Raises
+    ------
+    CaseError   a node set that its mesh does not have
+    SuppleError whatever the meshes, bodies, reductions and joints find wrong
+    """
+    case = case_file.case
+    notify("reading meshes")
+    meshes = read_meshes(case_file)
+    bodies = tuple(_placed(case_file, table, meshes.get(table.name), notify) for table in case.body)
+    joints = tuple(build_joint(table, case_file.path.parent) for table in case.joint)
+    unloaded = System(bodies=bodies, joints=joints, gravity=np.array(case.gravity))
+    loads = [build_load(table, case, meshes, case_file.path.parent) for table in case.load]
+    springs = [build_spring(table, unloaded) for table in case.spring]
+    return BuiltCase(case_file, replace(unloaded, loads=(*loads, *springs)), meshes)
+
+
+def build_step(table: schema.Simulation) -> FixedStep | AdaptiveStep:
+    """How the run steps through time."""
+    if table.step is not None:
+        return FixedStep(table.step)
+    assert table.adaptive is not None  # a rule of the case file
+    return AdaptiveStep(table.adaptive.first, table.adaptive.largest, table.adaptive.tolerance)
+
+
+def _placed(case_file: CaseFile, table: schema.Body, mesh: Mesh | None, notify: Notify) -> Placed:
+    return Placed(
+        build_body(case_file, table, mesh, notify),
+        position=np.array(table.position),
+        rotation=np.array(table.rotation),
+        velocity=np.array(table.velocity),
+        angular_velocity=np.array(table.angular_velocity),
+    )
+
+
+def end(text: str) -> At:
+    """The end that `ground` or `BODY.INTERFACE` means."""
+    body, _, interface = text.partition(".")
+    return GROUND if text == "ground" else At(body, interface)
+
+
+_WITHOUT_AXIS = {"fixed": Fixed, "ball": Ball}
+_ALONG_ONE_AXIS = {"revolute": Revolute, "cylindrical": Cylindrical, "prismatic": Prismatic}
+
+
+def build_joint(table: schema.Joint, folder: Path) -> Joint:
+    """The joint that a table describes."""
+    ends: dict[str, Any] = {"first": end(table.first), "second": end(table.second), "name": table.name or ""}
+    if table.kind in _WITHOUT_AXIS:
+        return _WITHOUT_AXIS[table.kind](**ends)
+    axis = _given(table.axis)
+    if table.kind in _ALONG_ONE_AXIS:
+        return _ALONG_ONE_AXIS[table.kind](**ends, axis=axis)
+    if table.kind == "universal":
+        return Universal(**ends, first_axis=axis, second_axis=_given(table.second_axis))
+    if table.kind == "prescribed-rotation":
+        return PrescribedRotation(**ends, axis=axis, angle=_law(table, folder))
+    return PrescribedTranslation(**ends, axis=axis, displacement=_law(table, folder))
+
+
+def _given(axis: schema.Vector | None) -> tuple[float, float, float]:
+    assert axis is not None  # a rule of the case file
+    return axis
+
+
+def _law(table: schema.Joint, folder: Path) -> Any:
+    assert table.law is not None  # a rule of the case file
+    return time_function(table.law, folder)
+
+
+def build_load(
+    table: schema.Load, case: schema.Case, meshes: Mapping[str, Mesh], folder: Path
+) -> DeadForce | ForceElement:
+    """The load that a table describes; over a node set a force is shared evenly."""
+    factor = time_function(table.law, folder)
+    vector = np.array(table.vector)
+    name, _, place = table.at.partition(".")
+    body = next(body for body in case.body if body.name == name)
+    if place not in [interface.name for interface in body.interface]:
+        nodes = meshes[name].nodes_of(place)
+        return DeadForce(body=name, at=nodes, force=lambda t: vector / len(nodes) * factor(t))
+
+    def history(t: Any) -> Any:
+        return vector * factor(t)
+
+    match table.kind, table.follower:
+        case "force", False:
+            return DeadForce(body=name, at=place, force=history)
+        case "force", True:
+            return FollowerForce(first=At(name, place), force=history)
+        case "torque", False:
+            return DeadTorque(first=At(name, place), torque=history)
+        case _:
+            return FollowerTorque(first=At(name, place), torque=history)
+
+
+def build_spring(table: schema.Spring, system: System) -> SpringDamper | TorsionSpringDamper:
+    """The spring and damper that a table describes."""
+    first, second = end(table.first), end(table.second)
+    if isinstance(table, schema.TorsionSpring):
+        return TorsionSpringDamper(
+            first=first,
+            second=second,
+            axis=table.axis,
+            stiffness=table.stiffness,
+            damping=table.damping,
+            rest_angle=table.free_angle,
+        )
+    length = table.free_length
+    if length is None:
+        length = float(np.linalg.norm(initial_point(system, second) - initial_point(system, first)))
+    return SpringDamper(
+        first=first, second=second, stiffness=table.stiffness, damping=table.damping, rest_length=length
+    )

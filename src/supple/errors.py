@@ -1,0 +1,55 @@
+"""Errors and warnings: few, and each names what was seen, where, and what to do about it."""
+
+from __future__ import annotations
+
+
+class SuppleError(Exception):
+    """Base of every error that supple raises on purpose."""
+
+
+class MeshError(SuppleError, ValueError):
+    """A mesh that no method can use: NaN, inverted or degenerate cells, orphan nodes, empty sets."""
+
+
+class ImportFormatError(SuppleError, ValueError):
+    """A file that breaks the rules of its format, or uses a part of it that is not supported."""
+
+
+class ModelError(SuppleError, ValueError):
+    """A material, wall, interface, body or system whose data cannot describe a physical object."""
+
+
+class AccuracyError(SuppleError, ArithmeticError):
+    """A computed answer that fails its own check; the message carries the number."""
+
+
+class ConvergenceError(SuppleError, RuntimeError):
+    """An iteration that did not converge; the message names the time, the residual and the remedy."""
+
+
+class ValidityError(SuppleError, RuntimeError):
+    """A motion outside what the chosen kinematics can describe, under a strict validity check."""
+
+
+class CaseError(SuppleError, ValueError):
+    """A case file with mistakes; the message lists every one with its line and remedy."""
+
+
+class ResultFileError(SuppleError, OSError):
+    """A result file that cannot be read, written or continued."""
+
+
+class SuppleWarning(UserWarning):
+    """Base of every warning that supple issues."""
+
+
+class ValidityWarning(SuppleWarning):
+    """A motion near or beyond what the chosen kinematics can describe."""
+
+
+class RedundantConstraintWarning(SuppleWarning):
+    """Joints that constrain the same motion twice; the redundant rows are named and left out."""
+
+
+class StepCutWarning(SuppleWarning):
+    """Time steps that had to be cut before Newton's method converged."""

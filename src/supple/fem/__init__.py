@@ -1,0 +1,33 @@
+"""Finite elements as quadratic-strain arrays: materials, one element per module, mass, assembly, stress."""
+
+from supple.fem.assembly import Assembly, assemble
+from supple.fem.kinematics import GREEN_LAGRANGE, VON_KARMAN, MembraneKinematics
+from supple.fem.material import Isotropic
+from supple.fem.model import FiniteElementModel, lumped_mass, shell_model, solid_model
+from supple.fem.nodal_rotation import nodal_rotation_operator
+from supple.fem.quadratic_strain import QuadraticStrain
+from supple.fem.section import Section
+from supple.fem.shell_wall import HomogeneousWall, LaminateWall, ShellWall
+from supple.fem.stress import StressRecovery, stress_recovery, von_mises
+
+__all__ = [
+    "GREEN_LAGRANGE",
+    "VON_KARMAN",
+    "Assembly",
+    "FiniteElementModel",
+    "HomogeneousWall",
+    "Isotropic",
+    "LaminateWall",
+    "MembraneKinematics",
+    "QuadraticStrain",
+    "Section",
+    "ShellWall",
+    "StressRecovery",
+    "assemble",
+    "lumped_mass",
+    "nodal_rotation_operator",
+    "shell_model",
+    "solid_model",
+    "stress_recovery",
+    "von_mises",
+]

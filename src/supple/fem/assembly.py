@@ -1,0 +1,190 @@
+"""Assembly: energy, force, tangent and their derivatives of a whole model, in reduced freedoms u = T q."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array, csr_array
+
+from supple.errors import ModelError
+from supple.fem import quadratic_strain
+from supple.fem.model import FiniteElementModel
+from supple.fem.node_sparsity import NodeSparsity, compressed_columns, node_sparsity
+from supple.fem.quadratic_strain import QuadraticStrain
+
+Array = NDArray[Any]
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.integer]
+SparseArray = csc_array | csr_array | coo_array
+
+# Numbers held at once while pairs of directions are evaluated: 64 MiB.
+CHUNK = 2**23
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """Sums over the elements of a model, prepared once for one expansion T (nodal freedoms u = T q).
+
+    Every matrix has the same sparsity (`indices`, `indptr`, symmetric), whatever q. Forces, energies and
+    tangents accept complex q.
+
+    Parameters
+    ----------
+    model : FiniteElementModel
+    gathers : tuple of csr_array (E n_e, n)     freedoms of all elements of a block from q
+    nodal : NodeSparsity                        pattern of the nodal freedoms
+    transform : csr_array (nnz, nodal nnz) or None      entries of T^T K T from those of K; None when T = 1
+    indices, indptr : int32 arrays              compressed columns of the matrices (n, n)
+    """
+
+    model: FiniteElementModel
+    gathers: tuple[csr_array, ...]
+    nodal: NodeSparsity
+    transform: csr_array | None
+    indices: IntArray
+    indptr: IntArray
+
+    @property
+    def n(self) -> int:
+        """Number of freedoms q."""
+        return len(self.indptr) - 1
+
+    def energy(self, q: Array) -> Any:
+        """Strain energy U(q), J."""
+        return np.sum([quadratic_strain.energy(*pair).sum() for pair in self._elements(q)])
+
+    def internal_force(self, q: Array) -> Array:
+        """Internal force dU/dq (n,), N and N m."""
+        forces = [quadratic_strain.internal_force(*pair).ravel() for pair in self._elements(q)]
+        return np.sum([gather.T @ f for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
+
+    def tangent(self, q: Array) -> csc_array:
+        """Tangent stiffness (n, n), the derivative of the internal force."""
+        return self._matrix([quadratic_strain.tangent(*pair) for pair in self._elements(q)])
+
+    def tangent_derivative(self, x: Array) -> csc_array:
+        """Derivative of the tangent at q = 0 in the direction x (n,), exact; (n, n)."""
+        return self._matrix([quadratic_strain.tangent_derivative(*pair) for pair in self._elements(x)])
+
+    def pair_forces(self, X: FloatArray) -> FloatArray:
+        """Second derivative of the internal force at q = 0 along all pairs of columns of X (n, m).
+
+        Returns
+        -------
+        float array (n, m(m+1)/2)   f''(x_j, x_k), exact, j <= k in the order of numpy.triu_indices(m)
+        """
+        m = X.shape[1]
+        forces = np.zeros((self.n, m * (m + 1) // 2))
+        for block, gather in zip(self.model.blocks, self.gathers, strict=True):
+            n_elements, n_points, s, n_e = block.B.shape
+            each = n_points * (s + block.G.shape[2]) * m * m + n_e * forces.shape[1]
+            bounds = np.append(np.arange(0, n_elements, max(1, CHUNK // each)), n_elements)
+            for first, last in pairwise(bounds):
+                rows = gather[first * n_e : last * n_e]
+                directions = (rows @ X).reshape(-1, n_e, m)
+                pairs = quadratic_strain.pair_forces(block.of(slice(first, last)), directions)
+                forces += rows.T @ pairs.reshape(-1, forces.shape[1])
+        return forces
+
+    def pattern_data(self, matrix: SparseArray) -> Array:
+        """Entries of a sparse matrix (n, n), for instance the mass, aligned with the pattern.
+
+        Raises
+        ------
+        ModelError   wrong shape, or nonzero entries outside the pattern
+        """
+        if matrix.shape != (self.n, self.n):
+            raise ModelError(f"matrix has shape {matrix.shape}; the assembly has {self.n} freedoms")
+        given = csc_array(matrix, copy=True)
+        given.sum_duplicates()
+        given.eliminate_zeros()
+        pattern, wanted = (_keys(m.indices, m.indptr) for m in (self, given))
+        position = np.minimum(np.searchsorted(pattern, wanted), len(pattern) - 1)
+        outside = np.flatnonzero(pattern[position] != wanted)
+        if outside.size:
+            column, row = np.divmod(wanted[outside[0]], self.n)
+            raise ModelError(
+                f"{outside.size} entries, first ({row}, {column}), couple freedoms that share no element"
+            )
+        data = np.zeros(len(pattern), dtype=given.dtype)
+        data[position] = given.data
+        return data
+
+    def _elements(self, q: Array) -> list[tuple[QuadraticStrain, Array]]:
+        """Blocks with their element freedoms (E, n_e)."""
+        return [
+            (block, (gather @ q).reshape(block.dofs.shape))
+            for block, gather in zip(self.model.blocks, self.gathers, strict=True)
+        ]
+
+    def _matrix(self, cell_matrices: list[Array]) -> csc_array:
+        data = self.nodal.data(cell_matrices)
+        if self.transform is not None:
+            data = self.transform @ data
+        return compressed_columns(data, self.indices, self.indptr)
+
+
+def assemble(model: FiniteElementModel, expansion: SparseArray | None = None) -> Assembly:
+    """Prepare the sums over the elements of a model.
+
+    Parameters
+    ----------
+    model : FiniteElementModel
+    expansion : sparse array (n_nodal, n) or None
+        T of u = T q; an empty row holds its freedom fixed, a row of several entries ties it (rigid
+        interfaces); the identity when None
+
+    Raises
+    ------
+    ModelError   expansion with a wrong number of rows
+    """
+    nodal = node_sparsity(
+        [section.nodes(model.mesh) for section in model.sections], model.mesh.n_nodes, model.dofs_per_node
+    )
+    if expansion is None:
+        T = csr_array(
+            (np.ones(model.n_dofs), np.arange(model.n_dofs), np.arange(model.n_dofs + 1)),
+            shape=(model.n_dofs, model.n_dofs),
+        )
+        transform, indices, indptr = None, nodal.indices, nodal.indptr
+    else:
+        if np.shape(expansion)[0] != model.n_dofs:
+            raise ModelError(
+                f"expansion has {np.shape(expansion)[0]} rows; the model has {model.n_dofs} nodal freedoms"
+            )
+        T = csr_array(expansion)
+        transform, indices, indptr = _congruence(nodal, T)
+    gathers = tuple(T[block.dofs.ravel()] for block in model.blocks)
+    return Assembly(model, gathers, nodal, transform, indices, indptr)
+
+
+def _congruence(nodal: NodeSparsity, T: csr_array) -> tuple[csr_array, IntArray, IntArray]:
+    """Pattern of T^T K T, and the map from the entries of K to its entries.
+
+    Entry (a, b) of K adds T_ai T_bj of itself to entry (i, j), for all entries i of row a and j of row b.
+    """
+    row = np.repeat(np.arange(nodal.n_rows), np.diff(nodal.indptr))
+    in_row = np.diff(T.indptr)
+    count = in_row[row] * in_row[nodal.indices]
+    source = np.repeat(np.arange(len(row)), count)
+    turn = np.arange(len(source)) - np.repeat(np.cumsum(count) - count, count)
+    a, b = row[source], nodal.indices[source]
+    left, right = np.divmod(turn, in_row[b])
+    left, right = left + T.indptr[a], right + T.indptr[b]
+    columns, n = T.indices.astype(np.int64), np.shape(T)[1]
+    keys, target = np.unique(columns[left] * n + columns[right], return_inverse=True)
+    i, j = np.divmod(keys, n)
+    indptr = np.concatenate([[0], np.cumsum(np.bincount(i, minlength=n))]).astype(np.int32)
+    values = T.data[left] * T.data[right]
+    transform = csr_array((values, (target, source)), shape=(len(keys), len(row)))
+    return transform, j.astype(np.int32), indptr
+
+
+def _keys(indices: IntArray, indptr: IntArray) -> NDArray[np.int64]:
+    """Column * n + row of all entries of compressed columns: sorted where the pattern is."""
+    n = len(indptr) - 1
+    return np.repeat(np.arange(n, dtype=np.int64), np.diff(indptr)) * n + indices

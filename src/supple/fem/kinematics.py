@@ -1,0 +1,65 @@
+"""Kinematics: which displacement gradients make the strain nonlinear, and how (the constant tensor N).
+
+eps = B q + 1/2 N(a, a),   a = G q the displacement gradients,   N symmetric in its two arguments
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+def green_lagrange_form(n_components: int, strains: tuple[tuple[int, int], ...]) -> FloatArray:
+    """N of the Green-Lagrange strain: N(a, b)_ij = sum_k a_ki b_kj, twice its symmetric part for shears.
+
+    Parameters
+    ----------
+    n_components : int                  number of displacement components k
+    strains : tuple of index pairs      the strain components ij, in their Voigt order
+    Returns
+    -------
+    float array (s, d, d)               gradients a_ki = du_k/dx_i packed as k * (directions) + i
+    """
+    directions = 1 + max(max(pair) for pair in strains)
+    form = np.zeros((len(strains), n_components, directions, n_components, directions))
+    for row, (i, j) in enumerate(strains):
+        for k in range(n_components):
+            form[row, k, i, k, j] = 1
+            form[row, k, j, k, i] = 1
+    form = form.reshape(len(strains), n_components * directions, -1)
+    form.setflags(write=False)
+    return form
+
+
+@dataclass(frozen=True, eq=False)
+class MembraneKinematics:
+    """Kinematics of a shell's membrane.
+
+    Parameters
+    ----------
+    gradients : tuple of int        which of u,x u,y v,x v,y w,x w,y enter (local axes, z the normal)
+    form : float array (3, d, d)    N over these gradients; strains xx, yy, xy (engineering shear)
+    """
+
+    gradients: tuple[int, ...]
+    form: FloatArray
+
+
+GREEN_LAGRANGE = MembraneKinematics(
+    gradients=(0, 1, 2, 3, 4, 5), form=green_lagrange_form(3, ((0, 0), (1, 1), (0, 1)))
+)
+"""Invariant under rigid rotation: for everything."""
+
+VON_KARMAN = MembraneKinematics(gradients=(4, 5), form=green_lagrange_form(1, ((0, 0), (1, 1), (0, 1))))
+"""Slopes of the normal displacement only: for flat structures bending out of their plane.
+
+A closed section that turns in the plane of one of its walls is far too stiff (the in-plane rotation is
+missed).
+"""
+
+SOLID_FORM = green_lagrange_form(3, ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)))
+"""N (6, 9, 9) of a solid: strains xx, yy, zz, yz, xz, xy; gradients u,x u,y u,z v,x ... w,z."""

@@ -1,0 +1,194 @@
+"""Finite-element model: a mesh with its quadratic-strain elements, mass and linear stiffness."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+
+from supple.errors import ModelError, SuppleWarning
+from supple.fem.hexa8 import HEXA8_ELEMENT
+from supple.fem.hexa20 import HEXA20_ELEMENT
+from supple.fem.kinematics import GREEN_LAGRANGE, MembraneKinematics
+from supple.fem.mass import CellMass, mass_matrix, shell_mass
+from supple.fem.material import Isotropic
+from supple.fem.node_sparsity import node_sparsity
+from supple.fem.quadratic_strain import QuadraticStrain, stiffness
+from supple.fem.section import Section, sections
+from supple.fem.shell_triangle import ROTATION_LIMIT, shell_triangle
+from supple.fem.shell_wall import HomogeneousWall, LaminateWall, ShellWall
+from supple.fem.solid_element import solid_mass, solid_strain
+from supple.fem.tetra4 import TETRA4_ELEMENT
+from supple.fem.tetra10 import TETRA10_ELEMENT
+from supple.mesh import CellType, Mesh
+
+SOLID_ELEMENTS = {
+    element.cell_type: element for element in (TETRA4_ELEMENT, TETRA10_ELEMENT, HEXA8_ELEMENT, HEXA20_ELEMENT)
+}
+
+
+@dataclass(frozen=True, eq=False)
+class FiniteElementModel:
+    """A mesh with its elements.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    dofs_per_node : int                     3 (solids: ux uy uz) or 6 (shells: and rx ry rz), node by node
+    sections : tuple of Section             which cells have which property
+    blocks : tuple of QuadraticStrain       the elements of each section
+    mass : csc_array (n, n)                 consistent mass, kg and kg m^2
+    stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
+    rotation_limit : float                  largest rotation, rad, against the frame; infinite for solids
+    """
+
+    mesh: Mesh
+    dofs_per_node: int
+    sections: tuple[Section, ...]
+    blocks: tuple[QuadraticStrain, ...]
+    mass: csc_array
+    stiffness: csc_array
+    rotation_limit: float
+
+    @property
+    def n_dofs(self) -> int:
+        """Number of nodal freedoms n."""
+        return self.mesh.n_nodes * self.dofs_per_node
+
+
+def shell_model(
+    mesh: Mesh,
+    wall: ShellWall | Mapping[str, ShellWall],
+    *,
+    kinematics: MembraneKinematics = GREEN_LAGRANGE,
+) -> FiniteElementModel:
+    """Model of a mesh of triangles as a flat-faceted shell.
+
+    Parameters
+    ----------
+    mesh : Mesh                         of TRIANGLE3 cells
+    wall : ShellWall, or {cell set name: ShellWall} with every cell in just one set
+    kinematics : MembraneKinematics     GREEN_LAGRANGE, or VON_KARMAN for flat structures
+
+    Raises
+    ------
+    ModelError   cells that are not triangles, or without a wall, or with two; a wall thicker than the mesh
+    MeshError    unknown cell set
+    Warns
+    -----
+    SuppleWarning   a wall several times thicker than its elements are wide
+    """
+    given = sections(mesh, wall)
+    blocks = tuple(_shell_block(mesh, section, kinematics) for section in given)
+    return _model(mesh, 6, given, blocks, ROTATION_LIMIT)
+
+
+def solid_model(mesh: Mesh, material: Isotropic | Mapping[str, Isotropic]) -> FiniteElementModel:
+    """Model of a mesh of tetrahedra and hexahedra as a solid of finite (Green-Lagrange) strain.
+
+    Parameters
+    ----------
+    mesh : Mesh                     of TETRA4, TETRA10, HEXA8 or HEXA20 cells, also mixed
+    material : Isotropic, or {cell set name: Isotropic} with every cell in just one set
+
+    Raises
+    ------
+    ModelError   triangles; cells without a material or with two
+    MeshError    unknown cell set; a curved cell that turns over
+    """
+    given = sections(mesh, material)
+    blocks = tuple(_solid_block(mesh, section) for section in given)
+    return _model(mesh, 3, given, blocks, float("inf"))
+
+
+def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
+    """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total mass of the consistent one."""
+    masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections))
+    return mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
+
+
+def _shell_block(mesh: Mesh, section: Section, kinematics: MembraneKinematics) -> QuadraticStrain:
+    wall = section.property
+    if section.cell_type is not CellType.TRIANGLE3:
+        raise ModelError(
+            f"a shell model takes TRIANGLE3 cells; the mesh has {section.cell_type.name}. "
+            "Use solid_model for solid cells"
+        )
+    if not isinstance(wall, HomogeneousWall | LaminateWall):
+        raise ModelError(
+            f"a shell needs a wall, not {type(wall).__name__}: HomogeneousWall(material, thickness)"
+        )
+    if isinstance(wall, HomogeneousWall):
+        _check_thickness(mesh, section, wall.thickness)
+    return shell_triangle(section.corners(mesh), _dofs(section.nodes(mesh), 6), wall, kinematics)
+
+
+def _solid_block(mesh: Mesh, section: Section) -> QuadraticStrain:
+    material = section.property
+    if section.cell_type not in SOLID_ELEMENTS:
+        raise ModelError(
+            f"a solid model takes {', '.join(kind.name for kind in SOLID_ELEMENTS)} cells; the mesh has "
+            f"{section.cell_type.name}. Use shell_model for triangles"
+        )
+    if not isinstance(material, Isotropic):
+        raise ModelError(f"a solid needs an Isotropic material, not {type(material).__name__}")
+    element = SOLID_ELEMENTS[section.cell_type]
+    return solid_strain(element, section.corners(mesh), _dofs(section.nodes(mesh), 3), material)
+
+
+def _model(
+    mesh: Mesh,
+    dofs_per_node: int,
+    given: tuple[Section, ...],
+    blocks: tuple[QuadraticStrain, ...],
+    rotation_limit: float,
+) -> FiniteElementModel:
+    sparsity = node_sparsity([section.nodes(mesh) for section in given], mesh.n_nodes, dofs_per_node)
+    return FiniteElementModel(
+        mesh=mesh,
+        dofs_per_node=dofs_per_node,
+        sections=given,
+        blocks=blocks,
+        mass=mass_matrix(_cell_masses(mesh, given), mesh.n_nodes, dofs_per_node),
+        stiffness=sparsity.matrix(sparsity.data([stiffness(block) for block in blocks])),
+        rotation_limit=rotation_limit,
+    )
+
+
+def _cell_masses(mesh: Mesh, given: tuple[Section, ...]) -> tuple[CellMass, ...]:
+    return tuple(_cell_mass(mesh, section) for section in given)
+
+
+def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
+    corners, nodes = section.corners(mesh), section.nodes(mesh)
+    if isinstance(section.property, Isotropic):
+        element = SOLID_ELEMENTS[section.cell_type]
+        return CellMass(nodes, solid_mass(element, corners, section.property.density))
+    return shell_mass(corners, nodes, section.property)
+
+
+def _dofs(nodes: NDArray[np.int64], dofs_per_node: int) -> NDArray[np.int64]:
+    return (nodes[:, :, None] * dofs_per_node + np.arange(dofs_per_node)).reshape(len(nodes), -1)
+
+
+def _check_thickness(mesh: Mesh, section: Section, thickness: float) -> None:
+    """A length in millimetres on a mesh in metres is the usual mistake."""
+    corners = section.corners(mesh)
+    extent = float(np.linalg.norm(np.ptp(mesh.nodes, axis=0)))
+    width = float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)))
+    if thickness > extent:
+        raise ModelError(
+            f"wall thickness {thickness:g} exceeds the size of the whole mesh, {extent:g}: "
+            "are both in the same unit of length?"
+        )
+    if thickness > 5 * width:
+        warnings.warn(
+            f"wall thickness {thickness:g} is {thickness / width:.0f} times the size of its elements, "
+            f"{width:g}: are both in the same unit of length? If so, use solid elements",
+            SuppleWarning,
+            stacklevel=5,
+        )

@@ -1,0 +1,85 @@
+"""Node sparsity: the pattern of a matrix whose blocks couple nodes that share a cell, and sums into it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import bsr_array, csc_array, csr_array
+
+IntArray = NDArray[np.integer]
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class NodeSparsity:
+    """A symmetric pattern of full node blocks, in compressed rows (which are also its compressed columns).
+
+    Parameters
+    ----------
+    indptr, indices : int32 arrays      compressed pattern, sorted
+    scatter : csr_array (blocks, pairs)     sums the node pairs of all cells into the blocks
+    order : int32 array (nnz,)              entries of the blocks in compressed order
+    dofs_per_node : int
+    """
+
+    indptr: IntArray
+    indices: IntArray
+    scatter: csr_array
+    order: IntArray
+    dofs_per_node: int
+
+    @property
+    def n_rows(self) -> int:
+        """Number of freedoms."""
+        return len(self.indptr) - 1
+
+    def data(self, cell_matrices: list[Array]) -> Array:
+        """Sum cell matrices (E, k d, k d), in the order the cells were given, into the entries (nnz,)."""
+        d = self.dofs_per_node
+        pairs = [_node_pairs(matrices, d) for matrices in cell_matrices]
+        blocks = self.scatter @ (pairs[0] if len(pairs) == 1 else np.concatenate(pairs))
+        return np.take(blocks, self.order)
+
+    def matrix(self, data: Array) -> csc_array:
+        """Symmetric matrix (n, n) with these entries."""
+        return compressed_columns(data, self.indices, self.indptr)
+
+
+def node_sparsity(cells: list[NDArray[np.int64]], n_nodes: int, dofs_per_node: int) -> NodeSparsity:
+    """Pattern of the node pairs in the cells, a list of node arrays (E, k)."""
+    keys = np.concatenate([(nodes[:, :, None] * n_nodes + nodes[:, None, :]).ravel() for nodes in cells])
+    unique, block = np.unique(keys, return_inverse=True)
+    ones = csc_array(
+        (np.ones(len(keys)), block.astype(np.int32), np.arange(len(keys) + 1, dtype=np.int32)),
+        shape=(len(unique), len(keys)),
+    )
+    d = dofs_per_node
+    row, column = np.divmod(unique, n_nodes)
+    row_start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=n_nodes))])
+    entries = np.arange(len(unique) * d * d, dtype=np.int64).reshape(-1, d, d)
+    pattern = bsr_array((entries, column, row_start), shape=(n_nodes * d, n_nodes * d)).tocsr()
+    return NodeSparsity(
+        indptr=pattern.indptr.astype(np.int32),
+        indices=pattern.indices.astype(np.int32),
+        scatter=ones.tocsr(),
+        order=pattern.data.astype(np.int32),
+        dofs_per_node=d,
+    )
+
+
+def compressed_columns(data: Array, indices: IntArray, indptr: IntArray) -> csc_array:
+    """Square csc_array on a sorted pattern, which it shares and does not check again."""
+    matrix = csc_array((len(indptr) - 1,) * 2, dtype=data.dtype)
+    matrix.data, matrix.indices, matrix.indptr = data, indices, indptr
+    matrix.has_sorted_indices = True
+    matrix.has_canonical_format = True
+    return matrix
+
+
+def _node_pairs(matrices: Array, d: int) -> Array:
+    """Cell matrices (E, k d, k d) as node-pair blocks (E k k, d d)."""
+    k = matrices.shape[1] // d
+    return matrices.reshape(-1, k, d, k, d).transpose(0, 1, 3, 2, 4).reshape(-1, d * d)

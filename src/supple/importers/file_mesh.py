@@ -1,0 +1,78 @@
+"""File mesh: what a file holds, before the mesh checks; and the step from there to a Mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum, auto
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ImportFormatError, MeshError
+from supple.mesh import CellType, Mesh
+
+IntArray = NDArray[np.int64]
+
+
+class UnusedNodes(Enum):
+    """What a reader does about nodes that no cell uses (reference points, construction points)."""
+
+    REFUSE = auto()
+    """Raise MeshError, as the mesh check does: nothing is dropped unasked."""
+    DROP = auto()
+    """Leave them out, also from the node sets; a set of such nodes only is left out, too."""
+
+
+@dataclass(frozen=True)
+class FileMesh:
+    """Nodes, cells and sets as a file has them, numbered from 0 in its order."""
+
+    path: Path
+    nodes: NDArray[np.float64]
+    cells: dict[CellType, IntArray]
+    node_sets: dict[str, IntArray]
+    cell_sets: dict[str, dict[CellType, IntArray]]
+
+    def to_mesh(self, *, only: str | None, unused_nodes: UnusedNodes) -> Mesh:
+        """The checked mesh: of one cell set and its nodes, or of everything."""
+        chosen = self if only is None else self._only(only)
+        if only is not None or unused_nodes is UnusedNodes.DROP:
+            chosen = chosen._used()
+        try:
+            return Mesh(chosen.nodes, chosen.cells, chosen.node_sets, chosen.cell_sets)
+        except MeshError as error:
+            raise MeshError(
+                f"{self.path}: {error} (numbers count from 0, in the order of the file)"
+            ) from error
+
+    def _only(self, name: str) -> FileMesh:
+        if name not in self.cell_sets:
+            known = ", ".join(f"'{known}'" for known in self.cell_sets) or "none"
+            raise ImportFormatError(f"{self.path}: no cell set '{name}' to read; the file has {known}")
+        kept = {kind: np.sort(members) for kind, members in self.cell_sets[name].items()}
+        cells = {kind: self.cells[kind][members] for kind, members in kept.items()}
+        cell_sets = {}
+        for other, by_kind in self.cell_sets.items():
+            shared = {
+                kind: np.flatnonzero(np.isin(members, by_kind[kind]))
+                for kind, members in kept.items()
+                if kind in by_kind
+            }
+            cell_sets[other] = {kind: members for kind, members in shared.items() if members.size}
+        return replace(
+            self, cells=cells, cell_sets={n: members for n, members in cell_sets.items() if members}
+        )
+
+    def _used(self) -> FileMesh:
+        used = np.zeros(len(self.nodes), dtype=bool)
+        for array in self.cells.values():
+            used[array] = True
+        number = np.cumsum(used) - 1
+        node_sets = {name: number[members[used[members]]] for name, members in self.node_sets.items()}
+        return replace(
+            self,
+            nodes=self.nodes[used],
+            cells={kind: number[array] for kind, array in self.cells.items()},
+            node_sets={name: members for name, members in node_sets.items() if members.size},
+        )

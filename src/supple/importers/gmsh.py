@@ -1,0 +1,186 @@
+"""Gmsh meshes (.msh, formats 2 and 4, text or binary), read by meshio."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import meshio
+import numpy as np
+from meshio import gmsh as meshio_gmsh
+from numpy.typing import NDArray
+
+from supple.errors import ImportFormatError
+from supple.importers.file_mesh import FileMesh, UnusedNodes
+from supple.importers.quadrilateral import split_quadrilaterals
+from supple.mesh import CellType, Mesh
+
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+_CELL_TYPES = {kind.meshio_name: kind for kind in CellType}
+_QUADRILATERAL = "quad"
+_ENTITIES = ("point", "curve", "surface", "volume")  # Gmsh's words for dimensions 0 to 3
+
+
+@dataclass(frozen=True)
+class _Block:
+    """Cells of one type, and for each physical group which of them are in it."""
+
+    type_name: str
+    dimension: int
+    cells: IntArray
+    groups: dict[str, BoolArray]
+
+
+def read_gmsh(
+    path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
+) -> Mesh:
+    """Mesh of a Gmsh file: its cells of the highest dimension, and its physical groups as sets.
+
+    Every physical group becomes a node set; those of the highest dimension are cell sets, too. A group
+    without a name is called after its dimension and tag, as in 'surface 7'. A quadrilateral becomes two
+    triangles. A cell that the file repeats, once for each of its groups (format 2), is read once.
+
+    Parameters
+    ----------
+    path : str or Path
+    only : str or None            a physical group: read its cells and nodes alone; None reads everything
+    unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses, such as the centres of arcs
+    Returns
+    -------
+    Mesh   nodes in the order of the file
+    Raises
+    ------
+    ImportFormatError   missing, cut or unreadable file, unknown cell type, cells naming missing nodes
+    MeshError           what the file describes is no usable mesh
+    """
+    path = Path(path)
+    names = _physical_names(path, _whole_text(path))
+    try:
+        read = meshio_gmsh.read(path)
+    except Exception as error:  # meshio lets through whatever its parsing runs into
+        raise ImportFormatError(
+            f"{path}: not readable as a Gmsh mesh ({type(error).__name__}: {error}); save it from Gmsh anew, "
+            "as format 2.2 or 4.1, whole, and with either all entities in physical groups or none"
+        ) from error
+    blocks = _blocks(path, read, names)
+    node_sets = {
+        name: np.unique(np.concatenate([b.cells[b.groups[name]].ravel() for b in blocks if name in b.groups]))
+        for name in dict.fromkeys(name for block in blocks for name in block.groups)
+    }
+    asked = [block for block in blocks if only in block.groups] or blocks
+    dimension = max(block.dimension for block in asked)
+    cells, cell_sets = _cells_by_type(path, read.points, [b for b in blocks if b.dimension == dimension])
+    return FileMesh(path, np.asarray(read.points, dtype=np.float64), cells, node_sets, cell_sets).to_mesh(
+        only=only, unused_nodes=unused_nodes
+    )
+
+
+def _whole_text(path: Path) -> str:
+    """The file, bytes taken as characters; ImportFormatError when it is missing or cut short."""
+    if not path.is_file():
+        raise ImportFormatError(f"{path}: no such file; check its name and folder")
+    text = path.read_bytes().decode("latin-1")
+    for section in ("MeshFormat", "Nodes", "Elements"):
+        start = text.find(f"${section}")
+        if start < 0:
+            raise ImportFormatError(f"{path}: no ${section} section; is this a Gmsh mesh, and whole?")
+        if f"$End{section}" not in text:
+            raise ImportFormatError(
+                f"{path}, line {_line(text, start)}: ${section} has no $End{section}; the file is cut short"
+            )
+    return text
+
+
+def _physical_names(path: Path, text: str) -> dict[tuple[int, int], str]:
+    """Names of the physical groups by dimension and tag."""
+    section = re.search(r"\$PhysicalNames\s(.*?)\$EndPhysicalNames", text, flags=re.DOTALL)
+    names: dict[tuple[int, int], str] = {}
+    if section is None:
+        return names
+    for found in re.finditer(r'^\s*(\d)\s+(\d+)\s+"(.*)"', section[1], flags=re.MULTILINE):
+        # meshio keeps the last of two groups with one name, so the first would vanish.
+        if found[3] in names.values():
+            raise ImportFormatError(
+                f"{path}, line {_line(text, section.start(1) + found.start(3))}: a second physical group is "
+                f"named '{found[3]}'; give each group a name of its own"
+            )
+        names[int(found[1]), int(found[2])] = found[3].encode("latin-1").decode("utf-8", errors="replace")
+    return names
+
+
+def _line(text: str, place: int) -> int:
+    return text.count("\n", 0, place) + 1
+
+
+def _blocks(path: Path, read: meshio.Mesh, names: dict[tuple[int, int], str]) -> list[_Block]:
+    untagged = [np.zeros(len(block.data), dtype=np.int64) for block in read.cells]
+    tags = [np.asarray(part) for part in read.cell_data.get("gmsh:physical", untagged)]
+    named = {
+        name: [np.asarray(part) for part in parts]
+        for name, parts in read.cell_sets.items()
+        if not name.startswith("gmsh:")
+    }
+    blocks = []
+    for i, block in enumerate(read.cells):
+        cells = np.asarray(block.data, dtype=np.int64)
+        lost = np.flatnonzero((cells < 0).any(axis=1))
+        if lost.size:
+            raise ImportFormatError(
+                f"{path}: {block.type} cell {lost[0]} (of its block, from 0) names a node that the file does "
+                "not define; save the mesh from Gmsh anew"
+            )
+        groups: dict[str, BoolArray] = {}
+        # Format 2 has one tag a cell; format 4 may have several, of which meshio tells the named ones.
+        for tag in np.unique(tags[i][tags[i] != 0]):
+            name = names.get((block.dim, abs(tag)), f"{_ENTITIES[block.dim]} {abs(tag)}")
+            groups[name] = tags[i] == tag
+        for name, parts in named.items():
+            if parts[i].size:
+                groups.setdefault(name, np.zeros(len(cells), dtype=bool))[parts[i]] = True
+        blocks.append(_Block(block.type, block.dim, cells, groups))
+    if not blocks:
+        raise ImportFormatError(f"{path}: no cells; mesh the geometry before saving it")
+    return blocks
+
+
+def _cells_by_type(
+    path: Path, points: NDArray[np.float64], blocks: list[_Block]
+) -> tuple[dict[CellType, IntArray], dict[str, dict[CellType, IntArray]]]:
+    by_kind: dict[CellType, list[_Block]] = {}
+    for block in blocks:
+        if block.type_name == _QUADRILATERAL:
+            groups = {name: np.repeat(inside, 2) for name, inside in block.groups.items()}
+            split = _Block("triangle", 2, split_quadrilaterals(points, block.cells), groups)
+            by_kind.setdefault(CellType.TRIANGLE3, []).append(split)
+        elif block.type_name in _CELL_TYPES:
+            by_kind.setdefault(_CELL_TYPES[block.type_name], []).append(block)
+        else:
+            raise ImportFormatError(
+                f"{path}: unknown element type '{block.type_name}'; supported are "
+                f"{', '.join([*_CELL_TYPES, _QUADRILATERAL])} (in Gmsh: Mesh.ElementOrder = 1 on surfaces, "
+                "Mesh.SecondOrderIncomplete = 1 for second-order hexahedra)"
+            )
+    cells: dict[CellType, IntArray] = {}
+    cell_sets: dict[str, dict[CellType, IntArray]] = {}
+    for kind, parts in by_kind.items():
+        repeated = np.vstack([part.cells for part in parts])
+        first, number = _first_of_each(repeated)
+        cells[kind] = repeated[first]
+        for name in dict.fromkeys(name for part in parts for name in part.groups):
+            inside = np.concatenate(
+                [part.groups.get(name, np.zeros(len(part.cells), bool)) for part in parts]
+            )
+            cell_sets.setdefault(name, {})[kind] = np.unique(number[inside])
+    return cells, cell_sets
+
+
+def _first_of_each(cells: IntArray) -> tuple[IntArray, IntArray]:
+    """Rows where each set of nodes first appears, in order; and for every row its place among these."""
+    _, first, same = np.unique(np.sort(cells, axis=1), axis=0, return_index=True, return_inverse=True)
+    in_order = np.argsort(first)
+    place = np.empty_like(in_order)
+    place[in_order] = np.arange(len(in_order))
+    return first[in_order], place[same.ravel()]

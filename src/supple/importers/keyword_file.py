@@ -1,0 +1,154 @@
+"""Keyword files: the grammar that Abaqus and CalculiX input shares, before any meaning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ImportFormatError
+
+MOST_INCLUDES = 20  # nested; more means a file that includes itself
+
+
+@dataclass(frozen=True)
+class KeywordBlock:
+    """One keyword, its options, and the data lines below it; `line` counts in the `KeywordFile`."""
+
+    name: str
+    options: dict[str, str]
+    line: int
+    data: tuple[tuple[int, str], ...]
+
+
+@dataclass(frozen=True)
+class KeywordFile:
+    """All lines of a file and of those it includes, cut into blocks."""
+
+    lines: tuple[tuple[Path, int, str], ...]
+    blocks: tuple[KeywordBlock, ...]
+
+    def error(self, line: int, message: str) -> ImportFormatError:
+        """The error for a mistake found at a line of this file."""
+        path, number, _ = self.lines[line]
+        return ImportFormatError(f"{path}, line {number}: {message}")
+
+
+@dataclass(frozen=True)
+class IntegerRows:
+    """Integers of a block's data, and for each the line and whether it is the first there."""
+
+    values: NDArray[np.int64]
+    lines: NDArray[np.int64]
+    first: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class NumberedPoints:
+    """Points of a block, with their ids and lines."""
+
+    ids: NDArray[np.int64]
+    positions: NDArray[np.float64]
+    lines: NDArray[np.int64]
+
+
+def read_keyword_file(path: Path) -> KeywordFile:
+    """Blocks of a keyword file: names and options in upper case, comments dropped, *INCLUDE followed.
+
+    Raises
+    ------
+    ImportFormatError   a file missing, or including itself; data before the first keyword
+    """
+    file = KeywordFile(tuple(_lines(path, 0)), ())
+    blocks: list[KeywordBlock] = []
+    header, line, data = "", 0, []
+    for i, (_, _, text) in enumerate(file.lines):
+        if text.startswith("*"):
+            if header:
+                blocks.append(_block(header, line, data))
+            header, line, data = text, i, []
+        elif not header:
+            raise file.error(i, "data before the first *KEYWORD; is this an Abaqus or CalculiX file?")
+        elif header.endswith(",") and not data:  # a keyword may run over several lines
+            header += text
+        else:
+            data.append((i, text))
+    if header:
+        blocks.append(_block(header, line, data))
+    return KeywordFile(file.lines, tuple(blocks))
+
+
+def fields(text: str) -> list[str]:
+    """Comma-separated fields of a data line; a comma at its end only announces another line."""
+    return [field.strip() for field in text.rstrip(", \t").split(",")]
+
+
+def integers(file: KeywordFile, block: KeywordBlock) -> IntegerRows:
+    """All fields of a block's data as integers; ImportFormatError names the line of one that is not."""
+    rows = [fields(text) for _, text in block.data]
+    counts = np.array([len(row) for row in rows], dtype=np.int64)
+    lines = np.repeat(np.array([i for i, _ in block.data], dtype=np.int64), counts)
+    first = np.zeros(counts.sum(), dtype=bool)
+    first[np.cumsum(counts) - counts] = True
+    words = [word for row in rows for word in row]
+    return IntegerRows(_converted(file, words, lines, np.int64, "a whole number"), lines, first)
+
+
+def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
+    """Points of a block whose lines are `id, x, y, z`; ImportFormatError names a line that is not."""
+    rows = [fields(text) for _, text in block.data]
+    lines = np.array([i for i, _ in block.data], dtype=np.int64)
+    for i, row in zip(lines, rows, strict=True):
+        if len(row) != 4:
+            raise file.error(i, f"{len(row)} fields; a node is id, x, y, z (is the file cut short?)")
+    ids = _converted(file, [row[0] for row in rows], lines, np.int64, "a whole number")
+    words = [word.upper().replace("D", "E") for row in rows for word in row[1:]]  # Fortran writes 1.D0
+    positions = _converted(file, words, np.repeat(lines, 3), np.float64, "a number")
+    return NumberedPoints(ids, positions.reshape(-1, 3), lines)
+
+
+def _converted(file: KeywordFile, words: list[str], lines: NDArray[np.int64], dtype, what: str) -> NDArray:
+    try:
+        return np.array(words, dtype=dtype)
+    except ValueError:
+        for word, line in zip(words, lines, strict=True):
+            try:
+                dtype(word)
+            except ValueError:
+                raise file.error(line, f"'{word}' is not {what}; correct it, or remove the line") from None
+        raise
+
+
+def _lines(path: Path, depth: int) -> list[tuple[Path, int, str]]:
+    """Lines that mean something, with those of included files in place."""
+    if not path.is_file():
+        raise ImportFormatError(f"{path}: no such file; check its name and folder")
+    found = []
+    with path.open(encoding="utf-8", errors="replace") as file:
+        for number, line in enumerate(file, start=1):
+            text = line.strip()
+            if not text or text.startswith("**"):
+                continue
+            if text.upper().startswith("*INCLUDE"):
+                if depth == MOST_INCLUDES:
+                    raise ImportFormatError(
+                        f"{path}, line {number}: includes nest over {MOST_INCLUDES} deep; "
+                        "does a file include itself?"
+                    )
+                found += _lines(path.parent / text.partition("=")[2].strip().strip('"'), depth + 1)
+            else:
+                found.append((path, number, text))
+    return found
+
+
+def _block(header: str, line: int, data: list[tuple[int, str]]) -> KeywordBlock:
+    name, *options = header.split(",")
+    pairs = [option.partition("=") for option in options if option.strip()]
+    return KeywordBlock(
+        " ".join(name[1:].upper().split()),
+        {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs},
+        line,
+        tuple(data),
+    )

@@ -1,0 +1,82 @@
+"""The outcome of a simulation: the motion of every body at the output times, and what it cost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+__all__ = ["BodyMotion", "Solution", "Statistics", "concatenate"]
+
+
+@dataclass(frozen=True)
+class BodyMotion:
+    """Motion of one body's floating frame and of its deformation coordinates, one row per output time."""
+
+    position: np.ndarray
+    """(t, 3) frame origin, global components."""
+    rotation: np.ndarray
+    """(t, 3, 3) rotation matrix, body components to global ones."""
+    coordinates: np.ndarray
+    """(t, r) deformation coordinates: reduced ones, or the nodal ones of a full body."""
+    velocity: np.ndarray
+    """(t, 3) velocity of the frame origin, global components."""
+    angular_velocity: np.ndarray
+    """(t, 3) angular velocity of the frame, body components, rad/s."""
+    coordinate_rates: np.ndarray
+    """(t, r)."""
+    acceleration: np.ndarray
+    """(t, 3) acceleration of the frame origin, global components."""
+    angular_acceleration: np.ndarray
+    """(t, 3) rate of the angular velocity, body components."""
+    coordinate_accelerations: np.ndarray
+    """(t, r)."""
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Cost of a run: accepted steps, Newton iterations, cut steps, wall seconds with and for compilation."""
+
+    steps: int = 0
+    iterations: int = 0
+    cuts: int = 0
+    seconds: float = 0.0
+    compile_seconds: float = 0.0
+
+    def __add__(self, other: Statistics) -> Statistics:
+        return Statistics(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A finished (part of a) simulation."""
+
+    times: np.ndarray
+    """(t,) output times."""
+    bodies: Mapping[str, BodyMotion]
+    joint_forces: Mapping[str, np.ndarray]
+    """Joint name to (t, m) Lagrange multipliers, in the order of the joint's constraint equations."""
+    statistics: Statistics
+
+
+def concatenate(parts: Sequence[Solution]) -> Solution:
+    """One solution from consecutive parts; the parts share bodies and joints and do not repeat a time."""
+    if not parts:
+        raise ValueError("no parts to join: a solution needs at least one chunk of output times")
+
+    def join(field: str, name: str) -> np.ndarray:
+        return np.concatenate([getattr(part.bodies[name], field) for part in parts])
+
+    first = parts[0]
+    return Solution(
+        times=np.concatenate([part.times for part in parts]),
+        bodies={
+            name: BodyMotion(**{f.name: join(f.name, name) for f in fields(BodyMotion)})
+            for name in first.bodies
+        },
+        joint_forces={
+            name: np.concatenate([part.joint_forces[name] for part in parts]) for name in first.joint_forces
+        },
+        statistics=sum((part.statistics for part in parts), Statistics()),
+    )

@@ -1,0 +1,87 @@
+"""How a run steps through time, and when an iteration counts as converged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+
+__all__ = ["AdaptiveStep", "FixedStep", "StepControl", "Tolerances"]
+
+
+def _check_positive(**values: float) -> None:
+    for name, value in values.items():
+        if not (isfinite(value) and value > 0):
+            raise ValueError(f"{name} must be a positive, finite number, got {value}")
+
+
+@dataclass(frozen=True)
+class FixedStep:
+    """Steps of one size, in the unit of time; a step that does not converge is halved, and reported.
+
+    The size is shortened slightly, if need be, so that a whole number of steps spans each output interval.
+    """
+
+    size: float
+    smallest: float = 1e-9
+
+    def __post_init__(self) -> None:
+        _check_positive(size=self.size, smallest=self.smallest)
+
+    @property
+    def first(self) -> float:
+        """The step to begin with."""
+        return self.size
+
+    @property
+    def largest(self) -> float:
+        """The step never to exceed."""
+        return self.size
+
+    @property
+    def tolerance(self) -> float:
+        """No local error is too large for a fixed step."""
+        return float("inf")
+
+
+@dataclass(frozen=True)
+class AdaptiveStep:
+    """Steps chosen so that the local error stays below `tolerance`.
+
+    The error is measured per step: translations over the size of the system, rotations in radians,
+    deformation coordinates over the size of the system times the root of the body's mass.
+    """
+
+    first: float = 1e-6
+    largest: float = 1e-2
+    tolerance: float = 1e-6
+    smallest: float = 1e-12
+
+    def __post_init__(self) -> None:
+        _check_positive(
+            first=self.first, largest=self.largest, tolerance=self.tolerance, smallest=self.smallest
+        )
+        if self.first > self.largest:
+            raise ValueError(f"the first step ({self.first}) exceeds the largest ({self.largest})")
+
+
+StepControl = FixedStep | AdaptiveStep
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """When Newton's iteration has converged.
+
+    `residual` bounds, for forces, moments and generalised forces separately, the unbalanced part relative to
+    the largest of the terms in balance (inertia, internal, applied, joint). Constraint equations are divided
+    by `beta h^2`, which makes accelerations of them, and held to the same relative bound. What lies below
+    rounding error (a correction that moves nothing by more than 1e-13 of the system's size) counts as
+    converged, so that a tighter tolerance costs iterations, never the answer.
+    """
+
+    residual: float = 1e-6
+    max_iterations: int = 12
+
+    def __post_init__(self) -> None:
+        _check_positive(residual=self.residual)
+        if self.max_iterations < 1:
+            raise ValueError(f"max_iterations must be at least 1, got {self.max_iterations}")

@@ -1,0 +1,23 @@
+"""Meshes: nodes, cells and named sets, checked on entry; parametric shapes."""
+
+from supple.mesh.block import block
+from supple.mesh.box_beam import box_beam
+from supple.mesh.cell_type import CellType
+from supple.mesh.cylinder import cylinder
+from supple.mesh.cylinder_shell import cylinder_shell
+from supple.mesh.mesh import Mesh
+from supple.mesh.plate import plate
+from supple.mesh.quadratic import to_quadratic
+from supple.mesh.strip import strip
+
+__all__ = [
+    "CellType",
+    "Mesh",
+    "block",
+    "box_beam",
+    "cylinder",
+    "cylinder_shell",
+    "plate",
+    "strip",
+    "to_quadratic",
+]

@@ -1,0 +1,42 @@
+"""Cell types: the shapes a mesh can be made of, with their node order."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+_TRIANGLE_EDGES = ((0, 1), (1, 2), (2, 0))
+_TETRA_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+_HEXA_EDGES = (
+    (0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7),
+)  # fmt: skip
+
+
+class CellType(Enum):
+    """A cell shape; its nodes are ordered as in meshio (VTK), which is also the order of Abaqus and CalculiX.
+
+    Corners come first: a triangle turns about its normal; a tetrahedron's fourth node lies on the normal side
+    of the first three; a hexahedron lists its bottom, then its top, both turning about the axis from bottom
+    to top. Mid-edge nodes follow, in the order of `edges`.
+
+    Attributes: meshio_name, n_nodes, n_corners, dimension (2 surface, 3 solid), edges (pairs of corners).
+    """
+
+    TRIANGLE3 = ("triangle", 3, 3, 2, _TRIANGLE_EDGES)
+    TETRA4 = ("tetra", 4, 4, 3, _TETRA_EDGES)
+    TETRA10 = ("tetra10", 10, 4, 3, _TETRA_EDGES)
+    HEXA8 = ("hexahedron", 8, 8, 3, _HEXA_EDGES)
+    HEXA20 = ("hexahedron20", 20, 8, 3, _HEXA_EDGES)
+
+    def __init__(
+        self,
+        meshio_name: str,
+        n_nodes: int,
+        n_corners: int,
+        dimension: int,
+        edges: tuple[tuple[int, int], ...],
+    ):
+        self.meshio_name = meshio_name
+        self.n_nodes = n_nodes
+        self.n_corners = n_corners
+        self.dimension = dimension
+        self.edges = edges

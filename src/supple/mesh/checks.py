@@ -1,0 +1,201 @@
+"""Checks of a mesh on entry: each mistake has its own message, with the place and the remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from supple.errors import MeshError
+from supple.mesh.cell_type import CellType
+from supple.mesh.reference_cell import reference_nodes, shape_gradients
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+# A triangle whose height is below this fraction of its longest edge has no usable normal or curvature.
+FLATTEST_TRIANGLE = 1e-6
+# A solid cell is flat when its smallest Jacobian falls below this fraction of its longest extent cubed;
+# slender cells (1 : 1000 in two directions) reach 1e-6.
+FLATTEST_SOLID = 1e-10
+
+
+def check_mesh(
+    nodes: FloatArray,
+    cells: Mapping[CellType, IntArray],
+    node_sets: Mapping[str, IntArray],
+    cell_sets: Mapping[str, Mapping[CellType, IntArray]],
+) -> None:
+    """Raise MeshError at the first mistake; later checks may rely on earlier ones."""
+    _check_node_coordinates(nodes)
+    _check_cell_arrays(cells)
+    _check_cell_node_range(nodes, cells)
+    _check_repeated_nodes(cells)
+    _check_orphan_nodes(nodes, cells)
+    _check_node_sets(nodes, node_sets)
+    _check_cell_sets(cells, cell_sets)
+    _check_cell_geometry(nodes, cells)
+    _check_connected(nodes, cells)
+
+
+def _check_node_coordinates(nodes: FloatArray) -> None:
+    if nodes.ndim != 2 or nodes.shape[1] != 3 or not len(nodes):
+        raise MeshError(
+            f"nodes have shape {nodes.shape}; expected (N, 3) with N >= 1, one row x, y, z a node"
+        )
+    bad = np.flatnonzero(~np.isfinite(nodes).all(axis=1))
+    if bad.size:
+        raise MeshError(f"{_some('node', bad)} not finite; node {bad[0]} is at {_point(nodes[bad[0]])}")
+
+
+def _check_cell_arrays(cells: Mapping[CellType, IntArray]) -> None:
+    if not cells:
+        raise MeshError("the mesh has no cells; give at least one {CellType: node numbers (E, k)}")
+    for kind, array in cells.items():
+        if array.ndim != 2 or array.shape[1] != kind.n_nodes:
+            raise MeshError(f"cells {kind.name} have shape {array.shape}; expected (E, {kind.n_nodes})")
+        if not len(array):
+            raise MeshError(f"cells {kind.name} are empty; leave the type out instead")
+
+
+def _check_cell_node_range(nodes: FloatArray, cells: Mapping[CellType, IntArray]) -> None:
+    for kind, array in cells.items():
+        bad = np.flatnonzero(((array < 0) | (array >= len(nodes))).any(axis=1))
+        if bad.size:
+            raise MeshError(
+                f"{_some(f'{kind.name} cell', bad)} naming nodes outside 0 .. {len(nodes) - 1}; "
+                f"cell {bad[0]} has nodes {array[bad[0]].tolist()}; node numbers start at 0"
+            )
+
+
+def _check_repeated_nodes(cells: Mapping[CellType, IntArray]) -> None:
+    for kind, array in cells.items():
+        ordered = np.sort(array, axis=1)
+        bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
+        if bad.size:
+            raise MeshError(
+                f"{_some(f'{kind.name} cell', bad)} with a node named twice; cell {bad[0]} has nodes "
+                f"{array[bad[0]].tolist()}; write collapsed cells as their own, simpler type"
+            )
+
+
+def _check_orphan_nodes(nodes: FloatArray, cells: Mapping[CellType, IntArray]) -> None:
+    used = np.zeros(len(nodes), dtype=bool)
+    for array in cells.values():
+        used[array] = True
+    bad = np.flatnonzero(~used)
+    if bad.size:
+        raise MeshError(
+            f"{_some('orphan node', bad)}: no cell uses them, so nothing holds them; node {bad[0]} is at "
+            f"{_point(nodes[bad[0]])}; drop unused nodes (readers: unused_nodes=UnusedNodes.DROP)"
+        )
+
+
+def _check_node_sets(nodes: FloatArray, node_sets: Mapping[str, IntArray]) -> None:
+    for name, members in node_sets.items():
+        _check_members(f"node set '{name}'", members, len(nodes), "nodes")
+
+
+def _check_cell_sets(
+    cells: Mapping[CellType, IntArray], cell_sets: Mapping[str, Mapping[CellType, IntArray]]
+) -> None:
+    for name, by_kind in cell_sets.items():
+        if not by_kind:
+            raise MeshError(f"cell set '{name}' is empty; leave it out, or name its cells")
+        for kind, members in by_kind.items():
+            _check_members(f"cell set '{name}'", members, len(cells.get(kind, ())), f"{kind.name} cells")
+
+
+def _check_members(what: str, members: IntArray, count: int, of_what: str) -> None:
+    if members.ndim != 1:
+        raise MeshError(f"{what} has shape {members.shape}; expected one row of numbers (k,)")
+    if not members.size:
+        raise MeshError(f"{what} is empty; leave it out, or name its members")
+    bad = members[(members < 0) | (members >= count)]
+    if bad.size:
+        raise MeshError(f"{what} names {bad[0]}, but the mesh has {count} {of_what}, numbered from 0")
+    if len(np.unique(members)) != len(members):
+        values, counts = np.unique(members, return_counts=True)
+        raise MeshError(f"{what} names {values[counts > 1][0]} more than once; name each member once")
+
+
+def _check_cell_geometry(nodes: FloatArray, cells: Mapping[CellType, IntArray]) -> None:
+    for kind, array in cells.items():
+        if kind.dimension == 2:
+            _check_flat_triangles(nodes, array)
+        else:
+            _check_solid_jacobians(nodes, kind, array)
+
+
+def _check_flat_triangles(nodes: FloatArray, triangles: IntArray) -> None:
+    """A triangle in space has no wrong side, so only its height against its longest edge is judged."""
+    corners = nodes[triangles]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    twice_area = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    bad = np.flatnonzero(twice_area <= FLATTEST_TRIANGLE * longest**2)
+    if bad.size:
+        raise MeshError(
+            f"{_some('degenerate TRIANGLE3 cell', bad)}, with (almost) no area; "
+            f"{_cell(nodes, triangles, bad[0])}; move or merge its nodes, or remove it"
+        )
+
+
+def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray) -> None:
+    """The Jacobian det dx/dxi must be positive at the cell's own nodes."""
+    corners = nodes[array]
+    extent = np.ptp(corners, axis=1).max(axis=1)
+    gradients = shape_gradients(kind, reference_nodes(kind))
+    smallest = np.full(len(array), np.inf)
+    for gradient in gradients:  # one node of the reference cell at a time keeps the memory small
+        np.minimum(smallest, np.linalg.det(np.einsum("eai,aj->eij", corners, gradient)), out=smallest)
+    bad = np.flatnonzero(smallest < -FLATTEST_SOLID * extent**3)
+    if bad.size:
+        raise MeshError(
+            f"{_some(f'inverted {kind.name} cell', bad)}: the Jacobian is negative at a node; "
+            f"{_cell(nodes, array, bad[0])}; reorder its nodes as CellType.{kind.name} says, or remesh there"
+        )
+    bad = np.flatnonzero(smallest <= FLATTEST_SOLID * extent**3)
+    if bad.size:
+        raise MeshError(
+            f"{_some(f'degenerate {kind.name} cell', bad)}, with (almost) no volume at a node; "
+            f"{_cell(nodes, array, bad[0])}; move its nodes, or remesh there"
+        )
+
+
+def _check_connected(nodes: FloatArray, cells: Mapping[CellType, IntArray]) -> None:
+    # Linking each node of a cell to the next is enough to connect them all.
+    start = np.concatenate([array[:, :-1].ravel() for array in cells.values()])
+    end = np.concatenate([array[:, 1:].ravel() for array in cells.values()])
+    graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(len(nodes), len(nodes)))
+    n_parts, part = connected_components(graph, directed=False)
+    if n_parts > 1:
+        sizes = np.sort(np.bincount(part))[::-1]
+        first = np.flatnonzero(part != np.argmax(np.bincount(part)))[0]
+        raise MeshError(
+            f"the mesh falls into {n_parts} disconnected parts, of {_first_few(sizes)} nodes; node {first} "
+            f"at {_point(nodes[first])} is not in the largest; merge coincident nodes, or make each part its "
+            "own mesh (readers: only='name of its cell set')"
+        )
+
+
+def _some(what: str, found: IntArray) -> str:
+    return f"{len(found)} {what}{'s' if len(found) > 1 else ''} ({_first_few(found)})"
+
+
+def _first_few(numbers: IntArray) -> str:
+    return ", ".join(map(str, numbers[:5].tolist())) + (", ..." if len(numbers) > 5 else "")
+
+
+def _cell(nodes: FloatArray, array: IntArray, number: int) -> str:
+    members = array[number]
+    corners = ", ".join(_point(nodes[node]) for node in members[:4]) + (", ..." if len(members) > 4 else "")
+    return f"cell {number} has nodes {members.tolist()} at {corners}"
+
+
+def _point(position: FloatArray) -> str:
+    return "(" + ", ".join(f"{value:g}" for value in position) + ")"

@@ -1,0 +1,66 @@
+"""Cylinder: a solid round bar of tetrahedra or hexahedra."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.mesh.cell_type import CellType
+from supple.mesh.extrusion import extrude
+from supple.mesh.mesh import Mesh
+from supple.mesh.shape_arguments import check_counts, check_sizes
+from supple.mesh.structured_grid import grid_perimeter, grid_quads
+
+# Half the side of the square core, over the radius: keeps core and ring cells of like size and shape.
+CORE = 0.45
+
+
+def cylinder(
+    radius: float, length: float, n_core: int, n_ring: int, n_length: int, cell_type: CellType
+) -> Mesh:
+    """Solid cylinder about the x axis, 0 <= x <= length: a square core in a round ring.
+
+    Parameters
+    ----------
+    radius, length : float       m
+    n_core : int                 hexahedra along a side of the core, a quarter of those around
+    n_ring : int                 layers of hexahedra around the core
+    n_length : int               hexahedra along x; six tetrahedra to a hexahedron
+    cell_type : CellType         TETRA4, TETRA10, HEXA8 or HEXA20; mid-edge nodes lie on the true surface
+    Returns
+    -------
+    Mesh   node sets root (x = 0), tip (x = length), surface (at the radius)
+    Raises
+    ------
+    MeshError   sizes not positive; counts below one; a surface cell type
+    """
+    check_sizes(radius=radius, length=length)
+    check_counts(n_core=n_core, n_ring=n_ring, n_length=n_length)
+    section, quads, rim = _disc(radius, n_core, n_ring)
+    x = np.linspace(0.0, length, n_length + 1)
+    mesh = extrude(section, quads, x, cell_type, section_sets={"surface": rim})
+    nodes = mesh.nodes.copy()
+    surface = mesh.nodes_of("surface")
+    nodes[surface, 1:] *= radius / np.linalg.norm(nodes[surface, 1:], axis=1, keepdims=True)
+    return replace(mesh, nodes=nodes)
+
+
+def _disc(radius: float, n_core: int, n_ring: int):
+    """Points (P, 2), quads (Q, 4) and rim points (4 n_core,) of a disc."""
+    side = np.linspace(-CORE, CORE, n_core + 1)
+    core = np.column_stack([np.repeat(side, n_core + 1), np.tile(side, n_core + 1)])
+    core_grid = np.arange(len(core)).reshape(n_core + 1, n_core + 1)
+    core_rim = grid_perimeter(core_grid)
+    around = np.arange(4 * n_core)
+    angle = -0.75 * np.pi + 0.5 * np.pi * around / n_core  # from the core's first corner
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    outward = (np.arange(1, n_ring + 1) / n_ring)[:, None, None]
+    ring = (1 - outward) * core[core_rim] + outward * circle
+    section = radius * np.vstack([core, ring.reshape(-1, 2)])
+
+    layers = np.vstack([core_rim, len(core) + np.arange(4 * n_core * n_ring).reshape(n_ring, -1)])
+    closed: NDArray[np.int64] = np.column_stack([layers, layers[:, 0]])
+    quads = np.vstack([grid_quads(core_grid), grid_quads(closed)])
+    return section, quads, layers[-1]

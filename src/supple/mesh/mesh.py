@@ -1,0 +1,111 @@
+"""Mesh: nodes, cells by type, and named sets of both."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.errors import MeshError
+from supple.mesh.cell_type import CellType
+from supple.mesh.checks import check_mesh
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mesh:
+    """Nodes, cells by type and named sets; connected, free of unused nodes and of inverted or flat cells.
+
+    Parameters
+    ----------
+    nodes : float array (N, 3)          positions, m
+    cells : {CellType: int array (E, k)}   node numbers of each cell, 0-based, ordered as `CellType` says
+    node_sets : {name: int array}       node numbers; kept in the order given (an edge may run root to tip)
+    cell_sets : {name: {CellType: int array}}   cell numbers within their type
+
+    All arrays are copied and read-only.
+
+    Raises
+    ------
+    MeshError   NaN, wrong shapes, numbers out of range, empty sets, orphan nodes, repeated nodes in a cell,
+                inverted or degenerate cells, disconnected parts: each with its own message
+    """
+
+    nodes: FloatArray
+    cells: Mapping[CellType, IntArray]
+    node_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    cell_sets: Mapping[str, Mapping[CellType, IntArray]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        nodes = np.array(self.nodes, dtype=np.float64)
+        nodes.setflags(write=False)
+        cells = {kind: _numbers(array, f"cells {kind.name}") for kind, array in self.cells.items()}
+        node_sets = {name: _numbers(array, f"node set '{name}'") for name, array in self.node_sets.items()}
+        cell_sets = {
+            name: MappingProxyType(
+                {kind: _numbers(array, f"cell set '{name}'") for kind, array in members.items()}
+            )
+            for name, members in self.cell_sets.items()
+        }
+        check_mesh(nodes, cells, node_sets, cell_sets)
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "cells", MappingProxyType(cells))
+        object.__setattr__(self, "node_sets", MappingProxyType(node_sets))
+        object.__setattr__(self, "cell_sets", MappingProxyType(cell_sets))
+
+    def __reduce__(self):
+        # Mapping proxies do not pickle; building anew also keeps the arrays read-only.
+        cell_sets = {name: dict(members) for name, members in self.cell_sets.items()}
+        return Mesh, (self.nodes, dict(self.cells), dict(self.node_sets), cell_sets)
+
+    def __repr__(self) -> str:
+        cells = ", ".join(f"{len(array)} {kind.name}" for kind, array in self.cells.items())
+        node_sets, cell_sets = _listed(self.node_sets), _listed(self.cell_sets)
+        return f"Mesh({self.n_nodes} nodes, {cells}; node sets: {node_sets}; cell sets: {cell_sets})"
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes."""
+        return len(self.nodes)
+
+    @property
+    def n_cells(self) -> int:
+        """Number of cells of all types."""
+        return sum(len(array) for array in self.cells.values())
+
+    def nodes_of(self, name: str) -> IntArray:
+        """Node numbers of a named node set; MeshError lists the sets there are."""
+        if name not in self.node_sets:
+            raise MeshError(f"no node set '{name}' in this mesh; it has {_listed(self.node_sets)}")
+        return self.node_sets[name]
+
+    def cells_of(self, name: str) -> Mapping[CellType, IntArray]:
+        """Cell numbers, by type, of a named cell set; MeshError lists the sets there are."""
+        if name not in self.cell_sets:
+            raise MeshError(f"no cell set '{name}' in this mesh; it has {_listed(self.cell_sets)}")
+        return self.cell_sets[name]
+
+    def only_cell_type(self) -> CellType:
+        """The type of all cells; MeshError when the mesh mixes several."""
+        if len(self.cells) != 1:
+            counts = ", ".join(f"{len(array)} {kind.name}" for kind, array in self.cells.items())
+            raise MeshError(f"the mesh mixes cell types ({counts}); keep one, for instance by its cell set")
+        return next(iter(self.cells))
+
+
+def _numbers(array: ArrayLike, what: str) -> IntArray:
+    given = np.asarray(array)
+    if given.size and not np.issubdtype(given.dtype, np.integer):
+        raise MeshError(f"{what} holds {given.dtype} values; node and cell numbers are integers")
+    numbers = np.array(given, dtype=np.int64)
+    numbers.setflags(write=False)
+    return numbers
+
+
+def _listed(sets: Mapping[str, object]) -> str:
+    return ", ".join(f"'{name}'" for name in sets) or "none"

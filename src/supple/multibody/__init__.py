@@ -1,0 +1,60 @@
+"""Systems of bodies, joints and loads; floating-frame equations of motion, reduced and full."""
+
+from supple.multibody.full_body import FullBody
+from supple.multibody.joints import (
+    GROUND,
+    At,
+    Ball,
+    Cylindrical,
+    Fixed,
+    Joint,
+    JointFrame,
+    PrescribedRotation,
+    PrescribedTranslation,
+    Prismatic,
+    Revolute,
+    Universal,
+)
+from supple.multibody.loads import (
+    DeadForce,
+    DeadTorque,
+    FollowerForce,
+    FollowerTorque,
+    ForceElement,
+    SpringDamper,
+    TorsionSpringDamper,
+)
+from supple.multibody.simulate import Checkpoint, simulate
+from supple.multibody.system import Placed, System
+from supple.multibody.time_law import Constant, Table, TimeFunction, TimeLaw
+
+__all__ = [
+    "GROUND",
+    "At",
+    "Ball",
+    "Checkpoint",
+    "Constant",
+    "Cylindrical",
+    "DeadForce",
+    "DeadTorque",
+    "Fixed",
+    "FollowerForce",
+    "FollowerTorque",
+    "ForceElement",
+    "FullBody",
+    "Joint",
+    "JointFrame",
+    "Placed",
+    "PrescribedRotation",
+    "PrescribedTranslation",
+    "Prismatic",
+    "Revolute",
+    "SpringDamper",
+    "System",
+    "Table",
+    "TimeFunction",
+    "TimeLaw",
+    "TorsionSpringDamper",
+    "Universal",
+    "simulate",
+]

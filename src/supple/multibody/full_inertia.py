@@ -1,0 +1,219 @@
+"""Inertia of a full finite-element body in a floating frame: nodal forces, frame rows, and their tangents.
+
+The same equations as `floating_inertia`, node by node instead of through a Gram matrix. With the nodal
+velocities `V = Phi_w(q) w + qdot`, `h = M V` and `hdot = M (Phi_t a + Phi_w(q) wdot + w x qdot + qddot)`:
+
+    node         y = hdot + w x h            (translations; no `w x` for rotations)
+    force        p = sum y
+    moment       m = sum (x + u) x y + V x h + sum_rot (hdot + w x h)
+
+Arrays over nodes have the shape (N, d, ...) with d = 3 or 6 freedoms a node, translations first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array, eye_array, kron
+
+from supple.body import FlexibleBody
+
+__all__ = ["FullInertia", "FullMotion", "InertiaTerms"]
+
+
+class FullMotion(NamedTuple):
+    """Nodal displacements, velocities, accelerations (N, d) and the frame's spin and accelerations (3,)."""
+
+    displacement: np.ndarray
+    rate: np.ndarray
+    acceleration: np.ndarray
+    spin: np.ndarray
+    spin_rate: np.ndarray
+    frame_acceleration: np.ndarray
+    """`A^T (Rddot - gravity)`"""
+
+
+class InertiaTerms(NamedTuple):
+    """Inertia forces: on nodes (N, d), on the frame (6,)."""
+
+    nodal: np.ndarray
+    frame: np.ndarray
+
+
+class InertiaBorder(NamedTuple):
+    """Tangents that involve the frame: columns (n_nodal, 6), rows (6, n_nodal), corner (6, 6)."""
+
+    columns: np.ndarray
+    rows: np.ndarray
+    corner: np.ndarray
+
+
+def _cross_matrix(w: np.ndarray) -> np.ndarray:
+    return np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+
+
+def _turned(fields: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """`w x field` on translations, zero on rotations; fields (N, d, ...)."""
+    result = np.zeros_like(fields)
+    result[:, :3] = np.einsum("ij,nj...->ni...", _cross_matrix(w), fields[:, :3])
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class FullInertia:
+    """The mass matrix of a body, ready for floating-frame inertia."""
+
+    body: FlexibleBody
+
+    @property
+    def _d(self) -> int:
+        return self.body.dofs_per_node
+
+    @cached_property
+    def _mass(self) -> csr_array:
+        return csr_array(self.body.nodal_mass)
+
+    def _times_mass(self, fields: np.ndarray) -> np.ndarray:
+        flat = fields.reshape(self._mass.shape[0], -1)
+        return (self._mass @ flat).reshape(fields.shape)
+
+    @cached_property
+    def _translations(self) -> np.ndarray:
+        """`Phi_t`, (N, d, 3)."""
+        field = np.zeros((len(self.body.nodes), self._d, 3))
+        field[:, :3] = np.eye(3)
+        return field
+
+    def _rotations(self, displacement: np.ndarray) -> np.ndarray:
+        """`Phi_w(q)`, (N, d, 3): column j is `e_j x (x + u)`, and `e_j` on rotations."""
+        field = np.zeros((len(self.body.nodes), self._d, 3))
+        place = self.body.nodes + displacement[:, :3]
+        field[:, :3] = -_cross_matrices(place)
+        if self._d == 6:
+            field[:, 3:] = np.eye(3)
+        return field
+
+    def _momenta(self, motion: FullMotion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Nodal velocities `V`, momenta `h` and their rate `hdot` in the frame, (N, d)."""
+        rotations = self._rotations(motion.displacement)
+        velocity = rotations @ motion.spin + motion.rate
+        acceleration = (
+            self._translations @ motion.frame_acceleration
+            + rotations @ motion.spin_rate
+            + _turned(motion.rate, motion.spin)
+            + motion.acceleration
+        )
+        return velocity, self._times_mass(velocity), self._times_mass(acceleration)
+
+    def terms(self, motion: FullMotion) -> InertiaTerms:
+        """Inertia forces on nodes and frame."""
+        velocity, momentum, rate = self._momenta(motion)
+        nodal = rate + _turned(momentum, motion.spin)
+        place = self.body.nodes + motion.displacement[:, :3]
+        moment = (np.cross(place, nodal[:, :3]) + np.cross(velocity[:, :3], momentum[:, :3])).sum(axis=0)
+        if self._d == 6:
+            moment = moment + (nodal[:, 3:] + np.cross(motion.spin, momentum[:, 3:])).sum(axis=0)
+        return InertiaTerms(nodal, np.concatenate([nodal[:, :3].sum(axis=0), moment]))
+
+    @cached_property
+    def _axis_turns(self) -> tuple[csr_array, ...]:
+        """`E_i`: the sparse matrices of `e_i x` on the translations of all nodes."""
+        per_node = []
+        for axis in np.eye(3):
+            block = np.zeros((self._d, self._d))
+            block[:3, :3] = _cross_matrix(axis)
+            per_node.append(csr_array(kron(eye_array(len(self.body.nodes)), csr_array(block))))
+        return tuple(per_node)
+
+    @cached_property
+    def matrices(self) -> dict[str, list[csc_array]]:
+        """Constant matrices (n, n), in the body's coordinates, of the tangent's inertia part.
+
+        mass `M`; gyroscopic `M E_i + E_i M`; euler `M E_i`; centrifugal `E_i M E_j + E_j M E_i` (i < j),
+        `E_i M E_i`, in the order 11, 22, 33, 12, 13, 23.
+        """
+        mass, turns, expand = self._mass, self._axis_turns, self.body.expansion
+
+        def project(matrix: csr_array) -> csc_array:
+            return csc_array(expand.T @ matrix @ expand)
+
+        pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
+        return {
+            "mass": [project(mass)],
+            "gyroscopic": [project(mass @ e + e @ mass) for e in turns],
+            "euler": [project(mass @ e) for e in turns],
+            "centrifugal": [
+                project(
+                    turns[i] @ mass @ turns[j] + (turns[j] @ mass @ turns[i] if i != j else 0 * mass)
+                )
+                for i, j in pairs
+            ],
+        }
+
+    @staticmethod
+    def weights(motion: FullMotion, velocity: float, position: float) -> dict[str, np.ndarray]:
+        """Factors of `matrices` in the tangent."""
+        x, y, z = motion.spin
+        return {
+            "mass": np.ones(1),
+            "gyroscopic": velocity * motion.spin,
+            "euler": position * motion.spin_rate,
+            "centrifugal": position * np.array([x * x, y * y, z * z, x * y, x * z, y * z]),
+        }
+
+    def border(self, motion: FullMotion, velocity: float, position: float) -> InertiaBorder:
+        """Tangents between the nodes and the frame, for the same factors as `inertia_tangent`."""
+        spin, spin_rate = motion.spin, motion.spin_rate
+        rotations = self._rotations(motion.displacement)
+        _, momentum, rate = self._momenta(motion)
+        mass_translations = self._times_mass(self._translations)
+        mass_rotations = self._times_mass(rotations)
+        axes = np.eye(3)
+
+        by_spin = np.stack([_turned(motion.rate, axis) for axis in axes], axis=-1)
+        turned_momentum = np.stack([_turned(momentum, axis) for axis in axes], axis=-1)
+        columns_spin = mass_rotations + velocity * (
+            self._times_mass(by_spin) + turned_momentum + _turned(mass_rotations, spin)
+        )
+        columns = np.concatenate([mass_translations, columns_spin], axis=-1)
+
+        left = np.concatenate([self._translations, rotations], axis=-1)
+        mass_left = np.concatenate([mass_translations, mass_rotations], axis=-1)
+        # (L^T w~) M: for a column l of L, (w~)^T l = -w x l
+        mass_turned_left = self._times_mass(-_turned(left, spin))
+        rows = (
+            mass_left
+            - velocity * _turned(mass_left, spin)
+            - position * _turned(mass_left, spin_rate)
+            + velocity * mass_turned_left
+            - position * _turned(mass_turned_left, spin)
+        )
+        nodal = rate + _turned(momentum, spin)
+        # dX x y seen along e_j: dX . (y x e_j)
+        arm_change = np.zeros_like(rotations)
+        arm_change[:, :3] = -np.einsum("jab,nb->naj", np.array([_cross_matrix(e) for e in axes]), nodal[:, :3])
+        rows[..., 3:] += position * arm_change
+        corner = np.einsum("nda,ndb->ab", left, columns)
+        if self._d == 6:
+            # e_j . (w x dh_rot) = (e_j x w) . dh_rot
+            spun = np.zeros_like(rotations)
+            spun[:, 3:] = np.cross(axes, spin).T
+            mass_spun = self._times_mass(spun)
+            rows[..., 3:] += velocity * mass_spun - position * _turned(mass_spun, spin)
+            total = momentum[:, 3:].sum(axis=0)
+            change = velocity * mass_rotations[:, 3:].sum(axis=0)
+            corner[3:, 3:] += _cross_matrix(spin) @ change - velocity * _cross_matrix(total)
+        n_nodal = self._mass.shape[0]
+        return InertiaBorder(columns.reshape(n_nodal, 6), rows.reshape(n_nodal, 6).T, corner)
+
+
+def _cross_matrices(vectors: np.ndarray) -> np.ndarray:
+    """`skew(v)` of every row, (N, 3, 3)."""
+    result = np.zeros((len(vectors), 3, 3))
+    x, y, z = vectors.T
+    result[:, 0, 1], result[:, 0, 2], result[:, 1, 2] = -z, y, -x
+    result[:, 1, 0], result[:, 2, 0], result[:, 2, 1] = z, -y, x
+    return result

@@ -1,0 +1,175 @@
+"""A consistent start: positions and velocities on the joints, first accelerations and multipliers.
+
+Positions are corrected by the least motion in the mass norm until `g(q, t_0) = 0`, velocities likewise until
+`dg/dt = 0`; then accelerations and multipliers follow from the equations of motion together with
+`d2g/dt2 = 0`. Joints that constrain the same motion twice are found by a rank-revealing factorisation of
+`G M^{-1/2}` and named.
+"""
+
+from __future__ import annotations
+
+import warnings
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import scipy.linalg
+
+from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning
+from supple.multibody.equations import (
+    Configuration,
+    Motion,
+    advance,
+    balance,
+    constraint_jacobian,
+    constraints,
+    tangent,
+)
+from supple.multibody.model import Model, build_model
+from supple.multibody.system import System
+from supple.multibody.time_step import State
+
+__all__ = ["consistent_start"]
+
+_REDUNDANT = 1e-9
+"""A constraint row whose new part is smaller than this, relative to the largest, adds nothing."""
+_OPEN = 1e-3
+"""A joint open by more than this part of the system's size is a mistake, not a rounding error."""
+
+
+def placed_configuration(system: System) -> Configuration:
+    """Where the system's bodies were placed."""
+    return Configuration(
+        origins=jnp.array([placed.position for placed in system.bodies]),
+        rotations=jnp.array([placed.rotation for placed in system.bodies]),
+        coordinates=tuple(jnp.array(placed.coordinates) for placed in system.bodies),
+    )
+
+
+def placed_velocity(system: System) -> jax.Array:
+    """Initial velocities of all bodies, (n,)."""
+    return jnp.concatenate(
+        [
+            jnp.concatenate([placed.velocity, placed.angular_velocity, placed.coordinate_rates])
+            for placed in system.bodies
+        ]
+    )
+
+
+def _mass_matrix(model: Model, time: jax.Array, configuration: Configuration) -> np.ndarray:
+    rest = jnp.zeros(model.n_velocities)
+    motion = Motion(time, configuration, rest, rest, jnp.zeros(len(model.active)))
+    stiffness = tuple(jnp.zeros_like(jnp.asarray(body.stiffness)) for body in model.bodies)
+    zero = jnp.zeros(())
+    return np.asarray(tangent(model, motion, stiffness, rest, zero, zero))
+
+
+def check_joints_closed(system: System, model: Model, gaps: np.ndarray) -> None:
+    """Raise ModelError for a joint whose ends lie apart in the initial configuration."""
+    start = 0
+    for joint in system.joints:
+        own = gaps[start : start + joint.n_constraints]
+        start += joint.n_constraints
+        for row, gap in zip(joint.rows, own, strict=True):
+            scale = float(model.length) if row.startswith("position") else 1.0
+            if abs(gap) > _OPEN * scale:
+                raise ModelError(
+                    f"joint '{joint.name}' is open in the initial configuration: {row} is off by {gap:.3g}. "
+                    "Place the bodies so that both ends meet, or let the prescribed motion start at zero"
+                )
+
+
+def independent_constraints(system: System, jacobian: np.ndarray, mass: np.ndarray) -> tuple[int, ...]:
+    """Indices of a largest set of independent constraint equations; the others are named in a warning."""
+    if not len(jacobian):
+        return ()
+    scaled = scipy.linalg.solve_triangular(np.linalg.cholesky(mass), jacobian.T, lower=True)
+    scaled = scaled / np.linalg.norm(scaled, axis=0)
+    _, upper, order = scipy.linalg.qr(scaled, mode="economic", pivoting=True)
+    diagonal = np.zeros(len(jacobian))
+    diagonal[: min(upper.shape)] = abs(np.diag(upper))
+    kept = np.sort(order[diagonal > _REDUNDANT * diagonal[0]])
+    if kept.size == len(jacobian):
+        return tuple(range(len(jacobian)))
+    labels = [f"'{joint.name}' ({row})" for joint in system.joints for row in joint.rows]
+    redundant = [labels[i] for i in np.setdiff1d(np.arange(len(jacobian)), kept)]
+    warnings.warn(
+        f"{len(redundant)} redundant constraint equation(s) left out: {', '.join(redundant)}. The motion is "
+        "the same without them, but how the joints share these forces is undetermined; a flexible body, or "
+        "a joint with more freedom, removes the redundancy",
+        RedundantConstraintWarning,
+        stacklevel=3,
+    )
+    return tuple(int(i) for i in kept)
+
+
+def _bordered_solve(mass: np.ndarray, jacobian: np.ndarray, top: np.ndarray, bottom: np.ndarray) -> np.ndarray:
+    m = len(jacobian)
+    scale = np.trace(mass) / len(mass)
+    matrix = np.block([[mass, scale * jacobian.T], [scale * jacobian, np.zeros((m, m))]])
+    solution = np.linalg.solve(matrix, np.concatenate([top, scale * bottom]))
+    solution[len(mass) :] *= scale
+    return solution
+
+
+def _close_joints(model: Model, time: jax.Array, configuration: Configuration) -> Configuration:
+    """Project the configuration on the joints by Newton's method."""
+    for _ in range(20):
+        gap = np.asarray(constraints(model, time, configuration))
+        if np.max(abs(gap), initial=0.0) <= 1e-13 * float(model.length):
+            return configuration
+        mass = _mass_matrix(model, time, configuration)
+        jacobian = np.asarray(constraint_jacobian(model, time, configuration))
+        step = _bordered_solve(mass, jacobian, np.zeros(len(mass)), -gap)[: len(mass)]
+        configuration = advance(model, configuration, jnp.asarray(step))
+    raise ConvergenceError(
+        f"the joints could not be closed at the start: largest gap {np.max(abs(gap)):.3g} after 20 iterations. "
+        "Place the bodies closer to a configuration in which every joint fits"
+    )
+
+
+def consistent_start(system: System, time: float, first_step: float) -> tuple[Model, State]:
+    """The compiled model (redundant constraints left out) and the consistent state at the initial time."""
+    full_model = build_model(system)
+    now = jnp.asarray(float(time))
+    configuration = placed_configuration(system)
+    mass = _mass_matrix(full_model, now, configuration)
+    check_joints_closed(system, full_model, np.asarray(constraints(full_model, now, configuration)))
+    jacobian = np.asarray(constraint_jacobian(full_model, now, configuration))
+    model = build_model(system, active=independent_constraints(system, jacobian, mass))
+
+    configuration = _close_joints(model, now, configuration)
+    mass = _mass_matrix(model, now, configuration)
+    jacobian = np.asarray(constraint_jacobian(model, now, configuration))
+
+    def gap_after(duration: jax.Array, velocity: jax.Array) -> jax.Array:
+        return constraints(model, now + duration, advance(model, configuration, duration * velocity))
+
+    def gap_rate(duration: jax.Array, velocity: jax.Array) -> jax.Array:
+        return jax.jvp(lambda s: gap_after(s, velocity), (duration,), (jnp.ones(()),))[1]
+
+    velocity = np.asarray(placed_velocity(system))
+    zero = jnp.zeros(())
+    drift = np.asarray(gap_rate(zero, jnp.asarray(velocity)))
+    velocity = velocity + _bordered_solve(mass, jacobian, np.zeros(len(mass)), -drift)[: len(mass)]
+    moving = jnp.asarray(velocity)
+    bending = np.asarray(jax.jvp(lambda s: gap_rate(s, moving), (zero,), (jnp.ones(()),))[1])
+    still = Motion(now, configuration, moving, jnp.zeros_like(moving), jnp.zeros(len(model.active)))
+    forces = np.asarray(balance(model, still).residual)
+    solution = _bordered_solve(mass, jacobian, -forces, -bending)
+    acceleration = jnp.asarray(solution[: len(mass)])
+    count = jnp.zeros((), dtype=int)
+    return model, State(
+        time=now,
+        step=jnp.asarray(float(first_step)),
+        configuration=configuration,
+        velocity=moving,
+        acceleration=acceleration,
+        auxiliary=acceleration,
+        multipliers=jnp.asarray(solution[len(mass) :]),
+        steps=count,
+        iterations=count,
+        cuts=count,
+        failed=jnp.zeros((), dtype=bool),
+        imbalance=jnp.zeros(4),
+    )

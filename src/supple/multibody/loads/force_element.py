@@ -1,0 +1,62 @@
+"""What every force between two markers is: ends, parameters, and the wrenches it exerts on them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from supple.errors import ModelError
+from supple.multibody.joints.joint import GROUND, At
+from supple.multibody.marker import Wrench
+from supple.multibody.time_law import TimeLaw
+
+__all__ = ["ForceElement", "check_not_negative"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceElement(ABC):
+    """A force law between two markers; tangents follow from it by differentiation."""
+
+    first: At
+    second: At = GROUND
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "first", At(*self.first))
+        object.__setattr__(self, "second", At(*self.second))
+        if GROUND == self.first == self.second:
+            raise ModelError(f"{self.label} acts on the ground alone: name a body's interface")
+
+    @property
+    def label(self) -> str:
+        """Name for messages."""
+        return f"{type(self).__name__} on {self.first}"
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Axes of both markers in the initial configuration, global, as columns."""
+        return np.eye(3)
+
+    @property
+    def law(self) -> TimeLaw | None:
+        """The quantity that varies with time, where there is one."""
+        return None
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """The numbers that `wrenches` needs."""
+        return ()
+
+    @staticmethod
+    @abstractmethod
+    def wrenches(first: Any, second: Any, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+        """Wrenches on the two markers; `value` is the law's at this time, or None."""
+
+
+def check_not_negative(element: ForceElement, **values: float) -> None:
+    """Raise ModelError unless every value is finite and at least zero."""
+    for name, value in values.items():
+        if not (np.isfinite(value) and value >= 0):
+            raise ModelError(f"{element.label}: {name} must be finite and not negative, got {value}")

@@ -1,0 +1,72 @@
+"""Forces and torques given in time at one interface: dead (fixed in space) or follower (fixed to the interface)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax.numpy as jnp
+
+from supple.multibody.loads.force_element import ForceElement
+from supple.multibody.marker import Marker, Wrench, orientation
+from supple.multibody.time_law import TimeLaw, as_time_law
+
+__all__ = ["DeadTorque", "FollowerForce", "FollowerTorque"]
+
+
+def _at_rest() -> Wrench:
+    return Wrench(jnp.zeros(3), jnp.zeros(3))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowerForce(ForceElement):
+    """A force that turns with the interface it acts on."""
+
+    force: Any
+    """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
+
+    @property
+    def law(self) -> TimeLaw:
+        """The force over time."""
+        return as_time_law(self.force)
+
+    @staticmethod
+    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """`F = A_p f(t)`."""
+        return Wrench(orientation(first) @ value, jnp.zeros(3)), _at_rest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowerTorque(ForceElement):
+    """A torque that turns with the interface it acts on."""
+
+    torque: Any
+    """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
+
+    @property
+    def law(self) -> TimeLaw:
+        """The torque over time."""
+        return as_time_law(self.torque)
+
+    @staticmethod
+    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """`M = A_p m(t)`."""
+        return Wrench(jnp.zeros(3), orientation(first) @ value), _at_rest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeadTorque(ForceElement):
+    """A torque whose direction stays fixed in space."""
+
+    torque: Any
+    """(3,) global components."""
+
+    @property
+    def law(self) -> TimeLaw:
+        """The torque over time."""
+        return as_time_law(self.torque)
+
+    @staticmethod
+    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """`M = m(t)`."""
+        return Wrench(jnp.zeros(3), jnp.asarray(value)), _at_rest()

@@ -1,0 +1,123 @@
+"""Markers: where joints and forces take hold of a body.
+
+A marker sits at an interface (or node) p of a body. With the frame's origin `R` and rotation `A`, the rest
+position `x_p`, and the displacement `u` and rotation vector `theta` relative to the frame,
+
+    r_p = R + A (x_p + u),        A_p = A exp(theta) C,
+
+where the constant `C` turns the interface's axes into the joint's. The twelve *local freedoms* of a marker
+are the variations of `(R, psi, u, theta)`, `dA = A skew(dpsi)`; `u` and `theta` are linear in the body's
+coordinates, so one constant matrix (`selection`, 12 x (6 + r)) carries them to the body and back.
+
+Source: [Wu2019] (1)-(5), (26)-(28).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from supple.algebra.rotation import rotation_exp, rotation_right_jacobian
+
+__all__ = [
+    "N_LOCAL",
+    "Marker",
+    "Wrench",
+    "angular_velocity",
+    "displaced",
+    "generalized_force",
+    "orientation",
+    "point",
+    "point_velocity",
+    "with_rates",
+]
+
+N_LOCAL = 12
+"""Number of local freedoms of a marker: `dR (3), dpsi (3), du (3), dtheta (3)`."""
+
+
+class Marker(NamedTuple):
+    """Kinematic state of one marker; every field is an array of shape (3,) or (3, 3)."""
+
+    origin: jax.Array
+    """Frame origin `R`, global."""
+    rotation: jax.Array
+    """Frame rotation `A`, body to global."""
+    displacement: jax.Array
+    """`u`, body components."""
+    turn: jax.Array
+    """Rotation vector `theta`, body components."""
+    offset: jax.Array
+    """Rest position `x_p` in the body frame."""
+    axes: jax.Array
+    """Joint axes `C` in the interface's frame, as columns."""
+    velocity: jax.Array
+    """`dR/dt`, global."""
+    spin: jax.Array
+    """Angular velocity of the frame, body components."""
+    displacement_rate: jax.Array
+    turn_rate: jax.Array
+
+
+class Wrench(NamedTuple):
+    """Force and moment on a marker, global components, the force acting at the marker's point."""
+
+    force: jax.Array
+    moment: jax.Array
+
+
+def displaced(marker: Marker, variation: jax.Array) -> Marker:
+    """The marker moved by a finite amount along its local freedoms; (12,) in the order of `N_LOCAL`."""
+    return marker._replace(
+        origin=marker.origin + variation[0:3],
+        rotation=marker.rotation @ rotation_exp(variation[3:6]),
+        displacement=marker.displacement + variation[6:9],
+        turn=marker.turn + variation[9:12],
+    )
+
+
+def with_rates(marker: Marker, variation: jax.Array) -> Marker:
+    """The marker with its velocities `(dR/dt, omega, du/dt, dtheta/dt)` changed by the given twelve."""
+    return marker._replace(
+        velocity=marker.velocity + variation[0:3],
+        spin=marker.spin + variation[3:6],
+        displacement_rate=marker.displacement_rate + variation[6:9],
+        turn_rate=marker.turn_rate + variation[9:12],
+    )
+
+
+def point(marker: Marker) -> jax.Array:
+    """Global position `r_p`, (3,)."""
+    return marker.origin + marker.rotation @ (marker.offset + marker.displacement)
+
+
+def orientation(marker: Marker) -> jax.Array:
+    """Global orientation `A_p` of the joint axes, as columns, (3, 3)."""
+    return marker.rotation @ rotation_exp(marker.turn) @ marker.axes
+
+
+def point_velocity(marker: Marker) -> jax.Array:
+    """Global velocity of the marker's point, (3,)."""
+    arm = marker.offset + marker.displacement
+    return marker.velocity + marker.rotation @ (jnp.cross(marker.spin, arm) + marker.displacement_rate)
+
+
+def angular_velocity(marker: Marker) -> jax.Array:
+    """Global angular velocity of the marker, (3,)."""
+    turned = marker.rotation @ rotation_exp(marker.turn)
+    own = rotation_exp(marker.turn).T @ marker.spin + rotation_right_jacobian(marker.turn) @ marker.turn_rate
+    return turned @ own
+
+
+def generalized_force(marker: Marker, wrench: Wrench) -> jax.Array:
+    """Work-conjugate of the twelve local freedoms for a wrench on the marker, (12,).
+
+    Q_R = F,   Q_psi = (x + u) x A^T F + A^T M,   Q_u = A^T F,   Q_theta = T(theta)^T exp(theta)^T A^T M
+    """
+    force = marker.rotation.T @ wrench.force
+    moment = marker.rotation.T @ wrench.moment
+    arm = marker.offset + marker.displacement
+    conjugate_to_turn = rotation_right_jacobian(marker.turn).T @ (rotation_exp(marker.turn).T @ moment)
+    return jnp.concatenate([wrench.force, jnp.cross(arm, force) + moment, force, conjugate_to_turn])

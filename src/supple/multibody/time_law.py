@@ -1,0 +1,101 @@
+"""Quantities given as functions of time: prescribed motions, forces, torques.
+
+A law is a JAX pytree, so that the numbers in it can differ between the load cases of one compiled batch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+__all__ = ["Constant", "Table", "TimeFunction", "TimeLaw", "as_time_law"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Constant:
+    """The same value at all times."""
+
+    value: Any
+
+    def __call__(self, time: Any) -> Any:  # noqa: ARG002 - a law is called with the time, needed or not
+        return self.value
+
+    @property
+    def end(self) -> float:
+        """Last time at which the law is defined."""
+        return float("inf")
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Table:
+    """Linear interpolation between rows: `times` (k,) ascending, `values` (k, ...)."""
+
+    times: Any
+    values: Any
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.times, (np.ndarray, list, tuple)):
+            return  # inside a JAX transformation the leaves are tracers (or placeholders): nothing to check
+        times = np.asarray(self.times, dtype=float)
+        values = np.asarray(self.values, dtype=float)
+        if times.ndim != 1 or times.size < 2 or len(values) != times.size:
+            raise ValueError(
+                f"a table needs at least two times and one row of values for each, got times of shape "
+                f"{times.shape} and values of shape {values.shape}"
+            )
+        if not (np.isfinite(times).all() and np.isfinite(values).all()):
+            raise ValueError("a table of a quantity over time holds NaN or infinite entries")
+        if (np.diff(times) <= 0).any():
+            row = int(np.argmax(np.diff(times) <= 0)) + 1
+            raise ValueError(f"times of a table must increase: row {row} has {times[row]} after {times[row - 1]}")
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "values", values)
+
+    def __call__(self, time: Any) -> Any:
+        upper = jnp.clip(jnp.searchsorted(self.times, time, side="right"), 1, len(self.times) - 1)
+        t0, t1 = jnp.asarray(self.times)[upper - 1], jnp.asarray(self.times)[upper]
+        v0, v1 = jnp.asarray(self.values)[upper - 1], jnp.asarray(self.values)[upper]
+        return v0 + (v1 - v0) * ((time - t0) / (t1 - t0))
+
+    @property
+    def end(self) -> float:
+        """Last time at which the law is defined."""
+        return float(self.times[-1])
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class TimeFunction:
+    """A function of time written with `jax.numpy`; it must be smooth enough for the motion wanted."""
+
+    function: Callable[[Any], Any] = field(metadata={"static": True})
+
+    def __call__(self, time: Any) -> Any:
+        return self.function(time)
+
+    @property
+    def end(self) -> float:
+        """Last time at which the law is defined."""
+        return float("inf")
+
+
+TimeLaw = Constant | Table | TimeFunction
+
+
+def as_time_law(value: Any) -> TimeLaw:
+    """The law meant by a law, a function of time, a number or an array."""
+    if isinstance(value, (Constant, Table, TimeFunction)):
+        return value
+    if callable(value):
+        return TimeFunction(value)
+    array = np.asarray(value, dtype=float)
+    if not np.isfinite(array).all():
+        raise ValueError(f"a constant quantity holds NaN or infinite entries: {array}")
+    return Constant(array)

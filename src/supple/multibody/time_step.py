@@ -1,0 +1,289 @@
+"""One compiled time step, and the march from output time to output time.
+
+Unknown are the new accelerations and multipliers. With `k = beta h^2 kappa` the constraint equations are
+divided by `k`, so that every row of
+
+    [ S    G^T ] [ d vdot   ]     [ residual ]
+    [ G_T  0   ] [ d lambda ] = - [ g / k    ]
+
+has the size of a force or an acceleration whatever the step: the index-3 equations stay as well conditioned
+for h to 0 as the mass matrix (Bottasso, Bauchau & Cardona 2007).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.integrate import Coefficients, StepRule
+from supple.multibody.equations import (
+    Balance,
+    Configuration,
+    Motion,
+    advance,
+    balance,
+    constraint_jacobian,
+    constraints,
+    tangent,
+)
+from supple.multibody.model import Model
+
+__all__ = ["Controls", "State", "march"]
+
+_ROUNDING = 1e-13
+"""Relative size of a change of position that floating-point arithmetic cannot tell from none."""
+
+
+class Controls(NamedTuple):
+    """Numbers that steer a run; plain floats, so that changing one compiles nothing anew."""
+
+    coefficients: Coefficients
+    first: Any
+    largest: Any
+    smallest: Any
+    error_tolerance: Any
+    residual_tolerance: Any
+    max_iterations: Any
+
+
+class State(NamedTuple):
+    """Everything needed to go on from an instant."""
+
+    time: jax.Array
+    step: jax.Array
+    """Size of the next step to try."""
+    configuration: Configuration
+    velocity: jax.Array
+    acceleration: jax.Array
+    auxiliary: jax.Array
+    """Auxiliary acceleration of the Newmark family."""
+    multipliers: jax.Array
+    steps: jax.Array
+    iterations: jax.Array
+    cuts: jax.Array
+    failed: jax.Array
+    """True when the smallest step did not converge: the state is that before the step."""
+    imbalance: jax.Array
+    """Relative residual of the last iteration, by kind: force, moment, deformation, constraint."""
+
+
+class _Trial(NamedTuple):
+    """Newton's iterate within a step."""
+
+    acceleration: jax.Array
+    multipliers: jax.Array
+    configuration: Configuration
+    velocity: jax.Array
+    auxiliary: jax.Array
+    increments: jax.Array
+    residual: jax.Array
+    gap: jax.Array
+    stiffness: tuple[jax.Array, ...]
+    imbalance: jax.Array
+    iterations: jax.Array
+    converged: jax.Array
+
+
+def _kinds(model: Model) -> np.ndarray:
+    """(3, n) rows that pick translations, rotations and deformations out of the velocity vector."""
+    kinds = np.zeros((3, model.n_velocities))
+    for part in model.slices:
+        kinds[0, part.start : part.start + 3] = 1
+        kinds[1, part.start + 3 : part.start + 6] = 1
+        kinds[2, part.start + 6 : part.stop] = 1
+    return kinds
+
+
+def _position_scale(model: Model) -> jax.Array:
+    """What counts as a large change of each freedom, (n,)."""
+    return jnp.concatenate(
+        [
+            jnp.concatenate(
+                [jnp.full(3, model.length), jnp.ones(3), jnp.full(body.r, 1.0) * body.coordinate_scale]
+            )
+            for body in model.bodies
+        ]
+    )
+
+
+def _norms(kinds: np.ndarray, vector: jax.Array) -> jax.Array:
+    return jnp.sqrt(kinds @ vector**2)
+
+
+def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
+    """`norm / scale`, and 0 where nothing is out of balance."""
+    return jnp.where(norm > 0, norm / jnp.where(scale > 0, scale, 1.0), 0.0)
+
+
+def _imbalance(model: Model, terms: Balance, gap: jax.Array, trial: jax.Array, position: jax.Array) -> jax.Array:
+    """Residual of each kind over the largest term in balance, and the constraints' over the accelerations."""
+    kinds = _kinds(model)
+    scale = jnp.max(
+        jnp.stack(
+            [_norms(kinds, term) for term in (terms.inertia, terms.internal, terms.applied, terms.joint)]
+        ),
+        axis=0,
+    )
+    forces = _relative(_norms(kinds, terms.residual), scale)
+    accelerations = model.length * jnp.max(jnp.abs(trial / _position_scale(model)), initial=0.0)
+    largest_gap = jnp.max(jnp.abs(gap), initial=0.0)
+    floor = _ROUNDING * model.length
+    constraint = jnp.where(
+        largest_gap <= floor, 0.0, _relative(largest_gap / position, accelerations + floor / position)
+    )
+    return jnp.concatenate([forces, constraint[None]])
+
+
+def _evaluate(
+    model: Model,
+    rule: StepRule,
+    start: State,
+    acceleration: jax.Array,
+    multipliers: jax.Array,
+    iterations: jax.Array,
+    tolerance: jax.Array,
+) -> _Trial:
+    auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
+    increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
+    configuration = advance(model, start.configuration, increments)
+    velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
+    time = start.time + rule.h
+    terms = balance(model, Motion(time, configuration, velocity, acceleration, multipliers))
+    gap = constraints(model, time, configuration)
+    imbalance = _imbalance(model, terms, gap, acceleration, rule.position)
+    return _Trial(
+        acceleration,
+        multipliers,
+        configuration,
+        velocity,
+        auxiliary,
+        increments,
+        terms.residual,
+        gap,
+        terms.stiffness,
+        imbalance,
+        iterations,
+        jnp.all(imbalance <= tolerance),
+    )
+
+
+def _newton_correction(model: Model, rule: StepRule, start: State, trial: _Trial) -> tuple[jax.Array, jax.Array]:
+    motion = Motion(
+        start.time + rule.h, trial.configuration, trial.velocity, trial.acceleration, trial.multipliers
+    )
+    matrix = tangent(model, motion, trial.stiffness, trial.increments, rule.velocity, rule.position)
+    n, m = model.n_velocities, trial.multipliers.shape[0]
+    if m == 0:
+        return -jnp.linalg.solve(matrix, trial.residual), trial.multipliers
+    rows = constraint_jacobian(model, motion.time, trial.configuration)
+    rows_by_increment = constraint_jacobian(model, motion.time, trial.configuration, trial.increments)
+    bordered = jnp.block(
+        [[matrix, model.mass * rows.T], [model.mass * rows_by_increment, jnp.zeros((m, m))]]
+    )
+    right = jnp.concatenate([trial.residual, model.mass * trial.gap / rule.position])
+    correction = -jnp.linalg.solve(bordered, right)
+    return correction[:n], model.mass * correction[n:]
+
+
+def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _Trial:
+    """Newton's iteration for one step of size h from the constant-acceleration guess."""
+    rule = StepRule(controls.coefficients, h)
+    scale = _position_scale(model)
+
+    def unfinished(trial: _Trial) -> jax.Array:
+        finite = jnp.all(jnp.isfinite(trial.imbalance))
+        return ~trial.converged & finite & (trial.iterations < controls.max_iterations)
+
+    def iterate(trial: _Trial) -> _Trial:
+        change, multiplier_change = _newton_correction(model, rule, start, trial)
+        new = _evaluate(
+            model,
+            rule,
+            start,
+            trial.acceleration + change,
+            trial.multipliers + multiplier_change,
+            trial.iterations + 1,
+            controls.residual_tolerance,
+        )
+        # Below rounding error no residual can tell a better answer from a worse one.
+        moved = rule.position * jnp.max(jnp.abs(change) / scale)
+        return new._replace(converged=new.converged | ((moved <= _ROUNDING) & (new.imbalance[3] <= 1e-6)))
+
+    first = _evaluate(
+        model,
+        rule,
+        start,
+        start.acceleration,
+        start.multipliers,
+        jnp.zeros((), dtype=int),
+        controls.residual_tolerance,
+    )
+    return jax.lax.while_loop(unfinished, iterate, first)
+
+
+def _local_error(model: Model, rule: StepRule, start: State, trial: _Trial) -> jax.Array:
+    error = rule.position_error(start.auxiliary, trial.auxiliary) / _position_scale(model)
+    return jnp.max(jnp.abs(error))
+
+
+def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> State:
+    """Try one step towards `end`: accept it, or cut it."""
+    remaining = end - start.time
+    # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
+    h = remaining / jnp.maximum(jnp.ceil(remaining / start.step * (1 - 1e-9)), 1.0)
+    trial = _try_step(model, controls, start, h)
+    error = _local_error(model, StepRule(controls.coefficients, h), start, trial)
+    converged = trial.converged & jnp.isfinite(error)
+    accepted = converged & (error <= controls.error_tolerance)
+
+    ratio = jnp.where(error > 0, controls.error_tolerance / jnp.where(error > 0, error, 1.0), jnp.inf)
+    grown = jnp.clip(0.9 * ratio ** (1 / 3), 0.2, 2.0)
+    next_step = jnp.where(
+        converged, jnp.minimum(jnp.where(accepted, jnp.maximum(h, start.step), h) * grown, controls.largest), h / 2
+    )
+    failed = ~accepted & (next_step < controls.smallest)
+    last = h >= remaining * (1 - 1e-9)
+    after = State(
+        time=jnp.where(last, end, start.time + h),
+        step=next_step,
+        configuration=trial.configuration,
+        velocity=trial.velocity,
+        acceleration=trial.acceleration,
+        auxiliary=trial.auxiliary,
+        multipliers=trial.multipliers,
+        steps=start.steps + 1,
+        iterations=start.iterations + trial.iterations,
+        cuts=start.cuts,
+        failed=failed,
+        imbalance=trial.imbalance,
+    )
+    before = start._replace(
+        step=next_step,
+        iterations=start.iterations + trial.iterations,
+        cuts=start.cuts + 1,
+        failed=failed,
+        imbalance=trial.imbalance,
+    )
+    return jax.tree.map(lambda a, b: jnp.where(accepted, a, b), after, before)
+
+
+@partial(jax.jit, static_argnames=())
+def march(model: Model, controls: Controls, start: State, output_times: jax.Array) -> tuple[State, State]:
+    """Simulate to each of the output times (k,); the final state, and the states there, stacked.
+
+    After a failure the state stays where it was: the caller looks at `failed`.
+    """
+
+    def to_output(state: State, end: jax.Array) -> tuple[State, State]:
+        state = jax.lax.while_loop(
+            lambda s: (s.time < end) & ~s.failed,
+            partial(_substep, model, controls, end),
+            state,
+        )
+        return state, state
+
+    return jax.lax.scan(to_output, start, output_times)

@@ -1,0 +1,65 @@
+"""Compressing modal derivatives: the directions in which the weighted block of all of them moves most."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from supple.algebra import mass_orthonormalize
+from supple.body import FlexibleBody, Frame
+from supple.reduction.derivative_columns import DerivativeColumns, check_derivative_count
+from supple.reduction.linear_basis import LinearBasis
+from supple.reduction.modal_derivatives import ModalDerivatives, modal_derivatives
+from supple.reduction.pair_weights import AmplitudeProduct
+
+# Singular values below this, relative to the first, are round-off of the solves.
+ROUND_OFF = 1e-10
+
+
+@dataclass(frozen=True)
+class CompressedDerivatives:
+    """Add the n leading directions of all derivatives, each weighted by the amplitude its pair will have.
+
+    n : number of columns to add (fewer where all derivatives together span less)
+    weights : AmplitudeProduct(UnitLoad()) or AmplitudeProduct(StaticLoad(F))
+    """
+
+    n: int
+    weights: AmplitudeProduct = field(default_factory=AmplitudeProduct)
+
+    def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
+        """Compressed columns, leading first; ModelError when there are fewer than n pairs."""
+        check_derivative_count(self.n, len(basis.frequencies))
+        derivatives = modal_derivatives(body, frame, basis)
+        return compress(body, basis, derivatives, self.n, self.weights.weights(body, basis, derivatives))
+
+
+def compress(
+    body: FlexibleBody, basis: LinearBasis, derivatives: ModalDerivatives, n: int, weights: np.ndarray
+) -> DerivativeColumns:
+    """The n leading left singular vectors, in the M-norm, of the weighted derivatives outside the basis.
+
+        Z = (I - X X^T M) [w_jk theta_jk] = Q R,   Q^T M Q = I,   R = U diag(s) W^T,   columns Q U_n
+
+    They are the n columns that miss least of Z, in the sum of squares sum_(i>n) s_i^2.
+    """
+    weighted = derivatives.vectors * weights
+    references = derivatives.reference_norms(body) * weights
+    outside = weighted - basis.vectors @ (basis.vectors.T @ (body.mass @ weighted))
+    n_linear = len(basis.frequencies)
+    together = mass_orthonormalize(
+        np.hstack([basis.vectors, outside]),
+        body.mass,
+        reference_norms=np.concatenate([np.ones(n_linear), references]),
+    )
+    Q = together.vectors[:, n_linear:]
+    U, singular_values, _ = np.linalg.svd(Q.T @ (body.mass @ outside), full_matrices=False)
+    relative = singular_values / singular_values.max(initial=np.finfo(float).tiny)
+    n_kept = min(n, int(np.count_nonzero(relative > ROUND_OFF)))
+    return DerivativeColumns(
+        Q @ U[:, :n_kept],
+        labels=tuple(f"compressed derivative {i + 1}" for i in range(n_kept)),
+        singular_values_kept=relative[:n_kept],
+        singular_values_dropped=relative[n_kept:],
+    )

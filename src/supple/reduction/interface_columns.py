@@ -1,0 +1,42 @@
+"""Which interface motions a frame leaves free, with a name for each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from supple.body import BodyInterface, FlexibleBody, Frame
+from supple.errors import ModelError
+
+MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
+
+
+def held_interfaces(body: FlexibleBody, frame: Frame) -> tuple[BodyInterface, ...]:
+    """Interfaces whose six motions vanish in the frame: their rows lie in the row space of D."""
+    rows, _ = np.linalg.qr(frame.constraint(body).T)
+    return tuple(i for i in body.interfaces if _lies_in(rows, motion_rows([i])))
+
+
+def motion_rows(interfaces: Sequence[BodyInterface]) -> np.ndarray:
+    """Interface motions B of several interfaces, q_v = B q, dense (6 n_interfaces, n)."""
+    return np.vstack([interface.motion.toarray() for interface in interfaces])
+
+
+def column_labels(kind: str, interfaces: Sequence[BodyInterface]) -> tuple[str, ...]:
+    """One label for each motion of each interface, such as 'attachment tip uy'."""
+    return tuple(f"{kind} {interface.name} {motion}" for interface in interfaces for motion in MOTIONS)
+
+
+def require_interfaces(body: FlexibleBody, method: str) -> None:
+    """ModelError when a method that needs interfaces gets a body without any."""
+    if not body.interfaces:
+        raise ModelError(
+            f"{method} needs interfaces, but body '{body.name}' has none; "
+            "define one on a node set, or use NormalModes"
+        )
+
+
+def _lies_in(rows: np.ndarray, motion: np.ndarray) -> bool:
+    outside = motion.T - rows @ (rows.T @ motion.T)
+    return bool(np.linalg.norm(outside) <= 1e-10 * np.linalg.norm(motion))

@@ -1,0 +1,196 @@
+"""The reduced body: everything a simulation needs of a flexible body, in r coordinates, and the way back."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from supple.algebra import read_only
+from supple.errors import ModelError
+from supple.reduction.tensors import InternalForceTensors
+
+if TYPE_CHECKING:
+    from supple.body import Frame
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedInterface:
+    """A virtual node of the reduced body: its six motions (u, theta) are motion @ gamma, exactly.
+
+    name : str
+    position : (3,) array      in the body's frame, undeformed
+    motion : (6, r) array      rows ux uy uz rx ry rz
+    """
+
+    name: str
+    position: np.ndarray
+    motion: np.ndarray
+
+    def __post_init__(self):
+        _set_read_only(self)
+
+
+@dataclass(frozen=True, eq=False)
+class ReductionReport:
+    """How the basis came about: what was kept, what was dropped, and what it cost.
+
+    linear : labels of the linear columns (modes and static columns) that span the linear subspace
+    derivatives : labels of the columns added for the quadratic motion
+    dropped : labels of the columns left out because others, or the frame, already hold their motion
+    singular_values_kept, singular_values_dropped : of the weighted derivatives, relative to the first
+        (both empty unless the derivatives were compressed)
+    seconds : wall time of each offline step
+    """
+
+    linear: tuple[str, ...]
+    derivatives: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()
+    singular_values_kept: np.ndarray = field(default_factory=lambda: np.empty(0))
+    singular_values_dropped: np.ndarray = field(default_factory=lambda: np.empty(0))
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self):
+        _set_read_only(self)
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedBody:
+    """A flexible body in r coordinates gamma, whose columns V are M-orthonormal (V^T M V = I, D V = 0).
+
+        u_nodal = nodal_basis @ gamma,
+        f(gamma) = (K + A3/2 + A4/3) gamma,   A3 = unpack(cubic @ gamma),  A4 = unpack(quartic @ m2)
+
+    with m2 the products gamma_j gamma_k, j <= k, in the order of numpy.triu_indices(r).
+
+    name : str
+    frame : the floating frame (NodalFixedFrame | MeanAxisFrame) in which gamma is measured
+    gram : (6+4r, 6+4r)         inertia Gram matrix of [Phi_t | Phi_w0 | Phi_1 .. Phi_r | V], kg m^2 etc.
+    stiffness : (r, r)          V^T K V
+    cubic : (r(r+1)/2, r)       or None: the body is linear
+    quartic : (n2, n2)          or None, n2 = r(r+1)/2
+    damping : (r, r)            acts on the rates of gamma
+    interfaces : ReducedInterface, one per virtual node
+    nodes : (N, 3)              undeformed positions
+    nodal_basis : (n_nodal, r)  nodal displacements (and rotations) per unit gamma
+    rotation_basis : (P, 3, r)  rotation vectors at P points per unit gamma, or None when unknown
+    rotation_limit : float      rad; largest rotation against the frame that the kinematics describe
+    frequencies : (r,)          rad/s, ascending, of the reduced body held in its frame
+    report : ReductionReport
+    Raises ModelError when the shapes disagree or a value is not finite.
+    """
+
+    name: str
+    frame: Frame
+    gram: np.ndarray
+    stiffness: np.ndarray
+    cubic: np.ndarray | None
+    quartic: np.ndarray | None
+    damping: np.ndarray
+    interfaces: tuple[ReducedInterface, ...]
+    nodes: np.ndarray
+    nodal_basis: np.ndarray
+    rotation_basis: np.ndarray | None
+    rotation_limit: float
+    frequencies: np.ndarray
+    report: ReductionReport
+
+    def __post_init__(self):
+        _set_read_only(self)
+        _check_shapes(self)
+
+    @property
+    def r(self) -> int:
+        """Number of reduced coordinates."""
+        return self.stiffness.shape[0]
+
+    @property
+    def is_linear(self) -> bool:
+        """True when the internal force is K gamma alone."""
+        return self.cubic is None
+
+    @property
+    def dofs_per_node(self) -> int:
+        """3 (solids) or 6 (shells)."""
+        return self.nodal_basis.shape[0] // len(self.nodes)
+
+    @property
+    def displacement_basis(self) -> np.ndarray:
+        """Nodal displacements per unit gamma, (N, 3, r)."""
+        return self.nodal_basis.reshape(len(self.nodes), self.dofs_per_node, self.r)[:, :3]
+
+    @property
+    def tensors(self) -> InternalForceTensors:
+        """The internal force as a polynomial of gamma, in NumPy."""
+        return InternalForceTensors(self.stiffness, self.cubic, self.quartic)
+
+    def interface(self, name: str) -> ReducedInterface:
+        """The interface of that name; ModelError listing the interfaces there are."""
+        for interface in self.interfaces:
+            if interface.name == name:
+                return interface
+        known = ", ".join(i.name for i in self.interfaces) or "none"
+        raise ModelError(f"body '{self.name}' has no interface '{name}'; its interfaces: {known}")
+
+    def expand(self, gamma: ArrayLike) -> np.ndarray:
+        """Nodal displacements (..., N, 3) of the coordinates gamma (..., r), in the body's frame."""
+        return _combine(self.displacement_basis, gamma)
+
+    def rotations(self, gamma: ArrayLike) -> np.ndarray:
+        """Rotation vectors (..., P, 3) against the frame; ModelError when the body knows none."""
+        if self.rotation_basis is None:
+            raise ModelError(
+                f"body '{self.name}' carries no rotations: "
+                "it was imported without rotational freedoms or elements"
+            )
+        return _combine(self.rotation_basis, gamma)
+
+
+def _combine(fields: np.ndarray, gamma: ArrayLike) -> np.ndarray:
+    """Sum of fields (P, 3, r) times coordinates (..., r): (..., P, 3)."""
+    gamma = np.asarray(gamma)
+    n_points, _, r = fields.shape
+    return (gamma @ fields.reshape(-1, r).T).reshape(*gamma.shape[:-1], n_points, 3)
+
+
+def _set_read_only(record) -> None:
+    """Replace every array of a frozen dataclass by a private, read-only copy."""
+    for item in dataclasses.fields(record):
+        value = getattr(record, item.name)
+        if isinstance(value, np.ndarray):
+            object.__setattr__(record, item.name, read_only(value))
+
+
+def _check_shapes(body: ReducedBody) -> None:
+    r = body.stiffness.shape[0]
+    n2 = r * (r + 1) // 2
+    expected = {
+        "gram": (6 + 4 * r, 6 + 4 * r),
+        "stiffness": (r, r),
+        "damping": (r, r),
+        "frequencies": (r,),
+        "nodal_basis": (body.nodal_basis.shape[0], r),
+    }
+    if (body.cubic is None) != (body.quartic is None):
+        raise ModelError(f"reduced body '{body.name}': give both cubic and quartic tensors, or neither")
+    if body.cubic is not None:
+        expected |= {"cubic": (n2, r), "quartic": (n2, n2)}
+    for name, shape in expected.items():
+        array = getattr(body, name)
+        if array.shape != shape:
+            raise ModelError(
+                f"reduced body '{body.name}': {name} has shape {array.shape}, "
+                f"but {r} coordinates need {shape}"
+            )
+        if not np.isfinite(array).all():
+            raise ModelError(f"reduced body '{body.name}': {name} contains NaN or infinity")
+    for interface in body.interfaces:
+        if interface.motion.shape != (6, r):
+            raise ModelError(
+                f"reduced body '{body.name}': motion of interface '{interface.name}' has shape "
+                f"{interface.motion.shape}, but {r} coordinates need {(6, r)}"
+            )

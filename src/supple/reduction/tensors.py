@@ -1,0 +1,170 @@
+"""The internal force of a reduced body as a cubic polynomial with packed symmetric tensors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from supple.errors import ModelError
+
+if TYPE_CHECKING:
+    from supple.body import FlexibleBody
+    from supple.fem import QuadraticStrain
+
+# The largest work array: larger ones leave the cache for no gain, smaller ones lose to the overhead of calls.
+CHUNK_BYTES = 64 * 2**20
+
+
+@dataclass(frozen=True, eq=False)
+class InternalForceTensors:
+    """Polynomial internal force of r coordinates, exact for quadratic strains.
+
+        A3 = unpack(cubic @ g),   A4 = unpack(quartic @ m2),   m2_(kl) = g_k g_l for k <= l
+        energy  U = g.(K/2 + A3/6 + A4/12) g
+        force   f = (K + A3/2 + A4/3) g
+        tangent   = K + A3 + A4
+
+    Packed symmetric pairs (j, k), j <= k, are in the order of numpy.triu_indices(r); n2 = r(r+1)/2.
+
+    stiffness : (r, r)
+    cubic : (n2, r) or None     cubic[(jk), l] = d3U/dg_j dg_k dg_l at 0
+    quartic : (n2, n2) or None  quartic[(jk), (lm)] = d4U/dg_j dg_k dg_l dg_m, halved where l = m
+                                (None for both: a linear body)
+    The three methods take gamma (..., r), real or complex (for complex-step derivatives).
+    Source: [Wu2019] (49), in symmetric storage.
+    """
+
+    stiffness: np.ndarray
+    cubic: np.ndarray | None = None
+    quartic: np.ndarray | None = None
+
+    @property
+    def r(self) -> int:
+        """Number of coordinates."""
+        return self.stiffness.shape[0]
+
+    def energy(self, gamma: ArrayLike) -> np.ndarray:
+        """Strain energy (...,), J."""
+        gamma, A3, A4 = self._force_matrices(gamma)
+        return np.einsum("...j,...jk,...k->...", gamma, self.stiffness / 2 + A3 / 6 + A4 / 12, gamma)
+
+    def internal_force(self, gamma: ArrayLike) -> np.ndarray:
+        """Generalised internal force (..., r), the gradient of the energy."""
+        gamma, A3, A4 = self._force_matrices(gamma)
+        return np.einsum("...jk,...k->...j", self.stiffness + A3 / 2 + A4 / 3, gamma)
+
+    def tangent(self, gamma: ArrayLike) -> np.ndarray:
+        """Tangent stiffness (..., r, r), the gradient of the force."""
+        _, A3, A4 = self._force_matrices(gamma)
+        return self.stiffness + A3 + A4
+
+    def _force_matrices(self, gamma: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        gamma = np.asarray(gamma)
+        if self.cubic is None or self.quartic is None:
+            none = np.zeros((*gamma.shape, self.r))
+            return gamma, none, none
+        first, second = np.triu_indices(self.r)
+        products = gamma[..., first] * gamma[..., second]
+        A3 = unpack_symmetric(gamma @ self.cubic.T, self.r)
+        return gamma, A3, unpack_symmetric(products @ self.quartic.T, self.r)
+
+
+def unpack_symmetric(packed: np.ndarray, r: int) -> np.ndarray:
+    """Symmetric matrices (..., r, r) of their packed upper triangles (..., r(r+1)/2)."""
+    return packed[..., _pair_number(r)]
+
+
+def internal_force_tensors(body: FlexibleBody, basis: np.ndarray) -> InternalForceTensors:
+    """Project the internal force of a body on a basis V, once: f_r(gamma) = V^T f(V gamma), exactly.
+
+        e_g = B_g V,  a_g = G_g V,  E_g,(jk) = N(a_j, a_k)
+        cubic   = 3 sym(sum w E^T D e),   quartic = (3/2) sym(sum w E^T D E), off-diagonal columns doubled
+
+    Every integration point is reduced first; the sums over points are two matrix products, in chunks.
+
+    body : FlexibleBody (its coordinates q have length n); without a finite-element model the result is linear
+    basis : (n, r)
+    Raises ModelError when the basis does not fit the body.
+    Source: [Wu2019] (49).
+    """
+    if basis.ndim != 2 or basis.shape[0] != body.n:
+        raise ModelError(
+            f"basis of shape {basis.shape} does not fit body '{body.name}' with {body.n} freedoms"
+        )
+    stiffness = basis.T @ (body.stiffness @ basis)
+    stiffness = (stiffness + stiffness.T) / 2
+    if body.model is None:
+        return InternalForceTensors(stiffness)
+    r = basis.shape[1]
+    n2 = r * (r + 1) // 2
+    nodal_basis = body.expansion @ basis
+    strain_by_pair = np.zeros((r, n2))
+    pair_by_pair = np.zeros((n2, n2))
+    for block in body.model.blocks:
+        for chunk in _chunks(block, n2):
+            linear, quadratic = _stress_scaled_strains(block, chunk, nodal_basis)
+            strain_by_pair += linear.T @ quadratic
+            pair_by_pair += quadratic.T @ quadratic
+    return InternalForceTensors(stiffness, _fold_cubic(strain_by_pair), _fold_quartic(pair_by_pair, r))
+
+
+def _chunks(block: QuadraticStrain, n2: int):
+    """Slices of elements whose quadratic strains fit in CHUNK_BYTES."""
+    n_elements, n_points, n_strains = block.B.shape[:3]
+    # Before packing, pairs (j,k) and (k,j) both exist: hence twice n2.
+    size = max(1, CHUNK_BYTES // (8 * n_points * n_strains * 2 * n2))
+    return (slice(start, start + size) for start in range(0, n_elements, size))
+
+
+def _stress_scaled_strains(block: QuadraticStrain, chunk: slice, nodal_basis: np.ndarray):
+    """Linear and quadratic strains times sqrt(w D): rows are (point, strain), columns r and r(r+1)/2."""
+    columns = nodal_basis[block.dofs[chunk]]
+    root = _square_root(block.D if block.D.ndim == 2 else block.D[chunk])
+    if root.ndim == 3:
+        root = root[:, None]  # one matrix per element, shared by its points
+    root = np.sqrt(block.w[chunk])[:, :, None, None] * root
+    r = columns.shape[-1]
+    upper = np.ravel_multi_index(np.triu_indices(r), (r, r))
+    linear = root @ (block.B[chunk] @ columns[:, None])
+    gradients = block.G[chunk] @ columns[:, None]
+    both = np.swapaxes(gradients, -1, -2)[:, :, None] @ (block.N @ gradients[:, :, None])
+    packed = both.reshape(*both.shape[:3], r * r)[..., upper]
+    quadratic = root @ packed
+    return linear.reshape(-1, r), quadratic.reshape(-1, len(upper))
+
+
+def _square_root(constitutive: np.ndarray) -> np.ndarray:
+    """R with R^T R = D for symmetric D that may be singular (a wall without coupling, say)."""
+    values, vectors = np.linalg.eigh(constitutive)
+    return np.sqrt(np.maximum(values, 0.0))[..., None] * np.swapaxes(vectors, -1, -2)
+
+
+def _fold_cubic(strain_by_pair: np.ndarray) -> np.ndarray:
+    """C3[(jk), l] = F_l,jk + F_j,kl + F_k,jl: the third derivative of (1/2) F_l,jk g_l g_j g_k."""
+    r = strain_by_pair.shape[0]
+    full = unpack_symmetric(strain_by_pair, r)
+    symmetric = full + full.transpose(1, 0, 2) + full.transpose(1, 2, 0)
+    first, second = np.triu_indices(r)
+    return symmetric[first, second]
+
+
+def _fold_quartic(pair_by_pair: np.ndarray, r: int) -> np.ndarray:
+    """C4[(jk),(lm)] = H_jk,lm + H_jl,km + H_jm,kl, its columns halved where l = m (see the class)."""
+    pair = _pair_number(r)
+    j, k = np.triu_indices(r)
+    symmetric = pair_by_pair.copy()
+    symmetric += pair_by_pair[pair[j][:, j], pair[k][:, k]]
+    symmetric += pair_by_pair[pair[j][:, k], pair[k][:, j]]
+    symmetric[:, j == k] /= 2
+    return symmetric
+
+
+def _pair_number(r: int) -> np.ndarray:
+    """Position (r, r) of the pair (j, k) or (k, j) in the packed order of numpy.triu_indices."""
+    number = np.empty((r, r), dtype=np.intp)
+    first, second = np.triu_indices(r)
+    number[first, second] = number[second, first] = np.arange(len(first))
+    return number

@@ -1,0 +1,1 @@
+"""What a simulation leaves behind: recovery, energies, error measures, storage."""

@@ -1,0 +1,42 @@
+"""What went wrong with a file, said so that the reader knows what to do."""
+
+from __future__ import annotations
+
+import errno
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from supple.errors import ResultFileError
+
+_REMEDIES = {
+    errno.ENOSPC: "the disk is full: free some space or choose another disk",
+    errno.EDQUOT: "the disk quota is used up: free some space or choose another disk",
+    errno.EFBIG: "the file has reached the size limit of this file system or shell (ulimit -f): raise it",
+    errno.EACCES: "permission denied: choose a folder you may write to",
+    errno.EROFS: "the file system is read-only: choose another folder",
+    errno.ENOENT: "no such file or folder: check the path",
+    errno.EISDIR: "this is a folder: give the path of a file",
+    errno.EAGAIN: "another process holds the file: wait for it to finish",
+}
+
+
+@contextmanager
+def file_errors(action: str, path: Path, note: str = "") -> Iterator[None]:
+    """Turn any OSError inside the block into a ResultFileError 'cannot <action> <path>: why and what to do'.
+
+    The HDF5 library reports the operating system's error number in its message only, so it is looked for there.
+    """
+    try:
+        yield
+    except ResultFileError:
+        raise
+    except OSError as error:
+        reason = _REMEDIES.get(_error_number(error), str(error))
+        raise ResultFileError(f"cannot {action} {path}: {reason}{note}") from error
+
+
+def _error_number(error: OSError) -> int:
+    buried = re.search(r"errno = (\d+)", str(error))
+    return int(buried.group(1)) if buried else (error.errno or 0)

@@ -1,0 +1,46 @@
+"""A free 3-D truss: a lattice of points joined by springs, with six rigid motions and point masses."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.spatial import cKDTree
+
+
+class Truss(NamedTuple):
+    nodes: np.ndarray
+    stiffness: sparse.csc_array
+    mass: sparse.csc_array
+    rigid_modes: np.ndarray
+
+
+def make_truss(n_x: int, n_y: int, n_z: int) -> Truss:
+    """Springs along edges and diagonals of a lattice; stiffness of each spring 1e6 * (1 + its number mod 3)."""
+    grid = np.meshgrid(np.arange(n_x), np.arange(n_y), np.arange(n_z), indexing="ij")
+    nodes = 0.5 * np.stack([axis.ravel() for axis in grid], axis=1).astype(float)
+    ends = cKDTree(nodes).query_pairs(0.75, output_type="ndarray")
+    direction = nodes[ends[:, 1]] - nodes[ends[:, 0]]
+    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    stretch = np.zeros((len(ends), 3 * len(nodes)))
+    for sign, end in ((-1, 0), (1, 1)):
+        np.put_along_axis(stretch, 3 * ends[:, [end]] + np.arange(3), sign * direction, axis=1)
+    stretch = sparse.csr_array(stretch)
+    stiffness = stretch.T @ sparse.diags_array(1e6 * (1 + np.arange(len(ends)) % 3.0)) @ stretch
+    mass = sparse.diags_array(np.repeat(1.0 + np.arange(len(nodes)) % 2, 3), format="csc")
+    modes = np.zeros((len(nodes), 3, 6))
+    modes[:, :, :3] = np.eye(3)
+    modes[:, :, 3:] = np.moveaxis(np.cross(np.eye(3)[:, None, :], nodes), 0, 2)
+    return Truss(nodes, sparse.csc_array(stiffness), mass, modes.reshape(-1, 6))
+
+
+@pytest.fixture(scope="session")
+def small_truss() -> Truss:
+    return make_truss(5, 2, 2)
+
+
+@pytest.fixture(scope="session")
+def truss() -> Truss:
+    return make_truss(20, 4, 4)

@@ -1,0 +1,68 @@
+import numpy as np
+import pytest
+
+from supple.errors import ModelError
+from supple.fem import HomogeneousWall, LaminateWall
+
+A, B, D = np.diag([4.0, 3.0, 1.0]), np.diag([0.5, -0.5, 0.0]), np.diag([1.0, 1.0, 0.4])
+
+
+def laminate(**changes):
+    arguments = {
+        "membrane": A,
+        "coupling": B,
+        "bending": D,
+        "mass_per_area": 1.0,
+        "rotary_inertia_per_area": 0.01,
+    }
+    return LaminateWall(**(arguments | changes))
+
+
+def test_homogeneous_wall_is_the_integral_through_the_thickness(material):
+    """A, B, D = integral of (1, z, z^2) C, and the inertia that of (1, z^2) rho."""
+    wall = HomogeneousWall(material, 0.2)
+    z, w = np.polynomial.legendre.leggauss(3)
+    z, w = 0.1 * z, 0.1 * w
+    C = material.plane_stress
+    np.testing.assert_allclose(wall.membrane, w.sum() * C, rtol=1e-14)
+    np.testing.assert_allclose(wall.coupling, (w @ z) * C, atol=1e-5)
+    np.testing.assert_allclose(wall.bending, (w @ z**2) * C, rtol=1e-14)
+    assert wall.mass_per_area == pytest.approx(w.sum() * material.density)
+    assert wall.rotary_inertia_per_area == pytest.approx((w @ z**2) * material.density)
+
+
+@pytest.mark.parametrize("thickness", [0.0, -1.0, np.nan, np.inf])
+def test_impossible_thickness_is_refused(material, thickness):
+    with pytest.raises(ModelError, match="wall thickness is"):
+        HomogeneousWall(material, thickness)
+
+
+def test_laminate_keeps_its_own_read_only_copy():
+    given = A.copy()
+    wall = laminate(membrane=given)
+    given[0, 0] = -1
+    assert wall.membrane[0, 0] == 4
+    assert not wall.membrane.flags.writeable
+
+
+def test_positive_definiteness_does_not_depend_on_units():
+    """The same laminate in millimetres: A, B, D scale by 1e-3, 1, 1e3."""
+    laminate(membrane=A * 1e-3, coupling=B, bending=D * 1e3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"membrane": np.eye(2)}, r"membrane stiffness has shape \(2, 2\)"),
+        ({"bending": D * np.nan}, "bending stiffness has entries that are not finite"),
+        ({"coupling": np.triu(np.ones((3, 3)))}, "coupling stiffness is not symmetric"),
+        ({"membrane": -A}, "diagonal entry -4"),
+        ({"coupling": 5 * B}, "A-B-D matrix is not positive definite"),
+        ({"mass_per_area": 0.0}, "mass_per_area is 0.0"),
+        ({"rotary_inertia_per_area": np.nan}, "rotary_inertia_per_area is nan"),
+        ({"reference_direction": (0.0, 0.0, 0.0)}, "reference_direction is"),
+    ],
+)
+def test_impossible_laminates_are_refused(changes, message):
+    with pytest.raises(ModelError, match=message):
+        laminate(**changes)

@@ -1,0 +1,70 @@
+"""Small bodies on which the definitions of reduction are checked."""
+
+from __future__ import annotations
+
+import pytest
+from scipy import linalg
+
+from supple.body import FlexibleBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
+from supple.fem import HomogeneousWall, Isotropic, shell_model, solid_model
+from supple.mesh import CellType, block, strip
+
+LENGTH = 10.0
+
+
+def _strip_body(n_length: int, *interfaces: str) -> FlexibleBody:
+    """The rotating beam of [Wu2019], a flat strip in x-y: EA = 2.8e7 N, EI = 1.4e4 N m^2, 1.2 kg/m, nu = 0."""
+    thickness = 0.006**0.5
+    width = 0.4
+    material = Isotropic(2.8e7 / (thickness * width), 0.0, 1.2 / (thickness * width))
+    model = shell_model(strip(LENGTH, width, n_length, 2), HomogeneousWall(material, thickness))
+    return flexible_body("strip", model, tuple(RigidInterface(name, name) for name in interfaces))
+
+
+def _lowest_squares(body, frame, n_modes):
+    """Lowest omega^2 in a frame, from the dense inverse pencil M x = mu K x, whose largest mu are its best."""
+    Z = linalg.null_space(frame.constraint(body))
+    mu = linalg.eigh(Z.T @ (body.mass @ Z), Z.T @ (body.stiffness @ Z), eigvals_only=True)
+    return 1.0 / mu[::-1][:n_modes]
+
+
+@pytest.fixture(scope="session")
+def lowest_squares():
+    return _lowest_squares
+
+
+@pytest.fixture(scope="session")
+def cantilever():
+    return _strip_body(8, "root")
+
+
+@pytest.fixture(scope="session")
+def strip_body():
+    return _strip_body(8, "root", "tip")
+
+
+@pytest.fixture(scope="session")
+def solid_body():
+    model = solid_model(block(2.0, 0.5, 0.3, 4, 2, 1, CellType.TETRA4), Isotropic(1e7, 0.3, 1000.0))
+    return flexible_body("block", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
+
+
+@pytest.fixture(scope="session")
+def root_frame():
+    return NodalFixedFrame("root")
+
+
+@pytest.fixture(scope="session")
+def mean_axis():
+    return MeanAxisFrame()
+
+
+@pytest.fixture(params=["nodal-fixed", "mean-axis"])
+def frame(request):
+    return {"nodal-fixed": NodalFixedFrame("root"), "mean-axis": MeanAxisFrame()}[request.param]
+
+
+@pytest.fixture(scope="session")
+def loose_body():
+    """A body without interfaces."""
+    return _strip_body(2)
