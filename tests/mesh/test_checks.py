@@ -155,7 +155,7 @@ def test_a_quadratic_cell_is_inverted_by_a_misplaced_middle_node():
 
 
 def test_disconnected_parts():
-    nodes = np.vstack([SQUARE, SQUARE[:3] + [5, 0, 0]])
+    nodes = np.vstack([SQUARE, SQUARE[:3] + np.array([5, 0, 0])])
     with pytest.raises(MeshError, match=r"2 disconnected parts, of 4, 3 nodes; node 4 at \(5, 0, 0\)"):
         square(nodes, [[0, 1, 2], [0, 2, 3], [4, 5, 6]])
 

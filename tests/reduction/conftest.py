@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from scipy import linalg
 
@@ -13,7 +14,7 @@ LENGTH = 10.0
 
 
 def _strip_body(n_length: int, *interfaces: str) -> FlexibleBody:
-    """The rotating beam of [Wu2019], a flat strip in x-y: EA = 2.8e7 N, EI = 1.4e4 N m^2, 1.2 kg/m, nu = 0."""
+    """The rotating beam of [Wu2019] as a flat strip: EA = 2.8e7 N, EI = 1.4e4 N m^2, 1.2 kg/m, nu = 0."""
     thickness = 0.006**0.5
     width = 0.4
     material = Isotropic(2.8e7 / (thickness * width), 0.0, 1.2 / (thickness * width))
@@ -22,7 +23,7 @@ def _strip_body(n_length: int, *interfaces: str) -> FlexibleBody:
 
 
 def _lowest_squares(body, frame, n_modes):
-    """Lowest omega^2 in a frame, from the dense inverse pencil M x = mu K x, whose largest mu are its best."""
+    """Lowest omega^2 in a frame, from the dense inverse pencil M x = mu K x: its largest mu are precise."""
     Z = linalg.null_space(frame.constraint(body))
     mu = linalg.eigh(Z.T @ (body.mass @ Z), Z.T @ (body.stiffness @ Z), eigvals_only=True)
     return 1.0 / mu[::-1][:n_modes]
@@ -31,6 +32,26 @@ def _lowest_squares(body, frame, n_modes):
 @pytest.fixture(scope="session")
 def lowest_squares():
     return _lowest_squares
+
+
+def _nonlinear_static(body, D, load):
+    """Newton's method on f(q) + D^T mu = F, D q = 0, dense."""
+    n, m = D.shape[1], D.shape[0]
+    D = D * body.stiffness.diagonal().max() / np.abs(D).max()
+    q, mu = np.zeros(n), np.zeros(m)
+    for _ in range(12):
+        residual = np.concatenate([body.assembly.internal_force(q) + D.T @ mu - load, D @ q])
+        tangent = np.block([[body.assembly.tangent(q).toarray(), D.T], [D, np.zeros((m, m))]])
+        step = np.linalg.solve(tangent, -residual)
+        q, mu = q + step[:n], mu + step[n:]
+        if np.abs(step[:n]).max() < 1e-9 * np.abs(q).max():
+            return q
+    raise AssertionError("Newton's method did not converge")
+
+
+@pytest.fixture(scope="session")
+def nonlinear_static():
+    return _nonlinear_static
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import linalg, sparse
 
+from supple.algebra.constraint_rows import constraint_rows
 from supple.algebra.sparse_factor import DirectSolver, SparseFactor, factorize_symmetric
 from supple.errors import AccuracyError, ModelError
 
@@ -40,8 +41,8 @@ def grounded_factor(
 ) -> GroundedFactor:
     """Factor a stiffness grounded at statically determinate freedoms.
 
-    The freedoms are the pivots of a rank-revealing QR of the rigid modes, in the scale of diag(K), where forces
-    and moments weigh alike; each spring is as stiff as the freedom it holds.
+    The freedoms are the pivots of a rank-revealing QR of the rigid modes, in the scale of diag(K), where
+    forces and moments weigh alike; each spring is as stiff as the freedom it holds.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def grounded_factor(
     AccuracyError   K moves without force in more ways than R says
     """
     stiffness = sparse.csc_array(stiffness, dtype=np.float64)
-    n = stiffness.shape[0]
+    n = stiffness.indptr.size - 1
     modes = np.zeros((n, 0)) if rigid_modes is None else np.array(rigid_modes, dtype=np.float64)
     if modes.ndim != 2 or modes.shape[0] != n:
         raise ModelError(f"rigid modes have shape {modes.shape}; the stiffness has {n} rows")
@@ -77,8 +78,8 @@ def _determinate_freedoms(modes: NDArray[np.float64]) -> NDArray[np.intp]:
         raise ModelError(
             f"the {count} rigid modes are linearly dependent, or move only freedoms without stiffness"
         )
-    _, pivots = linalg.qr(orthonormal.T, mode="r", pivoting=True)
-    return np.sort(pivots[:count])
+    pivots = linalg.qr(orthonormal.T, mode="r", pivoting=True)[-1]
+    return np.sort(np.asarray(pivots[:count], dtype=np.intp))
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +89,7 @@ class ConstrainedFactor:
     grounded: GroundedFactor
     constraint: NDArray[np.float64] = field(repr=False)
     _response: NDArray[np.float64] = field(repr=False)  # K_g^-1 D^T
-    _border: tuple[NDArray[np.float64], NDArray[np.intp]] = field(repr=False)
+    _border: Any = field(repr=False)
     _scale: NDArray[np.float64] = field(repr=False)
 
     @property
@@ -125,7 +126,7 @@ class ConstrainedFactor:
         mu = np.zeros(c.shape)
         if self._scale.size == 0:
             return x, mu
-        # The second pass removes the drift that round-off leaves where K is nearly singular: x is then a small
+        # The second pass removes the drift that round-off leaves where K is nearly singular and x a small
         # difference of large parts.
         for imbalance in (R.T @ b, np.zeros((R.shape[1], b.shape[1]))):
             right = self._scale[:, None] * np.vstack([D @ x - c, imbalance])
@@ -137,7 +138,7 @@ class ConstrainedFactor:
 
 def constrained_factor(
     stiffness: Any,
-    constraint: ArrayLike | sparse.sparray | None,
+    constraint: Any,
     rigid_modes: ArrayLike | None = None,
     *,
     grounded: GroundedFactor | None = None,
@@ -172,14 +173,8 @@ def constrained_factor(
     if grounded is None:
         grounded = grounded_factor(stiffness, rigid_modes, solver=solver)
     n, R = grounded.n, grounded.rigid_modes
-    if constraint is None:
-        D = np.zeros((0, n))
-    else:
-        D = np.array(constraint.toarray() if sparse.issparse(constraint) else constraint, dtype=np.float64)
-    if D.ndim != 2 or D.shape[1] != n:
-        raise ModelError(f"the constraint has shape {D.shape}; give (m, n) with n = {n}")
-    D.flags.writeable = False
-    m, d = D.shape[0], R.shape[1]
+    D = constraint_rows(constraint, n)
+    m, d = len(D), R.shape[1]
     if m < d:
         raise ModelError(
             f"{m} constraint rows cannot hold {d} rigid motions; give a frame or held interfaces"
@@ -196,9 +191,7 @@ def constrained_factor(
     return factor
 
 
-def _border_factor(
-    border: NDArray[np.float64], m: int
-) -> tuple[tuple[NDArray[np.float64], NDArray[np.intp]], NDArray[np.float64]]:
+def _border_factor(border: NDArray[np.float64], m: int) -> tuple[Any, NDArray[np.float64]]:
     """Equilibrate the border (multipliers carry forces and moments) and factor it."""
     if border.shape[0] == 0:
         return (border, np.zeros(0, dtype=np.intp)), np.zeros(0)
@@ -230,7 +223,7 @@ def _check_equilibrium(factor: ConstrainedFactor) -> None:
     internal, reaction = K @ x, D.T @ mu
     size = max(np.linalg.norm(abs(K) @ np.abs(x)), np.linalg.norm(reaction), np.linalg.norm(b))
     residual = np.linalg.norm(internal + reaction - b) / size if size else 0.0
-    # |D_i x|^2 <= (D K_g^-1 D^T)_ii (x^T K_g x): what the constraint row could read in a motion of this energy.
+    # |D_i x|^2 <= (D K_g^-1 D^T)_ii (x^T K_g x) is what row i could read in a motion of this energy.
     springs = factor.grounded.springs
     energy = x @ internal + K.diagonal()[springs] @ x[springs] ** 2
     reach = np.sqrt(np.einsum("ij,ji->i", D, factor._response) * max(energy, 0.0))

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy import linalg, sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
 from supple.algebra.constrained_solve import ConstrainedFactor, GroundedFactor, constrained_factor
+from supple.algebra.constraint_rows import constraint_rows
 from supple.algebra.orthonormalize import mass_orthonormalize
 from supple.algebra.sparse_factor import DirectSolver, factorize_symmetric
 from supple.errors import AccuracyError, ModelError
@@ -34,7 +35,7 @@ def lowest_modes(
     mass: Any,
     n_modes: int,
     *,
-    constraint: ArrayLike | sparse.sparray | None = None,
+    constraint: Any = None,
     solver: DirectSolver | None = None,
 ) -> Eigenpairs:
     """The n_modes lowest modes of K x = lambda M x on {x : D x = 0}, with proof that none below was missed.
@@ -65,16 +66,11 @@ def lowest_modes(
     """
     stiffness = sparse.csc_array(stiffness, dtype=np.float64)
     mass = sparse.csc_array(mass, dtype=np.float64)
-    n = stiffness.shape[0]
+    n = stiffness.indptr.size - 1
     if stiffness.shape != (n, n) or mass.shape != (n, n):
         raise ModelError(f"stiffness {stiffness.shape} and mass {mass.shape} must be square and of one size")
-    if constraint is None:
-        D = np.zeros((0, n))
-    else:
-        D = np.asarray(constraint.toarray() if sparse.issparse(constraint) else constraint, dtype=np.float64)
-    if D.ndim != 2 or D.shape[1] != n:
-        raise ModelError(f"the constraint has shape {D.shape}; give (m, n) with n = {n}")
-    freedoms = n - D.shape[0]
+    D = constraint_rows(constraint, n)
+    freedoms = n - len(D)
     if not 0 <= n_modes <= freedoms:
         raise ModelError(f"{n_modes} modes asked of a body with {freedoms} freedoms")
     if n_modes == 0:
@@ -91,12 +87,10 @@ def _dense_modes(
     stiffness: sparse.csc_array, mass: sparse.csc_array, n_modes: int, D: NDArray[np.float64]
 ) -> Eigenpairs:
     K, M = stiffness.toarray(), mass.toarray()
-    m = D.shape[0]
-    if m:
-        Z = linalg.qr(D.T)[0][:, m:]
-        K, M = Z.T @ K @ Z, Z.T @ M @ Z
+    Z = np.linalg.qr(D.T, mode="complete").Q[:, len(D) :] if len(D) else np.eye(len(K))
+    K, M = Z.T @ K @ Z, Z.T @ M @ Z
     values, vectors = linalg.eigh(0.5 * (K + K.T), 0.5 * (M + M.T), subset_by_index=(0, n_modes - 1))
-    return Eigenpairs(values, _fixed_sign(Z @ vectors if m else vectors))
+    return Eigenpairs(values, _fixed_sign(Z @ vectors))
 
 
 def _shifted_factor(
@@ -106,16 +100,16 @@ def _shifted_factor(
     solver: DirectSolver | None,
 ) -> tuple[ConstrainedFactor, float]:
     """Factor K + s M, s a small fraction of the eigenvalues sought, which subspace iteration estimates."""
-    n = stiffness.shape[0]
-    shift = 1e-9 * float(np.max(stiffness.diagonal() / mass.diagonal()))
+    n = D.shape[1]
+    shift = 1e-9 * float(np.max(np.divide(stiffness.diagonal(), mass.diagonal())))
     start = np.random.default_rng(0).standard_normal((n, 8))
     while True:
         shifted = stiffness + shift * mass
         factor = factorize_symmetric(shifted, solver=solver)
         if factor.inertia.negative:
             raise ModelError(
-                f"the stiffness is not positive semi-definite: {factor.inertia.negative} eigenvalues lie below "
-                f"{-shift:.3e} rad^2/s^2"
+                "the stiffness is not positive semi-definite: "
+                f"{factor.inertia.negative} eigenvalues lie below {-shift:.3e} rad^2/s^2"
             )
         grounded = GroundedFactor(shifted, np.zeros((n, 0)), np.zeros(0, dtype=np.intp), factor)
         constrained = constrained_factor(shifted, D, grounded=grounded)

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import sparse
 
 from supple.errors import AccuracyError, ModelError
 
@@ -37,8 +36,8 @@ def mass_orthonormalize(
     ----------
     vectors         : array (n, k)          any column scales; earlier columns have precedence
     mass            : sparse array (n, n)   symmetric positive definite
-    reference_norms : array (k,)            M-norms the columns had before something was projected out of them;
-                                            their present norms when omitted
+    reference_norms : array (k,)            M-norms the columns had before something was projected out of
+                                            them; their present norms when omitted
     Returns
     -------
     OrthonormalBasis   .vectors (n, r), .kept (r,), .dropped (k - r,) column numbers, ascending
@@ -72,7 +71,7 @@ def mass_orthonormalize(
         remaining = float(np.sqrt(max(column @ mass_column, 0.0)))
         if remaining * norms[j] <= rank_tolerance * reference[j]:
             continue
-        # A column that lost many digits is projected once more after scaling, now that round-off is as large as it.
+        # A column that lost many digits is projected once more after scaling: round-off has grown with it.
         column /= remaining
         column -= basis[:, :rank] @ (mass_basis[:, :rank].T @ column)
         mass_column = mass @ column
@@ -88,9 +87,7 @@ def mass_orthonormalize(
     return OrthonormalBasis(result, chosen, np.setdiff1d(np.arange(count), chosen))
 
 
-def _mass_norms(
-    columns: NDArray[np.float64], mass: sparse.sparray | NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _mass_norms(columns: NDArray[np.float64], mass: Any) -> NDArray[np.float64]:
     squares = np.sum(columns * (mass @ columns), axis=0)
     if np.any(squares < 0):
         worst = int(np.argmin(squares))

@@ -16,12 +16,12 @@ from scipy.sparse.linalg import splu
 
 from supple.errors import AccuracyError, ModelError, SuppleWarning
 
-# Sparse solvers share the work between right-hand sides: blocks of about 50 cost 4-5 times less per column than
-# one by one; much larger ones only fill the cache.
+# Sparse solvers share the work between right-hand sides: in blocks of about 50 a column costs 4-5 times less
+# than alone; much larger blocks only fill the cache.
 BLOCK_COLUMNS = 64
 
-# A refinement step changes the solution by about (round-off) x (condition number): 1e-8 for thin shells, of order
-# one for a singular matrix, whose factors contain nothing but round-off along its null vectors.
+# A refinement step changes the solution by about (round-off) x (condition number): 1e-8 for thin shells, of
+# order one for a singular matrix, whose factors hold nothing but round-off along its null vectors.
 LARGEST_REFINEMENT = 1e-3
 
 # Beyond this size, three-dimensional meshes fill the factors of SuperLU beyond use (10 minutes and more).
@@ -37,7 +37,7 @@ class Inertia(NamedTuple):
 
 
 class RawFactor(NamedTuple):
-    """What a library hands back: how to solve with the factors, how to count signs, how to factor the next values."""
+    """What a library hands back: how to solve, how to count signs, how to factor the next values."""
 
     solve: Callable[[NDArray[np.float64]], NDArray[np.float64]]
     inertia: Callable[[], Inertia]
@@ -92,20 +92,21 @@ class SuperLU:
     """SciPy's SuperLU in symmetric mode, five times faster than its defaults on symmetric patterns."""
 
     def symmetric(self, matrix: sparse.csc_array) -> RawFactor:
-        """Factor with diagonal pivots: no row exchange unless a pivot vanishes, so the signs stay readable."""
+        """Factor with diagonal pivots; rows are exchanged, and signs lost, only where a pivot vanishes."""
         return self._factor(matrix, pivot_threshold=0.0)
 
     def general(self, matrix: sparse.csc_array) -> RawFactor:
-        """Factor with diagonal pivots preferred, and rows exchanged where they are ten times too small."""
-        return self._factor(matrix, pivot_threshold=0.1)._replace(
+        """Factor with diagonal pivots where they can be: exchanging rows costs up to ten times the fill."""
+        return self._factor(matrix, pivot_threshold=1e-3)._replace(
             inertia=_inertia_of_unsymmetric, refactorize=self.general
         )
 
     def _factor(self, matrix: sparse.csc_array, pivot_threshold: float) -> RawFactor:
-        if matrix.shape[0] > LARGEST_COMFORTABLE_SUPERLU:
+        n = matrix.indptr.size - 1
+        if n > LARGEST_COMFORTABLE_SUPERLU:
             warnings.warn(
-                f"factoring {matrix.shape[0]} freedoms with SciPy's SuperLU: shells take seconds to minutes, solids "
-                "hours and tens of gigabytes; install the fast solver with: pip install 'supple[fast]'",
+                f"factoring {n} freedoms with SciPy's SuperLU: shells take seconds to minutes, solids hours "
+                "and tens of gigabytes; install the fast solver with: pip install 'supple[fast]'",
                 SuppleWarning,
                 stacklevel=2,
             )
@@ -119,8 +120,8 @@ class SuperLU:
         def inertia() -> Inertia:
             if not np.array_equal(factor.perm_r, factor.perm_c):
                 raise AccuracyError(
-                    "SuperLU exchanged rows to avoid a zero pivot, so the inertia of this matrix cannot be read from "
-                    "its factors; install the symmetric indefinite solver with: pip install 'supple[fast]'"
+                    "SuperLU exchanged rows to avoid a zero pivot, so the inertia cannot be read from its "
+                    "factors; install the symmetric solver with: pip install 'supple[fast]'"
                 )
             signs = np.sign(factor.U.diagonal())
             return Inertia(int(np.sum(signs < 0)), int(np.sum(signs == 0)), int(np.sum(signs > 0)))
@@ -164,10 +165,10 @@ class SparseFactor:
         return self._raw.inertia()
 
     def refactorize(self, matrix: Any) -> SparseFactor:
-        """Factor another matrix of the same pattern, reusing the symbolic analysis where the library allows."""
+        """Factor a matrix of the same pattern, reusing the symbolic analysis where the library allows."""
         matrix = _square_csc(matrix)
-        if matrix.shape[0] != self.n:
-            raise ModelError(f"the new matrix has {matrix.shape[0]} rows, the factored one {self.n}")
+        if matrix.shape != (self.n, self.n):
+            raise ModelError(f"the new matrix has shape {matrix.shape}; the factored one has {self.n} rows")
         return _checked(lambda: self._raw.refactorize(matrix), matrix)
 
 
@@ -210,7 +211,7 @@ def _square_csc(matrix: Any) -> sparse.csc_array:
 
 def _checked(factor: Callable[[], RawFactor], matrix: sparse.csc_array) -> SparseFactor:
     """Solve a pseudo-random load, refine the answer once, and refuse the factors if it moves."""
-    n = matrix.shape[0]
+    n = matrix.indptr.size - 1
     if n == 0:
         return SparseFactor(0, RawFactor(np.copy, lambda: Inertia(0, 0, 0), lambda _: factor()))
     try:

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body.rigid_motion import COLLINEAR, cross_of_axes
-from supple.errors import ModelError
 
 
 def averaged_motion(
@@ -21,19 +20,16 @@ def averaged_motion(
         u = mean of u_a,     J theta = sum_a w_a r_a x u_a,     J = sum_a w_a (r_a.r_a I - r_a r_a^T)
         u_v = u + theta x (position - centroid),     theta_v = theta
 
-    About an axis that displacements do not see (nodes on one line, a single node), theta is the weighted mean of the
-    nodes' own rotations; solids have none. A rigid motion is reproduced exactly; hence the transpose spreads a force
-    and moment at the position over the nodes with the same resultant.
+    About an axis that displacements do not see (nodes on one line, a single node), theta is the weighted mean
+    of the nodes' own rotations. A rigid motion is reproduced exactly; hence the transpose spreads a force and
+    a moment at the position over the nodes with the same resultant.
 
     Parameters
     ----------
-    points   : (k, 3);  weights : (k,) positive;  position : (3,)
+    points   : (k, 3), on solids not all on one line;  weights : (k,) positive;  position : (3,)
     Returns
     -------
     (6, k, dofs_per_node)   (u_v, theta_v) as a linear map of the nodes' freedoms
-    Raises
-    ------
-    ModelError   nodes of solids on one line
     """
     shares = weights / weights.sum()
     centroid = shares @ points
@@ -41,11 +37,6 @@ def averaged_motion(
     spread = (arms * shares[:, None]).T @ arms
     inertias, axes = np.linalg.eigh(np.trace(spread) * np.eye(3) - spread)
     seen = inertias > COLLINEAR**2 * inertias[-1]
-    if dofs_per_node == 3 and not np.all(seen):
-        raise ModelError(
-            f"its {len(points)} nodes lie on one line or point, and the nodes of solids have no rotations, so it "
-            "cannot follow a rotation; give at least three nodes that are not on a line"
-        )
 
     motion = np.zeros((6, len(points), dofs_per_node))
     J_inverse = (axes[:, seen] / inertias[seen]) @ axes[:, seen].T

@@ -37,16 +37,18 @@ def checked_nodal_matrix(
     if not np.all(np.isfinite(result.data)):
         entry = int(np.flatnonzero(~np.isfinite(result.data))[0])
         raise ModelError(
-            f"body '{body}': the {what} is not finite at {_freedom(int(result.indices[entry]), dofs_per_node)}"
+            f"body '{body}': the {what} is not finite in the row of "
+            f"{_freedom(int(result.indices[entry]), dofs_per_node)}"
         )
     largest = abs(result).max() if result.nnz else 0.0
     difference = abs(result - result.T).tocoo()
     if difference.nnz and difference.data.max() > SYMMETRY * largest:
         entry = int(np.argmax(difference.data))
         raise ModelError(
-            f"body '{body}': the {what} is not symmetric: entries of {_freedom(int(difference.row[entry]), dofs_per_node)}"
-            f" and {_freedom(int(difference.col[entry]), dofs_per_node)} differ by "
-            f"{difference.data[entry] / largest:.1e} of the largest entry"
+            f"body '{body}': the {what} is not symmetric: the two entries of "
+            f"{_freedom(int(difference.row[entry]), dofs_per_node)} with "
+            f"{_freedom(int(difference.col[entry]), dofs_per_node)} differ by "
+            f"{difference.data[entry] / largest:.1e} of the largest"
         )
     return result
 
@@ -65,14 +67,14 @@ def check_nodes(body: str, nodes: NDArray[np.float64]) -> None:
 def check_positive_mass(
     body: str, nodal_mass: sparse.csc_array, mass: sparse.csc_array, dofs_per_node: int
 ) -> None:
-    """Every motion carries kinetic energy: all eigenvalues of the mass matrix are positive, by inertia count."""
+    """Every motion carries kinetic energy: no eigenvalue of the mass matrix is zero or negative."""
     diagonal = nodal_mass.diagonal()
     if np.any(diagonal <= 0):
         worst = int(np.argmin(diagonal))
         raise ModelError(
             f"body '{body}': {_freedom(worst, dofs_per_node)} has the mass {diagonal[worst]:.3e} (and "
-            f"{int(np.sum(diagonal <= 0))} freedoms in all have none or less); every freedom must carry mass, "
-            "rotations a rotary inertia"
+            f"{int(np.sum(diagonal <= 0))} freedoms in all have none or less); every freedom must carry mass "
+            "and every rotation rotary inertia"
         )
     try:
         inertia = factorize_symmetric(mass).inertia
@@ -99,10 +101,10 @@ def check_moves_rigidly(
     row, mode = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     if ratio[row, mode] > tolerance:
         raise ModelError(
-            f"body '{body}': its stiffness resists rigid motion: {RIGID_NAMES[mode]} meets {ratio[row, mode]:.1e} of "
-            f"the forces that should cancel (allowed {tolerance:.0e}), most at coordinate {row}. A body must be free: "
-            "leave supports out of its matrices and hold it by joints; for matrices printed with few digits, raise "
-            "rigid_tolerance"
+            f"body '{body}': its stiffness resists rigid motion: {RIGID_NAMES[mode]} meets "
+            f"{ratio[row, mode]:.1e} of the forces that should cancel (allowed {tolerance:.0e}), most at "
+            f"coordinate {row}. A body must be free: leave supports out of its matrices and hold it by "
+            "joints; for matrices printed with few digits, raise rigid_tolerance"
         )
 
 
@@ -114,8 +116,8 @@ def checked_grounded_stiffness(
         grounded = grounded_factor(stiffness, rigid_modes)
     except AccuracyError as error:
         raise ModelError(
-            f"body '{body}' can move in more than six ways without strain: a mechanism, a freedom without stiffness, "
-            "or a part hanging on a single node"
+            f"body '{body}' can move in more than six ways without strain: a mechanism, a freedom without "
+            "stiffness, or a part hanging on a single node"
         ) from error
     if grounded.factor.inertia.negative:
         raise ModelError(

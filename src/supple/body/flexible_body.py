@@ -1,4 +1,4 @@
-"""FlexibleBody: matrices, nodes and interfaces of a free elastic body; every importer ends here, every method starts."""
+"""FlexibleBody: the matrices, nodes and interfaces of a free elastic body, where every method starts."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 class FlexibleBody:
     """A free elastic body; build it with `flexible_body` or `superelement`, which check it.
 
-    Its n coordinates q are the nodal freedoms left after rigid interfaces are eliminated: u_nodal = expansion @ q.
+    Its n coordinates q are the nodal freedoms left after rigid interfaces are eliminated, then six for each
+    rigid interface: u_nodal = expansion @ q.
 
     nodes         : (N, 3) m, in the mesh axes
     dofs_per_node : 3 (ux uy uz) or 6 (.. rx ry rz)
@@ -54,12 +55,12 @@ class FlexibleBody:
     @property
     def n(self) -> int:
         """Number of coordinates."""
-        return self.mass.shape[0]
+        return len(self.rigid_modes)
 
     @property
     def n_nodal(self) -> int:
         """Number of nodal freedoms, N * dofs_per_node."""
-        return self.nodal_mass.shape[0]
+        return len(self.nodes) * self.dofs_per_node
 
     def interface(self, name: str) -> BodyInterface:
         """The interface of that name; ModelError lists those there are."""
@@ -78,8 +79,8 @@ class FlexibleBody:
         """Nonlinear force and tangent in the body's coordinates; ModelError for a linear body."""
         if self.model is None:
             raise ModelError(
-                f"body '{self.name}' is linear: it has matrices but no elements, so no nonlinear force, tangent or "
-                "modal derivative; build it from a finite-element model"
+                f"body '{self.name}' is linear: it has matrices but no quadratic strains, so no nonlinear "
+                "force, tangent or modal derivative; build it from a finite-element model"
             )
         from supple.fem import assemble
 
@@ -91,10 +92,10 @@ class FlexibleBody:
         return checked_grounded_stiffness(self.name, self.stiffness, self.rigid_modes)
 
     def constrained(self, constraint: ArrayLike | sparse.sparray) -> ConstrainedFactor:
-        """Static equilibrium with D q = c held, (m, n) rows D; all share the factor of `grounded_stiffness`."""
+        """Static equilibrium with D q = c held, D (m, n); all share the factor of `grounded_stiffness`."""
         return constrained_factor(self.stiffness, constraint, grounded=self.grounded_stiffness)
 
     def __getstate__(self) -> dict[str, Any]:
-        # Factors live in the memory of a solver library and cannot travel between processes; they are made anew.
+        # Factors live in the memory of a solver library and cannot travel between processes: made anew.
         cached = ("assembly", "grounded_stiffness")
         return {key: value for key, value in self.__dict__.items() if key not in cached}

@@ -45,7 +45,7 @@ class MeanAxisFrame:
 
 
 def frame_projector(body: FlexibleBody, frame: Frame) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """The map x -> x - R (D R)^-1 D x, which shows a motion of shape (n,) or (n, k) as seen from the frame."""
+    """The map x -> x - R (D R)^-1 D x: motions of shape (n,) or (n, k) as seen from the frame."""
     D, R = frame.constraint(body), body.rigid_modes
     held = D @ R
     if np.linalg.matrix_rank(held / np.linalg.norm(held, axis=1)[:, None]) < 6:

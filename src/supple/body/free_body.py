@@ -41,7 +41,7 @@ def free_body(
     rotation_limit: float = np.inf,
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
-    """Eliminate rigid interfaces, M = T^T M_nodal T and K likewise, and check what any free body must satisfy."""
+    """Eliminate rigid interfaces, M = T^T M_nodal T and K likewise, and check what every free body obeys."""
     check_nodes(name, nodes)
     M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node)
     K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node)
@@ -49,7 +49,7 @@ def free_body(
     rigid = [node for node in virtual if node.is_rigid]
 
     T = rigid_elimination(nodes, dofs_per_node, [(node.node_ids, node.position) for node in rigid])
-    if T.shape[1] <= 6:
+    if sum(node.node_ids.size for node in rigid) == len(nodes):
         raise ModelError(f"body '{name}': its interfaces hold every node rigidly; describe it by a RigidBody")
     M, K = _congruent(T, M_nodal), _congruent(T, K_nodal)
     check_positive_mass(name, M_nodal, M, dofs_per_node)

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.body.flexible_body import FlexibleBody
 from supple.body.rigid_motion import cross_of_axes, nodal_rigid_modes
-from supple.errors import AccuracyError, ModelError
+from supple.errors import ModelError
 
 
 def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
@@ -16,9 +16,9 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
         W = [ Phi_t | Phi_w0 | Phi_1 ... Phi_r | V ],     G = W^T M W
         z = (v, w, gamma_1 w, ..., gamma_r w, gamma'),    T = 1/2 z^T G z
 
-    Phi_t: unit translations. Phi_w0: e_i x x_a, with unit rotations on rotational freedoms. Phi_k: e_i x V_k on
-    translations, zero on rotations, three columns each. V: the basis. All in the body's frame; M is the nodal mass,
-    exact where the translational mass is a scalar times I_3.
+    Phi_t: unit translations. Phi_w0: e_i x x_a, with unit rotations on rotational freedoms. Phi_k: e_i x V_k
+    on translations, zero on rotations, three columns each. V: the basis. All in the body's frame. M is the
+    nodal mass; where its translational part couples nodes by a scalar times I_3, T is exact at any rotation.
 
     Parameters
     ----------
@@ -28,8 +28,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
     (6 + 4 r, 6 + 4 r)   symmetric
     Raises
     ------
-    ModelError      wrong shape
-    AccuracyError   the mass of a unit velocity differs between directions: a nodal mass that depends on direction
+    ModelError   wrong shape
     """
     V = np.asarray(basis, dtype=np.float64)
     if V.ndim != 2 or V.shape[0] != body.n:

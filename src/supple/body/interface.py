@@ -26,7 +26,9 @@ class RigidInterface:
 
 @dataclass(frozen=True, eq=False)
 class AveragingInterface:
-    """A virtual node that follows the weighted least-squares rigid motion of its nodes (RBE3), adding no stiffness.
+    """A virtual node that follows the mean rigid motion of its nodes (RBE3), adding no stiffness.
+
+    The mean is a weighted least-squares fit; see `averaged_motion`.
 
     nodes    : name of a node set, or node numbers
     position : (3,) of the virtual node; the weighted centroid of the nodes when omitted

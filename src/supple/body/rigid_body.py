@@ -23,18 +23,18 @@ class RigidBody:
     Parameters
     ----------
     mass       : kg, positive
-    inertia    : (3, 3) about the centre of mass, body axes, kg m^2; symmetric, positive definite
     centre     : (3,) centre of mass in body axes, m
+    inertia    : (3, 3) about the centre of mass, body axes, kg m^2; symmetric, positive definite
     interfaces : name -> (3,) position in body axes, m
     Raises
     ------
-    ModelError   mass or inertia that no distribution of mass can have; positions that are not three finite numbers
+    ModelError   mass or inertia that no matter can have; positions that are not three finite numbers
     """
 
     name: str
     mass: float
+    centre: NDArray[np.float64]
     inertia: NDArray[np.float64]
-    centre: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     interfaces: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -49,7 +49,7 @@ class RigidBody:
 
     def __reduce__(self):
         # Mapping proxies do not pickle.
-        return RigidBody, (self.name, self.mass, self.inertia, self.centre, dict(self.interfaces))
+        return RigidBody, (self.name, self.mass, self.centre, self.inertia, dict(self.interfaces))
 
     def interface(self, name: str) -> NDArray[np.float64]:
         """Position of an interface; ModelError lists those there are."""
@@ -78,7 +78,7 @@ class RigidBody:
             )
         if largest > (smallest + middle) * (1 + ROUNDING):
             raise ModelError(
-                f"{where} breaks the triangle inequality: {largest:.6g} > {smallest:.6g} + {middle:.6g}; no mass "
-                "distribution has these principal values"
+                f"{where} breaks the triangle inequality: {largest:.6g} > {smallest:.6g} + {middle:.6g}; no "
+                "distribution of mass has these principal values"
             )
         return inertia

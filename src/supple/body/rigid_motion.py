@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def nodal_rigid_modes(nodes: NDArray[np.float64], dofs_per_node: int) -> NDArray[np.float64]:
-    """Rigid modes (N * dofs_per_node, 6) about the mesh origin: translations e_i, then rotations e_i x x_a."""
+    """Rigid modes (N * dofs_per_node, 6) about the mesh origin: translations e_i, rotations e_i x x_a."""
     modes = np.zeros((len(nodes), dofs_per_node, 6))
     modes[:, :3, :3] = np.eye(3)
     modes[:, :3, 3:] = cross_of_axes(nodes)

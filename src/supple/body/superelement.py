@@ -52,7 +52,7 @@ def superelement(
     rotations = None
     if dofs_per_node == 6:
         rows = (6 * np.arange(len(points))[:, None] + np.arange(3, 6)).ravel()
-        rotations = sparse.eye_array(6 * len(points), format="csr")[rows].tocsc()
+        rotations = sparse.csr_array(sparse.eye_array(6 * len(points)))[rows].tocsc()
     return free_body(
         name,
         points,
@@ -82,10 +82,9 @@ def read_superelement(
     ImportFormatError   a file that is not Matrix Market
     ModelError          as for `superelement`
     """
-    positions = read_matrix(nodes)
     return superelement(
         name,
-        positions.toarray() if sparse.issparse(positions) else positions,
+        read_matrix(nodes).toarray(),
         read_matrix(stiffness),
         read_matrix(mass),
         dofs_per_node=dofs_per_node,

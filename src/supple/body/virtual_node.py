@@ -75,7 +75,7 @@ def interface_motions(
     virtual: Sequence[VirtualNode],
 ) -> tuple[BodyInterface, ...]:
     """The motion (6, n) of each virtual node; the coordinates of rigid ones stand last, in order."""
-    n = expansion.shape[1]
+    n_nodal, n = dofs_per_node * len(nodes), expansion.indptr.size - 1
     first = n - 6 * sum(node.is_rigid for node in virtual)
     result = []
     for node in virtual:
@@ -87,7 +87,7 @@ def interface_motions(
             dofs = (node.node_ids[:, None] * dofs_per_node + np.arange(dofs_per_node)).ravel()
             columns = np.broadcast_to(dofs, (6, dofs.size)).ravel()
             rows = np.repeat(np.arange(6), dofs.size)
-            nodal = sparse.csr_array((averages.ravel(), (rows, columns)), shape=(6, expansion.shape[0]))
+            nodal = sparse.csr_array((averages.ravel(), (rows, columns)), shape=(6, n_nodal))
             motion = sparse.csr_array(nodal @ expansion)
         result.append(BodyInterface(node.name, node.position, motion, node.node_ids))
     return tuple(result)

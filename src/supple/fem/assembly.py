@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array, csr_array
+from scipy.sparse import csc_array, csr_array
 
 from supple.errors import ModelError
 from supple.fem import quadratic_strain
@@ -19,7 +19,8 @@ from supple.fem.quadratic_strain import QuadraticStrain
 Array = NDArray[Any]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.integer]
-SparseArray = csc_array | csr_array | coo_array
+# Any scipy.sparse array: their common base declares no shape.
+SparseArray = Any
 
 # Numbers held at once while pairs of directions are evaluated: 64 MiB.
 CHUNK = 2**23
@@ -152,9 +153,9 @@ def assemble(model: FiniteElementModel, expansion: SparseArray | None = None) ->
         )
         transform, indices, indptr = None, nodal.indices, nodal.indptr
     else:
-        if np.shape(expansion)[0] != model.n_dofs:
+        if expansion.shape[0] != model.n_dofs:
             raise ModelError(
-                f"expansion has {np.shape(expansion)[0]} rows; the model has {model.n_dofs} nodal freedoms"
+                f"expansion has {expansion.shape[0]} rows; the model has {model.n_dofs} nodal freedoms"
             )
         T = csr_array(expansion)
         transform, indices, indptr = _congruence(nodal, T)
@@ -162,7 +163,7 @@ def assemble(model: FiniteElementModel, expansion: SparseArray | None = None) ->
     return Assembly(model, gathers, nodal, transform, indices, indptr)
 
 
-def _congruence(nodal: NodeSparsity, T: csr_array) -> tuple[csr_array, IntArray, IntArray]:
+def _congruence(nodal: NodeSparsity, T: SparseArray) -> tuple[csr_array, IntArray, IntArray]:
     """Pattern of T^T K T, and the map from the entries of K to its entries.
 
     Entry (a, b) of K adds T_ai T_bj of itself to entry (i, j), for all entries i of row a and j of row b.
@@ -175,7 +176,7 @@ def _congruence(nodal: NodeSparsity, T: csr_array) -> tuple[csr_array, IntArray,
     a, b = row[source], nodal.indices[source]
     left, right = np.divmod(turn, in_row[b])
     left, right = left + T.indptr[a], right + T.indptr[b]
-    columns, n = T.indices.astype(np.int64), np.shape(T)[1]
+    columns, n = T.indices.astype(np.int64), T.shape[1]
     keys, target = np.unique(columns[left] * n + columns[right], return_inverse=True)
     i, j = np.divmod(keys, n)
     indptr = np.concatenate([[0], np.cumsum(np.bincount(i, minlength=n))]).astype(np.int32)

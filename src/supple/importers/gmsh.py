@@ -101,13 +101,14 @@ def _physical_names(path: Path, text: str) -> dict[tuple[int, int], str]:
     if section is None:
         return names
     for found in re.finditer(r'^\s*(\d)\s+(\d+)\s+"(.*)"', section[1], flags=re.MULTILINE):
+        name = found[3].encode("latin-1").decode("utf-8", errors="replace")
         # meshio keeps the last of two groups with one name, so the first would vanish.
-        if found[3] in names.values():
+        if name in names.values():
             raise ImportFormatError(
                 f"{path}, line {_line(text, section.start(1) + found.start(3))}: a second physical group is "
-                f"named '{found[3]}'; give each group a name of its own"
+                f"named '{name}'; give each group a name of its own"
             )
-        names[int(found[1]), int(found[2])] = found[3].encode("latin-1").decode("utf-8", errors="replace")
+        names[int(found[1]), int(found[2])] = name
     return names
 
 

@@ -21,7 +21,7 @@ from scipy.sparse import csc_array, csr_array, eye_array, kron
 
 from supple.body import FlexibleBody
 
-__all__ = ["FullInertia", "FullMotion", "InertiaTerms"]
+__all__ = ["FullInertia", "FullMotion", "InertiaBorder", "InertiaTerms", "cross_matrices", "cross_matrix"]
 
 
 class FullMotion(NamedTuple):
@@ -51,14 +51,14 @@ class InertiaBorder(NamedTuple):
     corner: np.ndarray
 
 
-def _cross_matrix(w: np.ndarray) -> np.ndarray:
+def cross_matrix(w: np.ndarray) -> np.ndarray:
     return np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
 
 
 def _turned(fields: np.ndarray, w: np.ndarray) -> np.ndarray:
     """`w x field` on translations, zero on rotations; fields (N, d, ...)."""
     result = np.zeros_like(fields)
-    result[:, :3] = np.einsum("ij,nj...->ni...", _cross_matrix(w), fields[:, :3])
+    result[:, :3] = np.einsum("ij,nj...->ni...", cross_matrix(w), fields[:, :3])
     return result
 
 
@@ -91,7 +91,7 @@ class FullInertia:
         """`Phi_w(q)`, (N, d, 3): column j is `e_j x (x + u)`, and `e_j` on rotations."""
         field = np.zeros((len(self.body.nodes), self._d, 3))
         place = self.body.nodes + displacement[:, :3]
-        field[:, :3] = -_cross_matrices(place)
+        field[:, :3] = -cross_matrices(place)
         if self._d == 6:
             field[:, 3:] = np.eye(3)
         return field
@@ -124,7 +124,7 @@ class FullInertia:
         per_node = []
         for axis in np.eye(3):
             block = np.zeros((self._d, self._d))
-            block[:3, :3] = _cross_matrix(axis)
+            block[:3, :3] = cross_matrix(axis)
             per_node.append(csr_array(kron(eye_array(len(self.body.nodes)), csr_array(block))))
         return tuple(per_node)
 
@@ -194,7 +194,7 @@ class FullInertia:
         nodal = rate + _turned(momentum, spin)
         # dX x y seen along e_j: dX . (y x e_j)
         arm_change = np.zeros_like(rotations)
-        arm_change[:, :3] = -np.einsum("jab,nb->naj", np.array([_cross_matrix(e) for e in axes]), nodal[:, :3])
+        arm_change[:, :3] = -np.einsum("jab,nb->naj", np.array([cross_matrix(e) for e in axes]), nodal[:, :3])
         rows[..., 3:] += position * arm_change
         corner = np.einsum("nda,ndb->ab", left, columns)
         if self._d == 6:
@@ -205,12 +205,12 @@ class FullInertia:
             rows[..., 3:] += velocity * mass_spun - position * _turned(mass_spun, spin)
             total = momentum[:, 3:].sum(axis=0)
             change = velocity * mass_rotations[:, 3:].sum(axis=0)
-            corner[3:, 3:] += _cross_matrix(spin) @ change - velocity * _cross_matrix(total)
+            corner[3:, 3:] += cross_matrix(spin) @ change - velocity * cross_matrix(total)
         n_nodal = self._mass.shape[0]
         return InertiaBorder(columns.reshape(n_nodal, 6), rows.reshape(n_nodal, 6).T, corner)
 
 
-def _cross_matrices(vectors: np.ndarray) -> np.ndarray:
+def cross_matrices(vectors: np.ndarray) -> np.ndarray:
     """`skew(v)` of every row, (N, 3, 3)."""
     result = np.zeros((len(vectors), 3, 3))
     x, y, z = vectors.T

@@ -9,6 +9,7 @@ Positions are corrected by the least motion in the mass norm until `g(q, t_0) = 
 from __future__ import annotations
 
 import warnings
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -46,22 +47,55 @@ def placed_configuration(system: System) -> Configuration:
     )
 
 
-def placed_velocity(system: System) -> jax.Array:
+def placed_velocity(system: System) -> np.ndarray:
     """Initial velocities of all bodies, (n,)."""
-    return jnp.concatenate(
-        [
-            jnp.concatenate([placed.velocity, placed.angular_velocity, placed.coordinate_rates])
-            for placed in system.bodies
-        ]
-    )
+    parts = [(b.velocity, b.angular_velocity, b.coordinate_rates) for b in system.bodies]
+    return np.concatenate([item for part in parts for item in part])
 
 
-def _mass_matrix(model: Model, time: jax.Array, configuration: Configuration) -> np.ndarray:
+class _JointState(NamedTuple):
+    """The system's mass matrix and constraints in one configuration."""
+
+    mass: jax.Array
+    gap: jax.Array
+    jacobian: jax.Array
+
+
+@jax.jit
+def _joint_state(model: Model, time: jax.Array, configuration: Configuration) -> _JointState:
     rest = jnp.zeros(model.n_velocities)
     motion = Motion(time, configuration, rest, rest, jnp.zeros(len(model.active)))
     stiffness = tuple(jnp.zeros_like(jnp.asarray(body.stiffness)) for body in model.bodies)
     zero = jnp.zeros(())
-    return np.asarray(tangent(model, motion, stiffness, rest, zero, zero))
+    return _JointState(
+        mass=tangent(model, motion, stiffness, rest, zero, zero),
+        gap=constraints(model, time, configuration),
+        jacobian=constraint_jacobian(model, time, configuration),
+    )
+
+
+@jax.jit
+def gap_rates(
+    model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """First and second time derivative of the constraints while the velocities stay constant, (m,) each."""
+
+    def gap_after(duration: jax.Array) -> jax.Array:
+        return constraints(model, time + duration, advance(model, configuration, duration * velocity))
+
+    def rate_after(duration: jax.Array) -> jax.Array:
+        return jax.jvp(gap_after, (duration,), (jnp.ones(()),))[1]
+
+    return jax.jvp(rate_after, (jnp.zeros(()),), (jnp.ones(()),))
+
+
+@jax.jit
+def _forces(model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array) -> jax.Array:
+    """Residual without accelerations and multipliers, (n,)."""
+    still = jnp.zeros_like(velocity)
+    return balance(
+        model, Motion(time, configuration, velocity, still, jnp.zeros(len(model.active)))
+    ).residual
 
 
 def check_joints_closed(system: System, model: Model, gaps: np.ndarray) -> None:
@@ -115,47 +149,39 @@ def _bordered_solve(mass: np.ndarray, jacobian: np.ndarray, top: np.ndarray, bot
 def _close_joints(model: Model, time: jax.Array, configuration: Configuration) -> Configuration:
     """Project the configuration on the joints by Newton's method."""
     for _ in range(20):
-        gap = np.asarray(constraints(model, time, configuration))
+        mass, gap, jacobian = map(np.asarray, _joint_state(model, time, configuration))
         if np.max(abs(gap), initial=0.0) <= 1e-13 * float(model.length):
             return configuration
-        mass = _mass_matrix(model, time, configuration)
-        jacobian = np.asarray(constraint_jacobian(model, time, configuration))
         step = _bordered_solve(mass, jacobian, np.zeros(len(mass)), -gap)[: len(mass)]
-        configuration = advance(model, configuration, jnp.asarray(step))
+        configuration = _moved(model, configuration, jnp.asarray(step))
     raise ConvergenceError(
         f"the joints could not be closed at the start: largest gap {np.max(abs(gap)):.3g} after 20 iterations. "
         "Place the bodies closer to a configuration in which every joint fits"
     )
 
 
+_moved = jax.jit(advance)
+
+
 def consistent_start(system: System, time: float, first_step: float) -> tuple[Model, State]:
     """The compiled model (redundant constraints left out) and the consistent state at the initial time."""
-    full_model = build_model(system)
+    model = build_model(system)
     now = jnp.asarray(float(time))
     configuration = placed_configuration(system)
-    mass = _mass_matrix(full_model, now, configuration)
-    check_joints_closed(system, full_model, np.asarray(constraints(full_model, now, configuration)))
-    jacobian = np.asarray(constraint_jacobian(full_model, now, configuration))
-    model = build_model(system, active=independent_constraints(system, jacobian, mass))
+    mass, gap, jacobian = map(np.asarray, _joint_state(model, now, configuration))
+    check_joints_closed(system, model, gap)
+    active = independent_constraints(system, jacobian, mass)
+    if active != model.active:
+        model = build_model(system, active=active)
 
     configuration = _close_joints(model, now, configuration)
-    mass = _mass_matrix(model, now, configuration)
-    jacobian = np.asarray(constraint_jacobian(model, now, configuration))
-
-    def gap_after(duration: jax.Array, velocity: jax.Array) -> jax.Array:
-        return constraints(model, now + duration, advance(model, configuration, duration * velocity))
-
-    def gap_rate(duration: jax.Array, velocity: jax.Array) -> jax.Array:
-        return jax.jvp(lambda s: gap_after(s, velocity), (duration,), (jnp.ones(()),))[1]
-
-    velocity = np.asarray(placed_velocity(system))
-    zero = jnp.zeros(())
-    drift = np.asarray(gap_rate(zero, jnp.asarray(velocity)))
+    mass, _, jacobian = map(np.asarray, _joint_state(model, now, configuration))
+    velocity = placed_velocity(system)
+    drift = np.asarray(gap_rates(model, now, configuration, jnp.asarray(velocity))[0])
     velocity = velocity + _bordered_solve(mass, jacobian, np.zeros(len(mass)), -drift)[: len(mass)]
     moving = jnp.asarray(velocity)
-    bending = np.asarray(jax.jvp(lambda s: gap_rate(s, moving), (zero,), (jnp.ones(()),))[1])
-    still = Motion(now, configuration, moving, jnp.zeros_like(moving), jnp.zeros(len(model.active)))
-    forces = np.asarray(balance(model, still).residual)
+    bending = np.asarray(gap_rates(model, now, configuration, moving)[1])
+    forces = np.asarray(_forces(model, now, configuration, moving))
     solution = _bordered_solve(mass, jacobian, -forces, -bending)
     acceleration = jnp.asarray(solution[: len(mass)])
     count = jnp.zeros((), dtype=int)

@@ -31,6 +31,7 @@ __all__ = [
     "JointArrays",
     "Model",
     "build_model",
+    "is_nodal_load_on_full_body",
     "joint_ends",
 ]
 
@@ -233,7 +234,7 @@ def joint_ends(system: System, element: Joint | ForceElement) -> tuple[End, End]
     )
 
 
-def _acts_on_nodes_of_full_body(system: System, load: DeadForce) -> bool:
+def is_nodal_load_on_full_body(system: System, load: DeadForce) -> bool:
     """True for loads that only the sparse engine can apply."""
     body = system.bodies[system.body_index(load.body)].body
     return isinstance(body, FullBody) and not isinstance(load.at, str)
@@ -279,7 +280,7 @@ def build_model(system: System, active: tuple[int, ...] | None = None) -> Model:
         joints.append(JointArrays(type(joint).constraint, joint.n_constraints, joint.law, first, second))
     for load in system.loads:
         if isinstance(load, DeadForce):
-            if not _acts_on_nodes_of_full_body(system, load):
+            if not is_nodal_load_on_full_body(system, load):
                 dead.append(_dead_force(system, load))
         else:
             first, second = joint_ends(system, load)

@@ -36,7 +36,7 @@ Progress = Callable[[float], None]
 Recorder = Callable[[Solution], None]
 """Called with each completed chunk of a run; the first holds the initial state."""
 
-_CHUNKS = 50
+CHUNKS = 50
 """A run is handed on in so many parts."""
 
 
@@ -161,7 +161,7 @@ def _simulate_compiled(
         model, state, times = _resumed(system, times, step, resume)
     settings = controls(step, method, tolerances)
     # Chunks of one length share one compilation; a shorter last one costs a second.
-    size = max(1, int(np.ceil(len(times) / _CHUNKS)))
+    size = max(1, int(np.ceil(len(times) / CHUNKS)))
     compiled = march.lower(model, settings, state, jnp.asarray(times[:size])).compile()
     ready = clock.perf_counter()
     if resume is None:
@@ -193,7 +193,7 @@ def _simulate_compiled(
             )
             record(parts[-1])
         if bool(state.failed):
-            raise ConvergenceError(_failure(state))
+            raise ConvergenceError(failure_message(float(state.time), np.asarray(state.imbalance)))
         n_done += len(chunk)
         progress(n_done / len(times))
     solution = concatenate(parts)
@@ -212,12 +212,12 @@ def report_cuts(statistics: Statistics, step: StepControl) -> None:
         )
 
 
-def _failure(state: State) -> str:
+def failure_message(time: float, imbalance: np.ndarray) -> str:
+    """Why and where a run stopped; `imbalance` is the relative residual of the four kinds of equations."""
     kinds = ("forces", "moments", "deformation", "constraints")
-    imbalance = np.asarray(state.imbalance)
     worst = int(np.argmax(np.where(np.isfinite(imbalance), imbalance, np.inf)))
     return (
-        f"no convergence at t = {float(state.time):.6g} with the smallest step allowed: relative residual "
+        f"no convergence at t = {time:.6g} with the smallest step allowed: relative residual "
         f"{imbalance[worst]:.2g} in the {kinds[worst]}. A singular position (a mechanism stretched out), a "
         "motion prescribed with a jump, loads far beyond the body's stiffness, or a basis without the "
         "nonlinear terms it needs are the usual causes; what was computed until then is kept"

@@ -90,8 +90,8 @@ class ModeCount:
 
     def modes_besides(self, n_static: int) -> int:
         """Number of modes; ModelError when the static columns alone exceed n_columns."""
-        if self.n_modes is not None:
-            return self.n_modes
+        if self.n_columns is None:
+            return self.n_modes or 0
         if self.n_columns < n_static:
             raise ModelError(
                 f"n_columns = {self.n_columns} is too few: "

@@ -15,8 +15,8 @@ from supple.results.file_errors import file_errors
 def replacing(path: Path | str) -> Iterator[Path]:
     """Path of a temporary neighbour that takes the place of `path` when the block succeeds.
 
-    A reader sees the old file or the new one, never half of either; an exception leaves the old file as it was.
-    The folder is created where it is missing.
+    A reader sees the old file or the new one, never half of either; an exception leaves the old file as it
+    was. The folder is created where it is missing.
 
     Raises
     ------

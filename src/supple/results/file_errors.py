@@ -24,19 +24,19 @@ _REMEDIES = {
 
 @contextmanager
 def file_errors(action: str, path: Path, note: str = "") -> Iterator[None]:
-    """Turn any OSError inside the block into a ResultFileError 'cannot <action> <path>: why and what to do'.
+    """Turn an error of the file system into a ResultFileError 'cannot <action> <path>: why and what to do'.
 
-    The HDF5 library reports the operating system's error number in its message only, so it is looked for there.
+    HDF5 reports the operating system's error number only in its message, at times that of a RuntimeError.
     """
     try:
         yield
     except ResultFileError:
         raise
-    except OSError as error:
+    except (OSError, RuntimeError) as error:
         reason = _REMEDIES.get(_error_number(error), str(error))
         raise ResultFileError(f"cannot {action} {path}: {reason}{note}") from error
 
 
-def _error_number(error: OSError) -> int:
+def _error_number(error: OSError | RuntimeError) -> int:
     buried = re.search(r"errno = (\d+)", str(error))
-    return int(buried.group(1)) if buried else (error.errno or 0)
+    return int(buried.group(1)) if buried else getattr(error, "errno", None) or 0

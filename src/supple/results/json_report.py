@@ -34,16 +34,14 @@ def _plain(value: Any) -> Any:
     match value:
         case np.ndarray() | np.generic():
             return _plain(value.tolist())
-        case float():
-            return value if math.isfinite(value) else None
+        case float() if not math.isfinite(value):
+            return None
         case Mapping():
             return {str(key): _plain(item) for key, item in value.items()}
         case list() | tuple():
             return [_plain(item) for item in value]
-        case None | bool() | int() | str():
+        case None | bool() | int() | float() | str():
             return value
-        case Path():
-            return str(value)
         case _ if is_dataclass(value) and not isinstance(value, type):
             return _plain(asdict(value))
         case _:

@@ -1,0 +1,26 @@
+"""Linear constraints D x = c as dense rows: few, and used against every factor."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from supple.errors import ModelError
+
+
+def constraint_rows(constraint: Any, n: int) -> NDArray[np.float64]:
+    """D as a dense, read-only (m, n) array; no rows when there is no constraint."""
+    if constraint is None:
+        constraint = np.zeros((0, n))
+    elif sparse.issparse(constraint):
+        constraint = constraint.toarray()
+    rows = np.array(constraint, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != n:
+        raise ModelError(f"the constraint has shape {rows.shape}; give (m, n) with n = {n}")
+    if not np.all(np.isfinite(rows)):
+        raise ModelError("the constraint holds NaN or infinite entries")
+    rows.flags.writeable = False
+    return rows

@@ -1,0 +1,266 @@
+"""One full body inside a step: its sparse equations, and their coupling to the frame and the interfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array, vstack
+
+from supple.algebra import factorize_general
+from supple.algebra.rotation import rotation_right_jacobian
+from supple.multibody.full_body import FullBody
+from supple.multibody.full_inertia import FullInertia, FullMotion, cross_matrices, cross_matrix
+from supple.multibody.loads import DeadForce
+
+__all__ = ["FullInterior", "InteriorForces", "InteriorState", "prepare_interior"]
+
+
+class InteriorState(NamedTuple):
+    """Motion of one full body: frame (global origin motion, body spin) and coordinates."""
+
+    rotation: np.ndarray
+    coordinates: np.ndarray
+    rates: np.ndarray
+    accelerations: np.ndarray
+    spin: np.ndarray
+    spin_rate: np.ndarray
+    acceleration: np.ndarray
+    """Global acceleration of the frame origin minus gravity."""
+    frame_multipliers: np.ndarray
+    time: float
+
+
+class InteriorForces(NamedTuple):
+    """The terms in balance, frame part (6,) and coordinates (n,) joined, (6 + n,) each."""
+
+    inertia: np.ndarray
+    internal: np.ndarray
+    applied: np.ndarray
+    joint: np.ndarray
+    """Of the frame conditions alone."""
+    frame_gap: np.ndarray
+    """`D q`, (6,)"""
+
+
+class Elimination(NamedTuple):
+    """What is left of the interior after its factorisation: `x = particular + responses @ unknowns`.
+
+    `responses` answers to unit (generalised interface forces, frame accelerations, frame multipliers).
+    """
+
+    particular: np.ndarray
+    """(n,)"""
+    by_interface: np.ndarray
+    """(n, 6 p)"""
+    by_frame: np.ndarray
+    """(n, 6)"""
+    by_multiplier: np.ndarray
+    """(n, 6)"""
+    frame_rows: np.ndarray
+    """Frame equations per interior acceleration, (6, n)"""
+    frame_corner: np.ndarray
+    """Frame equations per frame acceleration, (6, 6)"""
+
+
+@dataclass(frozen=True, eq=False)
+class FullInterior:
+    """A full body prepared for stepping; built by `prepare_interior`."""
+
+    index: int
+    full: FullBody
+    inertia: FullInertia
+    interface_rows: csr_array
+    """`B`, (6 p, n)"""
+    frame_rows: np.ndarray
+    """`D`, (6, n), scaled rows"""
+    damping: csc_array
+    pattern: csc_array
+    constant: dict[str, np.ndarray]
+    """Entries on the pattern of the constant matrices: kind to (number, nnz)."""
+    tangent_places: np.ndarray
+    """Where the entries of the nonlinear tangent stand in the pattern."""
+    loads: tuple[DeadForce, ...]
+
+    def _nodal(self, coordinates: np.ndarray) -> np.ndarray:
+        body = self.full.body
+        return (body.expansion @ coordinates).reshape(len(body.nodes), body.dofs_per_node)
+
+    def _motion(self, state: InteriorState) -> FullMotion:
+        return FullMotion(
+            displacement=self._nodal(state.coordinates),
+            rate=self._nodal(state.rates),
+            acceleration=self._nodal(state.accelerations),
+            spin=state.spin,
+            spin_rate=state.spin_rate,
+            frame_acceleration=state.rotation.T @ state.acceleration,
+        )
+
+    def _internal_force(self, coordinates: np.ndarray) -> np.ndarray:
+        body = self.full.body
+        if body.model is None:
+            return body.stiffness @ coordinates
+        return body.assembly.internal_force(coordinates)
+
+    def _load_forces(self, state: InteriorState) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Nodes (k,) and forces (k, 3) in body components of every nodal load."""
+        forces = []
+        for load in self.loads:
+            nodes = np.asarray(load.at, dtype=int)
+            values = np.broadcast_to(np.asarray(load.law(state.time)), (len(nodes), 3))
+            forces.append((nodes, values @ state.rotation))
+        return forces
+
+    def forces(self, state: InteriorState) -> InteriorForces:
+        """All terms of the body's own equations of motion."""
+        body, rotation = self.full.body, state.rotation
+        terms = self.inertia.terms(self._motion(state))
+        inertia = np.concatenate(
+            [rotation @ terms.frame[:3], terms.frame[3:], body.expansion.T @ terms.nodal.ravel()]
+        )
+        internal = np.concatenate(
+            [np.zeros(6), self._internal_force(state.coordinates) + self.damping @ state.rates]
+        )
+        nodal = np.zeros_like(terms.nodal)
+        moment = np.zeros(3)
+        place = body.nodes + self._nodal(state.coordinates)[:, :3]
+        for nodes, values in self._load_forces(state):
+            np.add.at(nodal[:, :3], nodes, values)
+            moment += np.cross(place[nodes], values).sum(axis=0)
+        applied = -np.concatenate(
+            [rotation @ nodal[:, :3].sum(axis=0), moment, body.expansion.T @ nodal.ravel()]
+        )
+        joint = np.concatenate([np.zeros(6), self.frame_rows.T @ state.frame_multipliers])
+        return InteriorForces(inertia, internal, applied, joint, self.frame_rows @ state.coordinates)
+
+    def _stiffness_data(self, coordinates: np.ndarray) -> np.ndarray:
+        if self.full.body.model is None:
+            return self.constant["stiffness"][0]
+        data = np.zeros(self.pattern.nnz)
+        data[self.tangent_places] = self.full.body.assembly.tangent(coordinates).data
+        return data
+
+    def eliminate(
+        self, state: InteriorState, residual: np.ndarray, increment: np.ndarray, velocity: float, position: float
+    ) -> Elimination:
+        """Factor the interior's tangent and solve for everything that acts on it.
+
+        residual : (n,) unbalanced generalised forces; increment : (3,) of the frame's rotation in this step
+        """
+        motion = self._motion(state)
+        weights = FullInertia.weights(motion, velocity, position)
+        data = velocity * self.constant["damping"][0]
+        if position:
+            data = data + position * self._stiffness_data(state.coordinates)
+        for kind, factors in weights.items():
+            data = data + factors @ self.constant[kind]
+        matrix = csc_array((data, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape)
+
+        columns, rows, corner = self._border(motion, state, increment, velocity, position)
+        right = np.column_stack([residual, self.interface_rows.T.toarray(), columns, self.frame_rows.T])
+        solved = -factorize_general(matrix).solve(right)
+        p = self.interface_rows.shape[0]
+        return Elimination(
+            particular=solved[:, 0],
+            by_interface=solved[:, 1 : 1 + p],
+            by_frame=solved[:, 1 + p : 7 + p],
+            by_multiplier=solved[:, 7 + p :],
+            frame_rows=rows,
+            frame_corner=corner,
+        )
+
+    def _border(
+        self,
+        motion: FullMotion,
+        state: InteriorState,
+        increment: np.ndarray,
+        velocity: float,
+        position: float,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Tangents with the frame: columns (n, 6), rows (6, n), corner (6, 6), the frame's force in global."""
+        columns, rows, corner = self.inertia.border(motion, velocity, position)
+        turn = position * np.asarray(rotation_right_jacobian(increment))
+        frame_force = self.inertia.terms(motion).frame[:3]
+        # a = A^T (Rddot - g) changes with the frame's rotation, da = a x dpsi, and so does the force A p.
+        swing = cross_matrix(motion.frame_acceleration) @ turn
+        columns, rows, corner = columns.copy(), rows.copy(), corner.copy()
+        columns[:, 3:] += columns[:, :3] @ swing
+        corner[:, 3:] += corner[:, :3] @ swing
+        corner[:3, 3:] -= cross_matrix(frame_force) @ turn
+
+        d = self.full.body.dofs_per_node
+        place = self.full.body.nodes + motion.displacement[:, :3]
+        by_node = columns.reshape(-1, d, 6)
+        row_by_node = rows.reshape(6, -1, d)
+        for nodes, values in self._load_forces(state):
+            # In body components dead forces turn against the frame: df = f x dpsi.
+            crosses = cross_matrices(values)
+            np.add.at(by_node[:, :3, 3:], nodes, -crosses @ turn)
+            np.add.at(row_by_node[3:, :, :3].swapaxes(0, 1), nodes, position * crosses)
+            corner[3:, 3:] -= np.einsum("kij,kjl->il", cross_matrices(place[nodes]), crosses) @ turn
+
+        rotation = state.rotation
+        columns[:, :3] = columns[:, :3] @ rotation.T
+        corner[:, :3] = corner[:, :3] @ rotation.T
+        corner[:3] = rotation @ corner[:3]
+        rows[:3] = rotation @ rows[:3]
+        expansion = self.full.body.expansion
+        return expansion.T @ columns, (expansion.T @ rows.T).T, corner
+
+
+def _on_pattern(pattern: csc_array, matrix: csc_array) -> np.ndarray:
+    """Entries of a matrix in the places of a pattern that contains it."""
+    data = np.zeros(pattern.nnz)
+    coo = matrix.tocoo()
+    np.add.at(data, _places(pattern, coo.row, coo.col), coo.data)
+    return data
+
+
+def _places(pattern: csc_array, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    n = pattern.shape[0]
+    of_pattern = np.repeat(np.arange(n, dtype=np.int64), np.diff(pattern.indptr)) * n + pattern.indices
+    return np.searchsorted(of_pattern, columns.astype(np.int64) * n + rows)
+
+
+def _unit_rows(rows: np.ndarray) -> np.ndarray:
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
+
+
+def prepare_interior(index: int, full: FullBody, loads: tuple[DeadForce, ...]) -> FullInterior:
+    """Everything of a full body that does not change from step to step."""
+    body = full.body
+    inertia = FullInertia(body)
+    none = csc_array(body.mass.shape)
+    damping = none if full.damping is None else csc_array(full.damping.matrix(body.stiffness, body.mass))
+    matrices: dict[str, list[Any]] = {
+        **inertia.matrices,
+        "stiffness": [csc_array(body.stiffness)],
+        "damping": [damping],
+    }
+    pattern = sum((abs(matrix) for group in matrices.values() for matrix in group), start=none)
+    shape = csc_array(body.mass.shape)
+    if body.model is not None:
+        assembly = body.assembly
+        ones = np.ones(len(assembly.indices))
+        shape = csc_array((ones, assembly.indices, assembly.indptr), shape=body.mass.shape)
+    # Added as ones, so that entries that happen to vanish at rest keep their place.
+    pattern = csc_array(pattern + shape)
+    pattern.sort_indices()
+    columns = np.repeat(np.arange(shape.shape[1]), np.diff(shape.indptr))
+    motions = [interface.motion for interface in body.interfaces]
+    return FullInterior(
+        index=index,
+        full=full,
+        inertia=inertia,
+        interface_rows=csr_array(vstack(motions)) if motions else csr_array((0, full.r)),
+        frame_rows=_unit_rows(full.frame.constraint(body)),
+        damping=damping,
+        pattern=pattern,
+        constant={
+            kind: np.array([_on_pattern(pattern, matrix) for matrix in group])
+            for kind, group in matrices.items()
+        },
+        tangent_places=_places(pattern, shape.indices, columns),
+        loads=loads,
+    )

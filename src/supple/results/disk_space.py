@@ -1,0 +1,26 @@
+"""Room on the disk, made sure of before it is needed."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import sys
+from pathlib import Path
+
+
+def reserve_space(path: Path, size: int) -> None:
+    """Make sure that an existing file can grow to so many bytes; it may look that long from then on.
+
+    HDF5 does not survive a write that fails: the process crashes when it closes the file. Reserved bytes
+    cannot fail, neither for a full disk nor for a quota, so the operating system is asked first.
+
+    Raises
+    ------
+    OSError     the disk is full, a quota or size limit is reached
+    """
+    if sys.platform == "linux":
+        with path.open("r+b") as file:
+            os.posix_fallocate(file.fileno(), 0, size)
+    elif path.stat().st_size + shutil.disk_usage(path.parent).free < size:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

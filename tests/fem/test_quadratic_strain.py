@@ -1,0 +1,116 @@
+"""Quadratic strain: force, tangent and higher derivatives against complex steps of the energy."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from supple.fem import GREEN_LAGRANGE, VON_KARMAN, HomogeneousWall, LaminateWall, shell_model, solid_model
+from supple.fem.quadratic_strain import (
+    energy,
+    internal_force,
+    pair_forces,
+    stiffness,
+    tangent,
+    tangent_derivative,
+)
+from supple.mesh import CellType, block, box_beam
+
+STEP = 1e-30
+
+
+def coupled_wall(material):
+    A, D = 0.02 * material.plane_stress, 0.02**3 / 12 * material.plane_stress
+    return LaminateWall(A, 0.3 * np.sqrt(A * D), D, 156.0, 0.005, (0.3, 1.0, 0.2))
+
+
+def shell(kinematics, coupled):
+    def build(material, distorted):
+        mesh = distorted(box_beam(1.0, 0.6, 0.4, 2, 1, 1), 0.05)
+        wall = coupled_wall(material) if coupled else HomogeneousWall(material, 0.02)
+        return shell_model(mesh, wall, kinematics=kinematics)
+
+    return build
+
+
+def solid(cell_type):
+    return lambda material, distorted: solid_model(
+        distorted(block(1, 0.8, 0.6, 2, 1, 1, cell_type), 0.05), material
+    )
+
+
+MODELS = {
+    "shell": shell(GREEN_LAGRANGE, False),
+    "shell, von Karman": shell(VON_KARMAN, False),
+    "shell, coupled laminate": shell(GREEN_LAGRANGE, True),
+    "tetra4": solid(CellType.TETRA4),
+    "tetra10": solid(CellType.TETRA10),
+    "hexa8": solid(CellType.HEXA8),
+    "hexa20": solid(CellType.HEXA20),
+}
+
+
+@pytest.fixture(params=MODELS)
+def elements(request, material, distorted):
+    return MODELS[request.param](material, distorted).blocks[0]
+
+
+@pytest.fixture
+def random(elements, rng):
+    return lambda *more: 0.1 * rng.normal(size=(*elements.dofs.shape, *more))
+
+
+def assert_close(actual, expected):
+    np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+
+
+def test_force_is_the_gradient_of_the_energy(elements, random):
+    q, x = random(), random()
+    assert_close((internal_force(elements, q) * x).sum(axis=1), energy(elements, q + STEP * 1j * x).imag / STEP)
+
+
+def test_tangent_is_the_gradient_of_the_force(elements, random):
+    q, x = random(), random()
+    K = tangent(elements, q)
+    assert_close((K @ x[..., None])[..., 0], internal_force(elements, q + STEP * 1j * x).imag / STEP)
+    assert_close(K, K.swapaxes(1, 2))
+
+
+def test_stiffness_is_the_tangent_of_the_undeformed_element(elements, random):
+    assert_close(stiffness(elements), tangent(elements, 0 * random()))
+
+
+def test_tangent_derivative_is_that_of_the_tangent(elements, random):
+    x = random()
+    assert_close(tangent_derivative(elements, x), tangent(elements, STEP * 1j * x).imag / STEP)
+
+
+def test_pair_forces_are_tangent_derivatives_times_directions(elements, random):
+    X = random(3)
+    pairs = pair_forces(elements, X)
+    for column, (j, k) in enumerate(zip(*np.triu_indices(3), strict=True)):
+        derivative = tangent_derivative(elements, X[..., j])
+        assert_close(pairs[..., column], (derivative @ X[..., k, None])[..., 0])
+
+
+def test_force_is_a_cubic_polynomial(elements, random):
+    """Fourth differences of f(t q) over equal steps in t vanish."""
+    q = random()
+    forces = [internal_force(elements, t * q) for t in range(5)]
+    fourth = forces[0] - 4 * forces[1] + 6 * forces[2] - 4 * forces[3] + forces[4]
+    assert np.abs(fourth).max() < 1e-12 * np.abs(forces[4]).max()
+
+
+def test_constitutive_matrix_may_differ_from_element_to_element(elements, random):
+    """D of each element: the energy of element e scales with its own factor."""
+    q = random()
+    factor = np.linspace(1, 2, len(q))
+    bare = replace(elements, linear_stiffness=None)
+    scaled = replace(bare, D=factor[:, None, None] * bare.D)
+    assert_close(energy(scaled, q), factor * energy(bare, q))
+    assert_close(energy(scaled.of(slice(1, 2)), q[1:2]), (factor * energy(bare, q))[1:2])
+
+
+def test_arrays_are_read_only(elements):
+    with pytest.raises(ValueError, match="read-only"):
+        elements.B[0] = 0

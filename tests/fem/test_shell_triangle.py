@@ -1,0 +1,335 @@
+"""Flat shell triangle: rigid motions, patch tests, laminates, curved shells, large deflection."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+
+from supple.errors import ModelError
+from supple.fem import (
+    GREEN_LAGRANGE,
+    VON_KARMAN,
+    HomogeneousWall,
+    Isotropic,
+    LaminateWall,
+    assemble,
+    shell_model,
+)
+from supple.fem.quadratic_strain import energy
+from supple.mesh import CellType, Mesh, box_beam, cylinder_shell, plate, strip
+
+
+def rotation(axis, angle):
+    """Rodrigues' formula."""
+    n = np.array(axis) / np.linalg.norm(axis)
+    S = np.cross(np.eye(3), n)
+    return np.eye(3) + np.sin(angle) * S + (1 - np.cos(angle)) * S @ S
+
+
+def turned(mesh, axis, angle):
+    return Mesh(mesh.nodes @ rotation(axis, angle).T, mesh.cells, mesh.node_sets, mesh.cell_sets)
+
+
+@pytest.fixture
+def coupled(material):
+    """An unsymmetric wall: two layers of different stiffness, without a mid-plane of symmetry."""
+    C, h = material.plane_stress, 0.05
+    orthotropic = C * np.array([[3.0, 1, 1], [1, 0.5, 1], [1, 1, 0.7]])
+    layers = ((C, -h, 0.0), (orthotropic, 0.0, h))
+    A, B, D = (sum((top**p - low**p) / p * Q for Q, low, top in layers) for p in (1, 2, 3))
+    return LaminateWall(A, B, D, 780.0, 0.65)
+
+
+@pytest.fixture(params=["homogeneous", "coupled"])
+def wall(request, material, coupled):
+    return HomogeneousWall(material, 0.03) if request.param == "homogeneous" else coupled
+
+
+@pytest.mark.parametrize("kinematics", [GREEN_LAGRANGE, VON_KARMAN])
+@pytest.mark.parametrize(
+    "mesh", [plate(1.3, 1.0, 2, 3), box_beam(1.0, 0.6, 0.4, 2, 1, 1)], ids=["flat", "closed"]
+)
+def test_six_zero_modes_and_no_more(mesh, kinematics, wall, distorted, rigid_modes):
+    mesh = turned(distorted(mesh, 0.06), [1, 2, 3], 0.7)
+    model = shell_model(mesh, wall, kinematics=kinematics)
+    K, R = model.stiffness.toarray(), rigid_modes(model)
+    assert np.abs(K @ R).max() < 1e-12 * np.abs(K).max()
+    values = np.linalg.eigvalsh(K)
+    assert values[5] < 1e-13 * values[-1]
+    assert values[6] > 1e-8 * values[-1]
+
+
+@pytest.mark.parametrize("axis", [[0, 0, 1], [1, 0, 0], [0, 1, 0], [1, -2, 3]])
+def test_a_rigid_rotation_of_02_rad_stores_no_membrane_energy(axis, material, distorted):
+    """Green-Lagrange strain of u = (R - 1) x is zero, whatever common rotation the nodes have."""
+    model = shell_model(distorted(box_beam(1.0, 0.6, 0.4, 2, 1, 1), 0.06), HomogeneousWall(material, 0.03))
+    (block,) = model.blocks
+    R = rotation(axis, 0.2)
+    q = np.zeros((model.mesh.n_nodes, 6))
+    q[:, :3] = model.mesh.nodes @ (R - np.eye(3)).T
+    q[:, 3:] = 0.2 * np.array(axis) / np.linalg.norm(axis)
+    q_e = q.ravel()[block.dofs]
+    total = energy(block, q_e).sum()
+    linear = 0.5 * np.einsum("ei,eij,ej->", q_e, block.linear_stiffness, q_e)
+    stretched = energy(block, 1.001 * q_e).sum()
+    assert total - linear == pytest.approx(0, abs=1e-9 * stretched)
+
+
+@pytest.mark.parametrize("axis", [[0, 0, 1], [1, 0, 0], [3, 1, 0]])
+def test_a_rigid_rotation_of_a_flat_shell_stores_no_energy_at_all(axis, material, distorted):
+    """For the rotations that the linear slopes call for: rx = w,y, ry = -w,x, rz = (v,x - u,y)/2."""
+    flat = distorted(plate(1.3, 1.0, 2, 3), 0.06)
+    mesh = Mesh(flat.nodes * [1, 1, 0], flat.cells)
+    assembly = assemble(shell_model(mesh, HomogeneousWall(material, 0.03)))
+    H = rotation(axis, 0.2) - np.eye(3)
+    q = np.zeros((mesh.n_nodes, 6))
+    q[:, :3] = mesh.nodes @ H.T
+    q[:, 3:] = H[2, 1], -H[2, 0], 0.5 * (H[1, 0] - H[0, 1])
+    assert assembly.energy(q.ravel()) < 1e-12 * assembly.energy(1.001 * q.ravel())
+
+
+def test_drilling_energy_of_a_rigid_rotation_in_the_plane_is_of_sixth_order(material):
+    """Nodes turned by theta where the plane turns by sin(theta) = (v,x - u,y)/2: energy ~ (theta^3/6)^2."""
+    mesh = plate(1.3, 1.0, 2, 3)
+    assembly = assemble(shell_model(mesh, HomogeneousWall(material, 0.03)))
+
+    def stored(angle):
+        q = np.zeros((mesh.n_nodes, 6))
+        q[:, :3] = mesh.nodes @ (rotation([0, 0, 1], angle) - np.eye(3)).T
+        q[:, 5] = angle
+        return assembly.energy(q.ravel())
+
+    assert np.log2(stored(0.2) / stored(0.1)) == pytest.approx(6, abs=0.02)
+
+
+def test_patch_of_constant_strain_and_curvature(wall, distorted, rng):
+    """The exact field leaves no force at inner nodes and stores half stress times strain times area."""
+    flat = distorted(plate(1.3, 1.0, 4, 4), 0.06)
+    mesh = Mesh(flat.nodes * [1, 1, 0], flat.cells, flat.node_sets)
+    model = shell_model(mesh, wall)
+    H, C = 1e-3 * rng.normal(size=(2, 2)), 1e-3 * rng.normal(size=(2, 2))
+    C = C + C.T
+    x = mesh.nodes[:, :2]
+    slope = x @ C
+    q = np.zeros((mesh.n_nodes, 6))
+    q[:, :2], q[:, 2] = x @ H.T, 0.5 * np.einsum("ai,ij,aj->a", x, C, x)
+    q[:, 3], q[:, 4], q[:, 5] = slope[:, 1], -slope[:, 0], 0.5 * (H[1, 0] - H[0, 1])
+    force = (model.stiffness @ q.ravel()).reshape(-1, 6)
+    inner = np.setdiff1d(np.arange(mesh.n_nodes), mesh.nodes_of("boundary"))
+    assert np.abs(force[inner]).max() < 1e-11 * np.abs(force).max()
+
+    eps = np.array([H[0, 0], H[1, 1], H[0, 1] + H[1, 0]])
+    kappa = -np.array([C[0, 0], C[1, 1], 2 * C[0, 1]])
+    per_area = 0.5 * (eps @ wall.membrane @ eps + kappa @ wall.bending @ kappa) + eps @ wall.coupling @ kappa
+    area = model.blocks[0].w.sum()
+    assert 0.5 * q.ravel() @ force.ravel() == pytest.approx(per_area * area, rel=1e-11)
+
+
+def test_an_unsymmetric_laminate_bends_under_tension(coupled, held, solve_linear):
+    """Strain and curvature are the inverse A-B-D matrix times (N, 0); a long strip reaches them away from its ends."""
+    mesh = strip(4.0, 0.4, 60, 6)
+    model = shell_model(mesh, coupled)
+    T = held(model, (mesh.nodes_of("root_centre"), range(6)))
+    tension = np.zeros((mesh.n_nodes, 6))
+    for edge, sign in (("tip", 1), ("root", -1)):
+        tension[mesh.nodes_of(edge), 0] = sign * 1e4 * 0.4 / 6
+        tension[mesh.nodes_of(edge)[[0, -1]], 0] *= 0.5
+    u = solve_linear(model, T, tension)[mesh.nodes_of("axis")]
+    ABD = np.block([[coupled.membrane, coupled.coupling], [coupled.coupling, coupled.bending]])
+    exact = np.linalg.solve(ABD, [1e4, 0, 0, 0, 0, 0])
+    middle, dx = slice(20, 41), 4.0 / 60
+    elongation = (u[40, 0] - u[20, 0]) / (20 * dx)
+    curvature = (u[40, 4] - u[20, 4]) / (20 * dx)
+    assert elongation == pytest.approx(exact[0], rel=1e-6)
+    assert curvature == pytest.approx(exact[3], rel=1e-6)
+    assert np.ptp(np.diff(u[middle, 0])) < 1e-6 * abs(elongation) * dx
+
+
+def test_laminate_axes_follow_the_reference_direction(coupled, material):
+    """Turning the mesh and the direction together changes nothing; turning the direction alone does."""
+    mesh = plate(1.3, 1.0, 2, 3)
+    R = rotation([1, 2, 3], 0.8)
+    along, across = (
+        LaminateWall(coupled.membrane, coupled.coupling, coupled.bending, 1.0, 1.0, direction)
+        for direction in (R[:, 0], R[:, 1])
+    )
+
+    def energy_of_bending(shape, wall):
+        model = shell_model(shape, wall)
+        q = np.zeros((mesh.n_nodes, 6))
+        q[:, 2], q[:, 4] = mesh.nodes[:, 0] ** 2, -2 * mesh.nodes[:, 0]
+        if shape is not mesh:
+            q = (q.reshape(-1, 3) @ R.T).reshape(-1, 6)
+        return q.ravel() @ model.stiffness @ q.ravel()
+
+    original = energy_of_bending(mesh, coupled)
+    rotated = Mesh(mesh.nodes @ R.T, mesh.cells)
+    assert energy_of_bending(rotated, along) == pytest.approx(original, rel=1e-9)
+    assert energy_of_bending(rotated, across) < 0.7 * original
+
+
+def test_an_element_normal_to_the_laminate_direction_is_refused(coupled):
+    wall = LaminateWall(coupled.membrane, coupled.coupling, coupled.bending, 1.0, 1.0, (0, 0, 1))
+    with pytest.raises(ModelError, match="triangle 0, centred at .* is normal to the laminate's reference_direction"):
+        shell_model(plate(1.0, 1.0, 1, 1), wall)
+
+
+def scordelis_lo(n, held, solve_linear):
+    """Sag of the free edge of the Scordelis-Lo roof, a quarter of it, n x n cells."""
+    radius, length, thickness = 25.0, 25.0, 0.25
+    mesh = cylinder_shell(radius, length, n, n, end_angle=np.radians(40))
+    model = shell_model(mesh, HomogeneousWall(Isotropic(4.32e8, 0.0, 1.0), thickness))
+    T = held(
+        model,
+        (mesh.nodes_of("x_min"), [1, 2]),
+        (mesh.nodes_of("x_max"), [0, 4, 5]),
+        (mesh.nodes_of("start"), [1, 3, 5]),
+    )
+    fall = np.tile([0, 0, -90.0 / thickness, 0, 0, 0], mesh.n_nodes)
+    load = (model.mass @ fall).reshape(-1, 6)
+    corner = np.intersect1d(mesh.nodes_of("x_max"), mesh.nodes_of("end"))[0]
+    return -solve_linear(model, T, load)[corner, 2]
+
+
+def test_scordelis_lo_roof_converges(held, solve_linear):
+    """Deep-shell value 0.3006 (Macneal and Harder 1985 quote 0.3024): within 1 % of the latter."""
+    sag = [scordelis_lo(n, held, solve_linear) for n in (8, 16, 32)]
+    assert sag[-1] == pytest.approx(0.3024, rel=0.01)
+    assert abs(sag[2] - sag[1]) < 0.35 * abs(sag[1] - sag[0])
+
+
+@pytest.mark.slow
+def test_pinched_cylinder_converges(held, solve_linear):
+    """Radial deflection 1.8248e-5 under unit forces (Belytschko et al. 1985), an eighth of the cylinder."""
+
+    def deflection(n):
+        mesh = cylinder_shell(300.0, 300.0, n, n, end_angle=np.pi / 2)
+        model = shell_model(mesh, HomogeneousWall(Isotropic(3e6, 0.3, 1.0), 3.0))
+        T = held(
+            model,
+            (mesh.nodes_of("x_min"), [1, 2]),
+            (mesh.nodes_of("x_max"), [0, 4, 5]),
+            (mesh.nodes_of("start"), [1, 3, 5]),
+            (mesh.nodes_of("end"), [2, 3, 4]),
+        )
+        load = np.zeros((mesh.n_nodes, 6))
+        pinched = np.intersect1d(mesh.nodes_of("x_max"), mesh.nodes_of("start"))[0]
+        load[pinched, 2] = -0.25
+        return -solve_linear(model, T, load)[pinched, 2]
+
+    errors = [abs(deflection(n) / 1.8248e-5 - 1) for n in (16, 32, 64)]
+    assert errors[-1] < 0.01
+    assert errors[0] > errors[1] > errors[2]
+
+
+# Clamped square plate under uniform pressure, nu = 0.316: p a^4/(E t^4) and w/t at the centre.
+# Source: S. Levy, "Square plate with clamped edges under normal pressure producing large deflections",
+# NACA Report 740 (1942), table 1.
+LEVY = [(17.79, 0.237), (63.4, 0.695), (184.0, 1.323), (402.0, 1.902)]
+
+
+def test_clamped_plate_at_large_deflection(held, solve_nonlinear):
+    side, thickness, modulus = 1.0, 0.01, 1e7
+    mesh = plate(side / 2, side / 2, 10, 10)
+    wall = HomogeneousWall(Isotropic(modulus, 0.316, 1.0), thickness)
+    model = shell_model(mesh, wall)
+    T = held(
+        model,
+        (mesh.nodes_of("x_min"), range(6)),
+        (mesh.nodes_of("y_min"), range(6)),
+        (mesh.nodes_of("x_max"), [0, 4, 5]),
+        (mesh.nodes_of("y_max"), [1, 3, 5]),
+    )
+    centre = np.intersect1d(mesh.nodes_of("x_max"), mesh.nodes_of("y_max"))[0]
+    unit = model.mass @ np.tile([0, 0, 1 / wall.mass_per_area, 0, 0, 0], mesh.n_nodes)
+    for load, expected in LEVY:
+        pressure = load * modulus * (thickness / side) ** 4
+        u = solve_nonlinear(model, T, pressure * unit.reshape(-1, 6))
+        assert u[centre, 2] / thickness == pytest.approx(expected, rel=0.015)
+
+
+LENGTH, SIDE, WALL = 20.0, 0.5, 0.033
+
+
+def elastica(force, EI, GA):
+    """Tip displacement (axial, transverse) of a cantilever under a transverse dead force at its tip.
+
+    EI theta' = F (x_tip - x),  theta(0) = 0, x' = cos(theta), y' = sin(theta) + shear F cos(theta)/GA
+    """
+
+    def slope(s, y):
+        theta, moment, x, _ = y
+        shear = force * np.cos(theta) / GA
+        along = np.cos(theta) - shear * np.sin(theta)
+        return np.array([moment / EI, -force * along, along, np.sin(theta) + shear * np.cos(theta)])
+
+    def ends(root, tip):
+        return np.array([root[0], tip[1], root[2], root[3]])
+
+    s = np.linspace(0, LENGTH, 50)
+    guess = np.array([0 * s, force * (LENGTH - s), s, 0 * s])
+    solution = solve_bvp(slope, ends, s, guess, tol=1e-8)
+    return solution.y[2, -1] - LENGTH, solution.y[3, -1]
+
+
+@pytest.fixture
+def box_tip(held, solve_nonlinear):
+    """Mean tip displacement (axial, transverse) of a closed square box cantilever."""
+    modulus = 1e9
+    mesh = box_beam(LENGTH, SIDE, SIDE, 60, 2, 2)
+    EI = modulus * (2 / 3 * SIDE**3 * WALL + SIDE * WALL**3 / 6)
+    # Shear flexibility of the thin-walled square: linear flow in the flanges, parabolic in the webs.
+    y, w = np.polynomial.legendre.leggauss(4)
+    y, w = SIDE / 4 * (1 + y), SIDE / 4 * w
+    flange = WALL * SIDE / 2 * y
+    web = WALL * (SIDE**2 / 4 + (SIDE**2 / 4 - y**2) / 2)
+    GA = modulus / 2 / (4 * w @ (flange**2 + web**2) / WALL / (2 / 3 * SIDE**3 * WALL) ** 2)
+    force = 0.1 * LENGTH * 3 * EI / LENGTH**3
+
+    def tip(kinematics):
+        wall = HomogeneousWall(Isotropic(modulus, 0.0, 1.0), WALL)
+        model = shell_model(mesh, wall, kinematics=kinematics)
+        T = held(model, (mesh.nodes_of("root"), range(6)))
+        load = np.zeros((mesh.n_nodes, 6))
+        end = mesh.nodes_of("tip")
+        load[end, 2] = force / len(end)
+        return solve_nonlinear(model, T, load, steps=2)[end][:, [0, 2]].mean(axis=0)
+
+    return tip, elastica(force, EI, GA)
+
+
+def test_closed_box_at_ten_percent_deflection_follows_the_elastica(box_tip):
+    tip, (shortening, deflection) = box_tip
+    axial, transverse = tip(GREEN_LAGRANGE)
+    assert 0.09 * LENGTH < deflection < 0.1 * LENGTH
+    assert transverse == pytest.approx(deflection, rel=0.01)
+    assert axial == pytest.approx(shortening, rel=0.01)
+
+
+def test_von_karman_makes_a_closed_box_far_too_stiff(box_tip):
+    """Flanges gain half the slope squared, webs nothing: the two fight. Why it is not the default."""
+    tip, (_, deflection) = box_tip
+    assert tip(VON_KARMAN)[1] < 0.9 * deflection
+
+
+def test_foreshortening_of_a_strip_converges_at_second_order(held):
+    """A strip bent to w = x^2/2 k without stretch shortens by the integral of w,x^2/2 = k^2 L^3/6."""
+
+    def shortening(n):
+        mesh = strip(1.0, 0.2, n, 2)
+        model = shell_model(mesh, HomogeneousWall(Isotropic(1.0, 0.0, 1.0), 1e-3))
+        (block,) = model.blocks
+        q = np.zeros((mesh.n_nodes, 6))
+        q[:, 2] = 0.05 * mesh.nodes[:, 0] ** 2
+        gradients = (block.G @ q.ravel()[block.dofs][:, None, :, None])[:, 0, :, 0]
+        axes_x = 0.5 * (gradients[:, 4] ** 2 + gradients[:, 5] ** 2)
+        return (block.w[:, 0] @ axes_x) / 0.2
+
+    errors = [abs(shortening(n) - 0.1**2 / 6) for n in (4, 8, 16)]
+    np.testing.assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 2, atol=0.05)
+
+
+def test_one_triangle_of_any_shape_is_a_patch(material):
+    """A needle of aspect ratio 50 still has six zero modes."""
+    mesh = Mesh([[0, 0, 0], [50, 0, 0], [20, 1, 0]], {CellType.TRIANGLE3: np.array([[0, 1, 2]])})
+    values = np.linalg.eigvalsh(shell_model(mesh, HomogeneousWall(material, 0.1)).stiffness.toarray())
+    assert values[5] < 1e-13 * values[-1] < 1e-3 * values[6] * 1e13

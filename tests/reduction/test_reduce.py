@@ -1,0 +1,195 @@
+"""From body to reduced body: identities, exactness of a complete basis, and the value of derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from supple.body import (
+    MeanAxisFrame,
+    ModalDamping,
+    RayleighDamping,
+    RigidInterface,
+    flexible_body,
+    inertia_gram,
+)
+from supple.errors import AccuracyError, ModelError
+from supple.fem import Isotropic, solid_model
+from supple.mesh import CellType, block
+from supple.reduction import (
+    CompleteBasis,
+    CompressedDerivatives,
+    CraigBampton,
+    ModalVirtualWork,
+    NoDerivatives,
+    NormalModes,
+    PickedDerivatives,
+    Rubin,
+    linear_basis,
+    reduce,
+)
+
+
+@pytest.fixture(scope="module")
+def tiny_body():
+    model = solid_model(block(1.0, 0.3, 0.3, 2, 1, 1, CellType.TETRA4), Isotropic(1e6, 0.3, 1000.0))
+    return flexible_body("tiny", model, (RigidInterface("root", "root"),))
+
+
+@pytest.mark.parametrize("recipe", [CraigBampton(n_modes=4), Rubin(n_modes=4)])
+@pytest.mark.parametrize("derivatives", [PickedDerivatives(5), CompressedDerivatives(5)])
+def test_columns_are_orthonormal_and_at_rest_in_the_frame(solid_body, frame, recipe, derivatives):
+    """V^T M V = I in nodal space, D V = 0."""
+    reduced = reduce(solid_body, frame, recipe, derivatives=derivatives)
+    V = reduced.nodal_basis
+    np.testing.assert_allclose(V.T @ (solid_body.nodal_mass @ V), np.eye(reduced.r), atol=1e-9)
+    D, columns = frame.constraint(solid_body), _coordinates(solid_body, reduced)
+    lengths = np.linalg.norm(D, axis=1)[:, None] * np.linalg.norm(columns, axis=0)
+    assert (np.abs(D @ columns) < 1e-10 * lengths).all()
+
+
+def test_mean_axis_columns_carry_no_momentum(solid_body, mean_axis):
+    """S V = 0 with S = R^T M: the blocks of the Gram matrix that couple rigid motion and V vanish."""
+    reduced = reduce(solid_body, mean_axis, Rubin(n_modes=4), derivatives=CompressedDerivatives(5))
+    mass = reduced.gram[0, 0]
+    coupling = reduced.gram[:6, -reduced.r :]
+    assert np.abs(coupling).max() < 1e-9 * np.sqrt(mass)
+
+
+def test_held_interface_does_not_move(solid_body, root_frame):
+    reduced = reduce(solid_body, root_frame, Rubin(n_modes=4), derivatives=CompressedDerivatives(5))
+    assert np.abs(reduced.interface("root").motion).max() < 1e-12 * np.abs(reduced.nodal_basis).max()
+    tip = solid_body.interface("tip").node_ids
+    mean = reduced.displacement_basis[tip].mean(axis=0)
+    np.testing.assert_allclose(reduced.interface("tip").motion[:3], mean, atol=1e-9 * np.abs(mean).max())
+
+
+def test_complete_basis_is_the_full_body(tiny_body, frame):
+    """Energy, force and inertia of any motion in the frame, in other coordinates."""
+    reduced = reduce(tiny_body, frame, CompleteBasis(), derivatives=NoDerivatives())
+    assert reduced.r == tiny_body.n - 6
+    gamma = 1e-1 * np.random.default_rng(0).standard_normal(reduced.r)
+    q = np.linalg.lstsq(tiny_body.expansion.toarray(), reduced.nodal_basis @ gamma, rcond=None)[0]
+    np.testing.assert_allclose(reduced.tensors.energy(gamma), tiny_body.assembly.energy(q), rtol=1e-10)
+    force = tiny_body.assembly.internal_force(q)
+    D = frame.constraint(tiny_body)
+    back = tiny_body.mass @ _coordinates(tiny_body, reduced) @ reduced.tensors.internal_force(gamma)
+    difference = force - back
+    reaction = D.T @ np.linalg.lstsq(D.T, difference, rcond=None)[0]
+    np.testing.assert_allclose(difference, reaction, atol=1e-9 * np.abs(force).max())
+
+
+def _coordinates(body, reduced):
+    return np.linalg.lstsq(body.expansion.toarray(), reduced.nodal_basis, rcond=None)[0]
+
+
+def test_derivatives_free_the_strip_to_shorten(cantilever, root_frame, nonlinear_static):
+    """A tip load that bends the strip by a tenth of its length: linear columns alone lock in tension."""
+    tip = np.argmax(cantilever.nodes[:, 0])
+    nodal_load = np.zeros(cantilever.n_nodal)
+    nodal_load[6 * tip + 2] = 0.1 * 3 * 1.4e4 / 10.0**2
+    load = cantilever.expansion.T @ nodal_load
+    full = cantilever.expansion @ nonlinear_static(cantilever, root_frame.constraint(cantilever), load)
+
+    def tip_deflection(derivatives):
+        reduced = reduce(cantilever, root_frame, NormalModes(6), derivatives=derivatives)
+        gamma = np.zeros(reduced.r)
+        for _ in range(40):
+            residual = reduced.tensors.internal_force(gamma) - reduced.nodal_basis.T @ nodal_load
+            gamma -= np.linalg.solve(reduced.tensors.tangent(gamma), residual)
+        return reduced.expand(gamma)[tip, 2]
+
+    exact = full[6 * tip + 2]
+    assert abs(tip_deflection(NoDerivatives()) / exact - 1) > 0.3
+    assert abs(tip_deflection(PickedDerivatives(6)) / exact - 1) < 0.01
+    assert abs(tip_deflection(CompressedDerivatives(6)) / exact - 1) < 0.01
+
+
+def test_frequencies_are_those_of_the_reduced_pair(solid_body, frame):
+    reduced = reduce(solid_body, frame, Rubin(n_modes=3), derivatives=CompressedDerivatives(4))
+    np.testing.assert_allclose(reduced.frequencies**2, np.linalg.eigvalsh(reduced.stiffness), rtol=1e-12)
+
+
+def test_inertia_is_the_bodys_gram_matrix(solid_body, mean_axis):
+    reduced = reduce(solid_body, mean_axis, NormalModes(3), derivatives=NoDerivatives())
+    V = _coordinates(solid_body, reduced)
+    np.testing.assert_allclose(
+        reduced.gram, inertia_gram(solid_body, V), atol=1e-10 * np.abs(reduced.gram).max()
+    )
+
+
+def test_rayleigh_damping_acts_on_reduced_matrices(solid_body, root_frame):
+    damping = RayleighDamping(alpha=0.3, beta=1e-4)
+    reduced = reduce(
+        solid_body, root_frame, NormalModes(3), derivatives=CompressedDerivatives(2), damping=damping
+    )
+    np.testing.assert_allclose(reduced.damping, 0.3 * np.eye(5) + 1e-4 * reduced.stiffness, rtol=1e-12)
+
+
+def test_modal_damping_gives_each_reduced_mode_its_ratio(solid_body, root_frame):
+    reduced = reduce(
+        solid_body,
+        root_frame,
+        NormalModes(3),
+        derivatives=CompressedDerivatives(2),
+        damping=ModalDamping(0.02),
+    )
+    squares, modes = np.linalg.eigh(reduced.stiffness)
+    np.testing.assert_allclose(
+        modes.T @ reduced.damping @ modes,
+        np.diag(2 * 0.02 * np.sqrt(squares)),
+        atol=1e-9 * np.sqrt(squares.max()),
+    )
+
+
+def test_report_tells_what_was_kept_dropped_and_what_it_cost(solid_body, root_frame):
+    reduced = reduce(solid_body, root_frame, Rubin(n_modes=3), derivatives=CompressedDerivatives(4))
+    report = reduced.report
+    assert len(report.linear) == 6 + 3
+    assert len(report.derivatives) == 4
+    assert report.linear[0] == "attachment tip ux"
+    assert report.dropped[:2] == ("attachment root ux", "attachment root uy")
+    assert len(report.singular_values_kept) == 4
+    assert report.singular_values_kept[0] == 1.0
+    assert report.singular_values_dropped[0] <= report.singular_values_kept[-1]
+    assert set(report.seconds) == {"linear basis", "derivatives", "inertia", "tensors"}
+
+
+def test_size_is_linear_plus_derivative_columns(cantilever, frame):
+    """[Wu2019] Table 1: 10 + 10."""
+    picked = PickedDerivatives(10, criterion=ModalVirtualWork())
+    assert reduce(cantilever, frame, Rubin(n_columns=10), derivatives=picked).r == 20
+
+
+def test_superelement_has_no_tensors(solid_body, frame):
+    reduced = reduce(solid_body.linearized(), frame, Rubin(n_modes=3), derivatives=NoDerivatives())
+    assert reduced.is_linear
+    assert reduced.cubic is None
+
+
+def test_superelement_asked_for_derivatives_is_refused(solid_body, frame):
+    with pytest.raises(ModelError, match="body 'block' has no quadratic strains"):
+        reduce(solid_body.linearized(), frame, Rubin(n_modes=3), derivatives=CompressedDerivatives(4))
+
+
+def test_basis_that_leaves_its_frame_is_caught(solid_body, root_frame, monkeypatch):
+    monkeypatch.setattr(linear_basis, "frame_projector", lambda body, frame: lambda x: x)
+    with pytest.raises(AccuracyError, match="the basis of body 'block' moves against its frame by"):
+        reduce(solid_body, root_frame, _MeanAxisModes(), derivatives=NoDerivatives())
+
+
+class _MeanAxisModes:
+    """Modes of another frame than the one asked for."""
+
+    def build(self, body, frame):
+        return NormalModes(2).build(body, MeanAxisFrame())
+
+
+def test_mass_that_disagrees_with_the_nodal_mass_is_caught(solid_body, root_frame):
+    doubled = replace(solid_body, nodal_mass=2.0 * solid_body.nodal_mass)
+    with pytest.raises(
+        AccuracyError, match=r"the inertia Gram matrix of body 'block' misses V\^T M V = I by"
+    ):
+        reduce(doubled, root_frame, NormalModes(2), derivatives=NoDerivatives())

@@ -1,0 +1,75 @@
+"""The reduced body as data: shapes, names, the way back, and what it refuses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from supple.errors import ModelError
+from supple.reduction import CompressedDerivatives, NormalModes, reduce
+
+
+@pytest.fixture(scope="module")
+def reduced(strip_body, root_frame):
+    return reduce(strip_body, root_frame, NormalModes(3), derivatives=CompressedDerivatives(2))
+
+
+def test_expand_gives_nodal_displacements_of_one_or_many_states(reduced):
+    gamma = np.random.default_rng(0).standard_normal((2, 4, 5))
+    field = reduced.expand(gamma)
+    assert field.shape == (2, 4, len(reduced.nodes), 3)
+    nodal = (reduced.nodal_basis @ gamma[1, 2]).reshape(len(reduced.nodes), 6)
+    np.testing.assert_allclose(field[1, 2], nodal[:, :3])
+    np.testing.assert_allclose(reduced.expand(gamma[1, 2]), nodal[:, :3])
+
+
+def test_rotations_of_a_shell_are_its_rotational_freedoms(reduced):
+    gamma = np.random.default_rng(1).standard_normal(5)
+    nodal = (reduced.nodal_basis @ gamma).reshape(len(reduced.nodes), 6)
+    np.testing.assert_allclose(reduced.rotations(gamma), nodal[:, 3:])
+
+
+def test_interface_motion_is_that_of_its_nodes(reduced):
+    """A rigid interface: u_a = u_v + theta_v x (x_a - x_v)."""
+    gamma = np.random.default_rng(2).standard_normal(5)
+    tip = reduced.interface("tip")
+    motion = tip.motion @ gamma
+    node = int(np.argmax(reduced.nodes[:, 0] + reduced.nodes[:, 1]))
+    expected = motion[:3] + np.cross(motion[3:], reduced.nodes[node] - tip.position)
+    np.testing.assert_allclose(reduced.expand(gamma)[node], expected, atol=1e-12)
+
+
+def test_arrays_cannot_be_written(reduced):
+    with pytest.raises(ValueError, match="read-only"):
+        reduced.stiffness[0, 0] = 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        reduced.displacement_basis[0, 0, 0] = 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        reduced.report.singular_values_kept[0] = 1.0
+
+
+def test_unknown_interface_is_refused_with_the_known_ones(reduced):
+    with pytest.raises(ModelError, match="body 'strip' has no interface 'hub'; its interfaces: root, tip"):
+        reduced.interface("hub")
+
+
+def test_body_without_rotations_says_so(reduced):
+    with pytest.raises(ModelError, match="body 'strip' carries no rotations"):
+        replace(reduced, rotation_basis=None).rotations(np.zeros(5))
+
+
+def test_shapes_that_disagree_are_refused(reduced):
+    with pytest.raises(ModelError, match=r"damping has shape \(2, 2\), but 5 coordinates need \(5, 5\)"):
+        replace(reduced, damping=np.eye(2))
+    with pytest.raises(ModelError, match="give both cubic and quartic tensors, or neither"):
+        replace(reduced, quartic=None)
+    bad = replace(reduced.interface("tip"), motion=np.zeros((6, 4)))
+    with pytest.raises(ModelError, match=r"motion of interface 'tip' has shape \(6, 4\)"):
+        replace(reduced, interfaces=(bad,))
+
+
+def test_values_that_are_not_finite_are_refused(reduced):
+    with pytest.raises(ModelError, match="gram contains NaN or infinity"):
+        replace(reduced, gram=np.full_like(reduced.gram, np.nan))
