@@ -23,7 +23,7 @@ def in_axes_turned_by(E, angle):
 
 
 def test_linear_fields_with_their_own_rotation_are_exact(material, rng):
-    """Patch test of one element: u = H x with drilling (v,x - u,y)/2 has strain sym(H), and no other energy."""
+    """Patch test of one element: u = H x, drilling (v,x - u,y)/2, has strain sym(H) and no other energy."""
     H = rng.normal(size=(2, 2))
     xy = TRIANGLE[0]
     q = np.column_stack([xy @ H.T, np.full(3, (H[1, 0] - H[0, 1]) / 2)]).ravel()
@@ -49,7 +49,7 @@ def test_linear_gradients_and_area():
 
 
 def test_higher_order_stiffness_has_rank_three(material):
-    """Three deviations of the corner rotations: with the basic rank of three, six of nine; the rest is rigid."""
+    """Three deviations of the corner rotations; with the basic rank of three, six of nine freedoms."""
     values = np.linalg.eigvalsh(higher_order_stiffness(TRIANGLE, material.plane_stress)[0])
     assert values[5] < 1e-12 * values[-1] < 1e-3 * values[6]
 

@@ -66,7 +66,9 @@ def assert_close(actual, expected):
 
 def test_force_is_the_gradient_of_the_energy(elements, random):
     q, x = random(), random()
-    assert_close((internal_force(elements, q) * x).sum(axis=1), energy(elements, q + STEP * 1j * x).imag / STEP)
+    assert_close(
+        (internal_force(elements, q) * x).sum(axis=1), energy(elements, q + STEP * 1j * x).imag / STEP
+    )
 
 
 def test_tangent_is_the_gradient_of_the_force(elements, random):

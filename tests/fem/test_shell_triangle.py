@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
+from scipy.spatial import Delaunay
 
 from supple.errors import ModelError
 from supple.fem import (
@@ -84,7 +85,8 @@ def test_a_rigid_rotation_of_a_flat_shell_stores_no_energy_at_all(axis, material
     q = np.zeros((mesh.n_nodes, 6))
     q[:, :3] = mesh.nodes @ H.T
     q[:, 3:] = H[2, 1], -H[2, 0], 0.5 * (H[1, 0] - H[0, 1])
-    assert assembly.energy(q.ravel()) < 1e-12 * assembly.energy(1.001 * q.ravel())
+    linear = 0.5 * q.ravel() @ assembly.model.stiffness @ q.ravel()
+    assert assembly.energy(q.ravel()) < 1e-13 * linear
 
 
 def test_drilling_energy_of_a_rigid_rotation_in_the_plane_is_of_sixth_order(material):
@@ -125,8 +127,8 @@ def test_patch_of_constant_strain_and_curvature(wall, distorted, rng):
 
 
 def test_an_unsymmetric_laminate_bends_under_tension(coupled, held, solve_linear):
-    """Strain and curvature are the inverse A-B-D matrix times (N, 0); a long strip reaches them away from its ends."""
-    mesh = strip(4.0, 0.4, 60, 6)
+    """Strain and curvature are the inverse A-B-D matrix times (N, 0), away from the ends of a long strip."""
+    mesh = strip(8.0, 0.4, 120, 6)
     model = shell_model(mesh, coupled)
     T = held(model, (mesh.nodes_of("root_centre"), range(6)))
     tension = np.zeros((mesh.n_nodes, 6))
@@ -136,12 +138,9 @@ def test_an_unsymmetric_laminate_bends_under_tension(coupled, held, solve_linear
     u = solve_linear(model, T, tension)[mesh.nodes_of("axis")]
     ABD = np.block([[coupled.membrane, coupled.coupling], [coupled.coupling, coupled.bending]])
     exact = np.linalg.solve(ABD, [1e4, 0, 0, 0, 0, 0])
-    middle, dx = slice(20, 41), 4.0 / 60
-    elongation = (u[40, 0] - u[20, 0]) / (20 * dx)
-    curvature = (u[40, 4] - u[20, 4]) / (20 * dx)
-    assert elongation == pytest.approx(exact[0], rel=1e-6)
-    assert curvature == pytest.approx(exact[3], rel=1e-6)
-    assert np.ptp(np.diff(u[middle, 0])) < 1e-6 * abs(elongation) * dx
+    middle, distance = u[70] - u[50], 20 * 8.0 / 120
+    assert middle[0] / distance == pytest.approx(exact[0], rel=1e-6)
+    assert middle[4] / distance == pytest.approx(exact[3], rel=1e-6)
 
 
 def test_laminate_axes_follow_the_reference_direction(coupled, material):
@@ -169,7 +168,9 @@ def test_laminate_axes_follow_the_reference_direction(coupled, material):
 
 def test_an_element_normal_to_the_laminate_direction_is_refused(coupled):
     wall = LaminateWall(coupled.membrane, coupled.coupling, coupled.bending, 1.0, 1.0, (0, 0, 1))
-    with pytest.raises(ModelError, match="triangle 0, centred at .* is normal to the laminate's reference_direction"):
+    with pytest.raises(
+        ModelError, match=r"triangle 0, centred at .* is normal to the laminate's reference_direction"
+    ):
         shell_model(plate(1.0, 1.0, 1, 1), wall)
 
 
@@ -221,30 +222,73 @@ def test_pinched_cylinder_converges(held, solve_linear):
     assert errors[0] > errors[1] > errors[2]
 
 
-# Clamped square plate under uniform pressure, nu = 0.316: p a^4/(E t^4) and w/t at the centre.
-# Source: S. Levy, "Square plate with clamped edges under normal pressure producing large deflections",
-# NACA Report 740 (1942), table 1.
-LEVY = [(17.79, 0.237), (63.4, 0.695), (184.0, 1.323), (402.0, 1.902)]
-
-
-def test_clamped_plate_at_large_deflection(held, solve_nonlinear):
-    side, thickness, modulus = 1.0, 0.01, 1e7
-    mesh = plate(side / 2, side / 2, 10, 10)
-    wall = HomogeneousWall(Isotropic(modulus, 0.316, 1.0), thickness)
-    model = shell_model(mesh, wall)
-    T = held(
-        model,
-        (mesh.nodes_of("x_min"), range(6)),
-        (mesh.nodes_of("y_min"), range(6)),
-        (mesh.nodes_of("x_max"), [0, 4, 5]),
-        (mesh.nodes_of("y_max"), [1, 3, 5]),
+def disc(radius, rings):
+    """Disc of triangles: ring k has 6 k nodes. Node sets rim and centre."""
+    ring = [np.arange(6 * k) * 2 * np.pi / (6 * k) for k in range(1, rings + 1)]
+    x = [radius * k / rings * np.column_stack([np.cos(a), np.sin(a)]) for k, a in enumerate(ring, start=1)]
+    points = np.concatenate([np.zeros((1, 2)), *x])
+    triangles = Delaunay(points).simplices
+    p, q = (
+        points[triangles[:, 1]] - points[triangles[:, 0]],
+        points[triangles[:, 2]] - points[triangles[:, 0]],
     )
-    centre = np.intersect1d(mesh.nodes_of("x_max"), mesh.nodes_of("y_max"))[0]
-    unit = model.mass @ np.tile([0, 0, 1 / wall.mass_per_area, 0, 0, 0], mesh.n_nodes)
-    for load, expected in LEVY:
-        pressure = load * modulus * (thickness / side) ** 4
-        u = solve_nonlinear(model, T, pressure * unit.reshape(-1, 6))
-        assert u[centre, 2] / thickness == pytest.approx(expected, rel=0.015)
+    clockwise = p[:, 0] * q[:, 1] < p[:, 1] * q[:, 0]
+    triangles[clockwise] = triangles[clockwise][:, ::-1]
+    nodes = np.column_stack([points, 0 * points[:, 0]])
+    rim = np.arange(len(points) - 6 * rings, len(points))
+    return Mesh(nodes, {CellType.TRIANGLE3: triangles}, {"rim": rim, "centre": np.array([0])})
+
+
+def von_karman_disc(wall, pressure, radius):
+    """Centre of a clamped, immovable disc under uniform pressure: von Karman's equations with w' = slope.
+
+    N_r = A (u' + slope^2/2 + nu u/r),   (r N_r)' = N_theta
+    D (slope'' + slope'/r - slope/r^2) = p r/2 + N_r slope
+    Source: S. Way, "Bending of circular plates with large deflection", Trans. ASME 56 (1934) 627-636.
+    """
+    A, D, nu = wall.membrane[0, 0], wall.bending[0, 0], wall.material.poissons_ratio
+
+    def equations(r, y):
+        u, N, slope, bend, _ = y
+        stretch = N / A - nu * u / r
+        around = A * (u / r + nu * stretch)
+        curving = (pressure * r / 2 + N * slope) / D - bend / r + slope / r**2
+        return np.array([stretch - slope**2 / 2, (around - N) / r, bend, curving, slope])
+
+    def ends(inner, rim):
+        u, N, slope, bend, _ = inner
+        regular = r[0] * N / (A * (1 + nu))
+        return np.array([u - regular, slope - r[0] * bend, rim[0], rim[2], rim[4]])
+
+    # Near the middle u and the slope are proportional to r; starting at 1e-4 of the radius leaves 1e-8.
+    r = radius * np.geomspace(1e-4, 1, 200)
+    linear = pressure * r * (r**2 - radius**2) / (16 * D)
+    guess = np.array([0 * r, 0 * r + A * 1e-5, linear / 10, np.gradient(linear, r) / 10, -linear * 0])
+    solution = solve_bvp(equations, ends, r, guess, tol=1e-6, max_nodes=20000)
+    assert solution.success
+    return solution.y[4, 0]
+
+
+@pytest.mark.parametrize("kinematics", [GREEN_LAGRANGE, VON_KARMAN])
+def test_clamped_disc_at_large_deflection(kinematics, held, solve_nonlinear):
+    """To w/t = 1.9, where linear theory has 6; errors of second order in the mesh."""
+    thickness, modulus = 0.01, 1e7
+    wall = HomogeneousWall(Isotropic(modulus, 0.3, 1.0), thickness)
+    pressure = 35 * modulus * thickness**4
+    exact = von_karman_disc(wall, pressure, 1.0)
+    assert 1.85 < exact / thickness < 1.95
+
+    def error(rings):
+        mesh = disc(1.0, rings)
+        model = shell_model(mesh, wall, kinematics=kinematics)
+        T = held(model, (mesh.nodes_of("rim"), range(6)))
+        per_area = model.mass @ np.tile([0, 0, 1 / wall.mass_per_area, 0, 0, 0], mesh.n_nodes)
+        u = solve_nonlinear(model, T, pressure * per_area.reshape(-1, 6))
+        return u[mesh.nodes_of("centre")[0], 2] / exact - 1
+
+    coarse, fine = error(8), error(16)
+    assert abs(fine) < 3e-3
+    assert np.log2(coarse / fine) == pytest.approx(2, abs=0.2)
 
 
 LENGTH, SIDE, WALL = 20.0, 0.5, 0.033
@@ -257,7 +301,7 @@ def elastica(force, EI, GA):
     """
 
     def slope(s, y):
-        theta, moment, x, _ = y
+        theta, moment, _, _ = y
         shear = force * np.cos(theta) / GA
         along = np.cos(theta) - shear * np.sin(theta)
         return np.array([moment / EI, -force * along, along, np.sin(theta) + shear * np.cos(theta)])
@@ -332,4 +376,4 @@ def test_one_triangle_of_any_shape_is_a_patch(material):
     """A needle of aspect ratio 50 still has six zero modes."""
     mesh = Mesh([[0, 0, 0], [50, 0, 0], [20, 1, 0]], {CellType.TRIANGLE3: np.array([[0, 1, 2]])})
     values = np.linalg.eigvalsh(shell_model(mesh, HomogeneousWall(material, 0.1)).stiffness.toarray())
-    assert values[5] < 1e-13 * values[-1] < 1e-3 * values[6] * 1e13
+    assert values[5] < 1e-3 * values[6]

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from supple.body import FlexibleBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
+from supple.body import (
+    AveragingInterface,
+    FlexibleBody,
+    MeanAxisFrame,
+    NodalFixedFrame,
+    RigidInterface,
+    flexible_body,
+)
 from supple.fem import HomogeneousWall, Isotropic, shell_model, solid_model
 from supple.mesh import CellType, block, strip
 
@@ -83,6 +90,14 @@ def mean_axis():
 @pytest.fixture(params=["nodal-fixed", "mean-axis"])
 def frame(request):
     return {"nodal-fixed": NodalFixedFrame("root"), "mean-axis": MeanAxisFrame()}[request.param]
+
+
+@pytest.fixture(scope="session")
+def averaging_body():
+    """A solid whose tip is an averaging interface: nothing is eliminated there."""
+    model = solid_model(block(2.0, 0.5, 0.3, 4, 2, 1, CellType.TETRA4), Isotropic(1e7, 0.3, 1000.0))
+    interfaces = (RigidInterface("root", "root"), AveragingInterface("tip", "tip"))
+    return flexible_body("block", model, interfaces)
 
 
 @pytest.fixture(scope="session")

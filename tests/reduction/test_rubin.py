@@ -40,6 +40,16 @@ def test_statics_under_interface_loads_are_exact_with_any_number_of_modes(strip_
         np.testing.assert_allclose(answer, expected, atol=1e-6 * np.abs(expected).max())
 
 
+def test_statics_are_exact_at_an_averaging_interface_too(averaging_body, frame):
+    loads = motion_rows(averaging_body.interfaces).T
+    expected = averaging_body.constrained(frame.constraint(averaging_body)).solve(loads)
+    reduced = reduce(averaging_body, frame, Rubin(n_modes=2), derivatives=NoDerivatives())
+    motion = np.vstack([interface.motion for interface in reduced.interfaces])
+    answer = reduced.nodal_basis @ np.linalg.solve(reduced.stiffness, motion.T)
+    nodal = averaging_body.expansion @ expected
+    np.testing.assert_allclose(answer, nodal, atol=1e-6 * np.abs(nodal).max())
+
+
 def test_lowest_frequencies_are_exact(strip_body, frame, lowest_squares):
     reduced = reduce(strip_body, frame, Rubin(n_modes=4), derivatives=NoDerivatives())
     np.testing.assert_allclose(reduced.frequencies[:4] ** 2, lowest_squares(strip_body, frame, 4), rtol=1e-7)

@@ -66,8 +66,8 @@ def test_a_running_file_can_be_read_by_others(tmp_path, make):
     with ResultFile.create(path, case=CASE) as file:
         file.append(make(0.0))
         file.append(make(1.0))
-        reader = "import sys; from supple.results import read_header, read_solution; h = read_header(sys.argv[1])\n"
-        reader += "print(h.n_times, h.complete, read_solution(sys.argv[1]).times[-1])"
+        reader = "import sys; from supple.results import read_header, read_solution as read\n"
+        reader += "h = read_header(sys.argv[1]); print(h.n_times, h.complete, read(sys.argv[1]).times[-1])"
         seen = subprocess.run(
             [sys.executable, "-c", reader, path], capture_output=True, text=True, check=True
         )

@@ -239,4 +239,4 @@ def _columns(values: ArrayLike, rows: int, what: str) -> NDArray[np.float64]:
     array = np.asarray(values, dtype=np.float64)
     if array.ndim not in (1, 2) or array.shape[0] != rows:
         raise ModelError(f"{what} have shape {array.shape}; give ({rows},) or ({rows}, k)")
-    return array.reshape(rows, -1)
+    return array if array.ndim == 2 else array[:, None]

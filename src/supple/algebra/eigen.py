@@ -90,7 +90,16 @@ def _dense_modes(
     Z = np.linalg.qr(D.T, mode="complete").Q[:, len(D) :] if len(D) else np.eye(len(K))
     K, M = Z.T @ K @ Z, Z.T @ M @ Z
     values, vectors = linalg.eigh(0.5 * (K + K.T), 0.5 * (M + M.T), subset_by_index=(0, n_modes - 1))
+    if values[0] < -_first_shift(stiffness, mass):
+        raise ModelError(
+            f"the stiffness is not positive semi-definite: it has the eigenvalue {values[0]:.3e}"
+        )
     return Eigenpairs(values, _fixed_sign(Z @ vectors))
+
+
+def _first_shift(stiffness: sparse.csc_array, mass: sparse.csc_array) -> float:
+    """Far below the elastic eigenvalues of most bodies, yet well above the round-off in zero ones."""
+    return 1e-9 * float(np.max(np.divide(stiffness.diagonal(), mass.diagonal())))
 
 
 def _shifted_factor(
@@ -101,7 +110,7 @@ def _shifted_factor(
 ) -> tuple[ConstrainedFactor, float]:
     """Factor K + s M, s a small fraction of the eigenvalues sought, which subspace iteration estimates."""
     n = D.shape[1]
-    shift = 1e-9 * float(np.max(np.divide(stiffness.diagonal(), mass.diagonal())))
+    shift = _first_shift(stiffness, mass)
     start = np.random.default_rng(0).standard_normal((n, 8))
     while True:
         shifted = stiffness + shift * mass
@@ -109,7 +118,7 @@ def _shifted_factor(
         if factor.inertia.negative:
             raise ModelError(
                 "the stiffness is not positive semi-definite: "
-                f"{factor.inertia.negative} eigenvalues lie below {-shift:.3e} rad^2/s^2"
+                f"{factor.inertia.negative} eigenvalues are below {-shift:.3e} rad^2/s^2"
             )
         grounded = GroundedFactor(shifted, np.zeros((n, 0)), np.zeros(0, dtype=np.intp), factor)
         constrained = constrained_factor(shifted, D, grounded=grounded)
@@ -120,10 +129,10 @@ def _shifted_factor(
             block = mass_orthonormalize(images, mass, rank_tolerance=1e-14).vectors
         estimate = float(np.linalg.eigvalsh(block.T @ (stiffness @ block))[-1])
         # Three steps bring even a far too large shift down by orders of magnitude, so this ends soon. A shift
-        # far too small would drown the elastic modes in the rigid ones.
-        if 1e-5 * estimate <= shift <= 0.3 * estimate:
+        # far too small would drown the elastic modes in the rigid ones and cost the factor its digits.
+        if 1e-5 * estimate <= shift <= estimate:
             return constrained, shift
-        shift = 1e-2 * estimate
+        shift = 0.1 * estimate
 
 
 def _certified_modes(

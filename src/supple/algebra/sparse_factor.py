@@ -152,7 +152,7 @@ class SparseFactor:
             raise ModelError(
                 f"loads have shape {b.shape}; the matrix has {self.n} rows, so give (n,) or (n, k)"
             )
-        columns = b.reshape(self.n, -1)
+        columns = b if b.ndim == 2 else b[:, None]
         x = np.empty(columns.shape)
         for first in range(0, columns.shape[1], BLOCK_COLUMNS):
             block = slice(first, first + BLOCK_COLUMNS)
@@ -199,8 +199,8 @@ def factorize_general(matrix: Any, *, solver: DirectSolver | None = None) -> Spa
 
 def _square_csc(matrix: Any) -> sparse.csc_array:
     matrix = sparse.csc_array(matrix, dtype=np.float64)
-    if matrix.shape[0] != matrix.shape[1]:
-        raise ModelError(f"a matrix of shape {matrix.shape} cannot be factored; it must be square")
+    if matrix.shape[0] != matrix.shape[1] or matrix.shape[0] == 0:
+        raise ModelError(f"a matrix of shape {matrix.shape} cannot be factored; it must be square, with rows")
     if not np.all(np.isfinite(matrix.data)):
         raise ModelError("the matrix holds NaN or infinite entries and cannot be factored")
     if not matrix.has_canonical_format:
@@ -212,8 +212,6 @@ def _square_csc(matrix: Any) -> sparse.csc_array:
 def _checked(factor: Callable[[], RawFactor], matrix: sparse.csc_array) -> SparseFactor:
     """Solve a pseudo-random load, refine the answer once, and refuse the factors if it moves."""
     n = matrix.indptr.size - 1
-    if n == 0:
-        return SparseFactor(0, RawFactor(np.copy, lambda: Inertia(0, 0, 0), lambda _: factor()))
     try:
         raw = factor()
     except RuntimeError as error:

@@ -34,12 +34,13 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
     if V.ndim != 2 or V.shape[0] != body.n:
         raise ModelError(f"the basis has shape {V.shape}; body '{body.name}' has {body.n} coordinates")
     r, d = V.shape[1], body.dofs_per_node
-    nodal = (body.expansion @ V).reshape(-1, d, r)
-    W = np.zeros((len(body.nodes), d, 6 + 4 * r))
-    W[:, :, :6] = nodal_rigid_modes(body.nodes, d).reshape(-1, d, 6)
+    N = len(body.nodes)
+    nodal = (body.expansion @ V).reshape(N, d, r)
+    W = np.zeros((N, d, 6 + 4 * r))
+    W[:, :, :6] = nodal_rigid_modes(body.nodes, d).reshape(N, d, 6)
     turned = cross_of_axes(np.moveaxis(nodal[:, :3, :], 2, 1))  # (N, r, 3, 3): component, axis
-    W[:, :3, 6 : 6 + 3 * r] = np.moveaxis(turned, 1, 2).reshape(-1, 3, 3 * r)
+    W[:, :3, 6 : 6 + 3 * r] = np.moveaxis(turned, 1, 2).reshape(N, 3, 3 * r)
     W[:, :, 6 + 3 * r :] = nodal
-    W = W.reshape(-1, 6 + 4 * r)
+    W = W.reshape(N * d, 6 + 4 * r)
     gram = W.T @ (body.nodal_mass @ W)
     return 0.5 * (gram + gram.T)

@@ -49,6 +49,11 @@ class Assembly:
     indices: IntArray
     indptr: IntArray
 
+    def __post_init__(self) -> None:
+        # Every matrix shares them.
+        self.indices.setflags(write=False)
+        self.indptr.setflags(write=False)
+
     @property
     def n(self) -> int:
         """Number of freedoms q."""

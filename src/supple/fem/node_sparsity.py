@@ -31,6 +31,10 @@ class NodeSparsity:
     order: IntArray
     dofs_per_node: int
 
+    def __post_init__(self) -> None:
+        for array in (self.indptr, self.indices, self.order):
+            array.setflags(write=False)
+
     @property
     def n_rows(self) -> int:
         """Number of freedoms."""

@@ -12,7 +12,7 @@ Only the rotations enter the curvature, linearly: a wall may turn by about 0.3 r
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
 from supple.fem.kinematics import MembraneKinematics
@@ -124,17 +124,23 @@ def element_axes(corners: FloatArray, wall: ShellWall) -> FloatArray:
     first = corners[:, 1] - corners[:, 0]
     normal = np.cross(first, corners[:, 2] - corners[:, 0])
     z = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    direction = first if wall.reference_direction is None else np.asarray(wall.reference_direction)
-    x = direction - (z @ direction)[:, None] * z if direction.ndim == 1 else first
-    length = np.linalg.norm(x, axis=1, keepdims=True)
-    if wall.reference_direction is not None and length.min() < 1e-3:
+    x = first if wall.reference_direction is None else _projected(wall.reference_direction, z, corners)
+    x = x / np.linalg.norm(x, axis=1, keepdims=True)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def _projected(direction: ArrayLike, z: FloatArray, corners: FloatArray) -> FloatArray:
+    """A unit direction projected onto the plane of each element (E, 3)."""
+    direction = np.asarray(direction)
+    x = direction - (z @ direction)[:, None] * z
+    length = np.linalg.norm(x, axis=1)
+    if length.min() < 1e-3:
         worst = int(length.argmin())
         raise ModelError(
             f"triangle {worst}, centred at {corners[worst].mean(axis=0)}, is normal to the laminate's "
             f"reference_direction {direction}; choose a direction along the shell"
         )
-    x = x / length
-    return np.stack([x, np.cross(z, x), z], axis=1)
+    return x
 
 
 def plane_coordinates(corners: FloatArray, axes: FloatArray) -> FloatArray:

@@ -20,10 +20,12 @@ from supple.multibody.marker import (
     N_LOCAL,
     Marker,
     displaced,
+    frame_motion,
     generalized_force,
     orientation,
     point,
     with_rates,
+    wrench_stiffness,
 )
 from supple.multibody.model import DeadForceArrays, End, ForceArrays, JointArrays, Model
 from supple.multibody.polynomial_force import polynomial_force
@@ -133,25 +135,69 @@ def _frame(state: Marker) -> JointFrame:
     return JointFrame(point(state), orientation(state))
 
 
-def _joint_equations(
-    joint: JointArrays, first: Marker, second: Marker, time: jax.Array, variation: jax.Array
+class _JointLinearization(NamedTuple):
+    """A joint at one configuration: equations, their derivatives for the joint frames and local freedoms."""
+
+    equations: jax.Array
+    """(m,)"""
+    by_frame: jax.Array
+    """(m, 12): for `(dr, dphi)` of both joint frames"""
+    motions: tuple[jax.Array, jax.Array]
+    """(6, 12) each: joint frame from local freedoms"""
+
+    @property
+    def by_end(self) -> tuple[jax.Array, jax.Array]:
+        """Derivative of the equations for the local freedoms of both ends, (m, 12) each."""
+        return self.by_frame[:, :6] @ self.motions[0], self.by_frame[:, 6:] @ self.motions[1]
+
+
+def _nudged(frame: JointFrame, variation: jax.Array) -> JointFrame:
+    """The frame after a small motion `(dr, dphi)`: exact to first order, which is all that is differentiated."""
+    turned = frame.axes + jnp.cross(frame.axes, variation[3:][None, :])
+    return JointFrame(frame.point + variation[:3], turned)
+
+
+def _frame_equations(
+    joint: JointArrays, first: JointFrame, second: JointFrame, value: Any, variation: jax.Array
 ) -> jax.Array:
-    """The joint's equations with both markers displaced by their local freedoms, (24,)."""
-    return joint.constraint(
-        _frame(displaced(first, variation[:N_LOCAL])),
-        _frame(displaced(second, variation[N_LOCAL:])),
-        _law_value(joint.law, time),
+    return joint.constraint(_nudged(first, variation[:6]), _nudged(second, variation[6:]), value)
+
+
+def _frame_jacobian(
+    joint: JointArrays, first: JointFrame, second: JointFrame, value: Any
+) -> jax.Array:
+    """Derivative of the joint's equations for small motions of its frames, (m, 12)."""
+    return jax.jacfwd(lambda small: _frame_equations(joint, first, second, value, small))(jnp.zeros(12))
+
+
+def _linearize(joint: JointArrays, first: Marker, second: Marker, time: jax.Array) -> _JointLinearization:
+    frames = _frame(first), _frame(second)
+    value = _law_value(joint.law, time)
+    return _JointLinearization(
+        equations=joint.constraint(*frames, value),
+        by_frame=_frame_jacobian(joint, *frames, value),
+        motions=(frame_motion(first), frame_motion(second)),
     )
 
 
-def _local_jacobian(
-    joint: JointArrays, first: Marker, second: Marker, time: jax.Array, variation: jax.Array
+def _geometric_stiffness(
+    joint: JointArrays, first: Marker, second: Marker, time: jax.Array, multipliers: jax.Array
 ) -> jax.Array:
-    """Derivative of the joint's equations for the local freedoms, at displaced markers, (m, 24)."""
-    first, second = displaced(first, variation[:N_LOCAL]), displaced(second, variation[N_LOCAL:])
-    return jax.jacrev(lambda local: _joint_equations(joint, first, second, time, local))(
-        jnp.zeros(2 * N_LOCAL)
+    """Change of the joint's generalised forces with the local freedoms at constant multipliers, (24, 24)."""
+    frames = _frame(first), _frame(second)
+    value = _law_value(joint.law, time)
+
+    def wrenches(small: jax.Array) -> jax.Array:
+        nudged = _nudged(frames[0], small[:6]), _nudged(frames[1], small[6:])
+        return _frame_jacobian(joint, *nudged, value).T @ multipliers
+
+    by_frame = jax.jacfwd(wrenches)(jnp.zeros(12))
+    wrench = wrenches(jnp.zeros(12))
+    motion = jax.scipy.linalg.block_diag(frame_motion(first), frame_motion(second))
+    own = jax.scipy.linalg.block_diag(
+        wrench_stiffness(first, wrench[:6]), wrench_stiffness(second, wrench[6:])
     )
+    return motion.T @ by_frame @ motion + own
 
 
 def _markers(
@@ -182,20 +228,28 @@ def _all_multipliers(model: Model, multipliers: jax.Array) -> jax.Array:
     return jnp.zeros(model.n_equations).at[jnp.array(model.active, dtype=int)].set(multipliers)
 
 
+def _ends_at(model: Model, element: JointArrays, configuration: Configuration) -> tuple[Marker, Marker]:
+    """Both markers of a joint in a configuration at rest."""
+    at_rest = jnp.zeros(model.n_velocities)
+    return (
+        marker(model, element.first, configuration, at_rest),
+        marker(model, element.second, configuration, at_rest),
+    )
+
+
+def _active_rows(model: Model, rows: list[jax.Array]) -> jax.Array:
+    return jnp.concatenate(rows)[jnp.array(model.active, dtype=int)]
+
+
 def constraints(model: Model, time: jax.Array, configuration: Configuration) -> jax.Array:
     """Active constraint equations `g(q, t)`, (m,)."""
     if not model.joints:
         return jnp.zeros(0)
-    at_rest = jnp.zeros(model.n_velocities)
-    values = [
-        joint.constraint(
-            _frame(marker(model, joint.first, configuration, at_rest)),
-            _frame(marker(model, joint.second, configuration, at_rest)),
-            _law_value(joint.law, time),
-        )
-        for joint in model.joints
-    ]
-    return jnp.concatenate(values)[jnp.array(model.active, dtype=int)]
+    equations = []
+    for joint in model.joints:
+        first, second = _ends_at(model, joint, configuration)
+        equations.append(joint.constraint(_frame(first), _frame(second), _law_value(joint.law, time)))
+    return _active_rows(model, equations)
 
 
 def constraint_jacobian(
@@ -207,17 +261,16 @@ def constraint_jacobian(
     """
     if not model.joints:
         return jnp.zeros((0, model.n_velocities))
-    motion = Motion(time, configuration, jnp.zeros(model.n_velocities), jnp.zeros(0), jnp.zeros(0))
     rows = []
     for joint in model.joints:
-        local = _local_jacobian(joint, *_markers(model, joint, motion), time, jnp.zeros(2 * N_LOCAL))
+        linearized = _linearize(joint, *_ends_at(model, joint, configuration), time)
         row = jnp.zeros((joint.n_constraints, model.n_velocities))
-        for end, part in ((joint.first, local[:, :N_LOCAL]), (joint.second, local[:, N_LOCAL:])):
+        for end, part in zip((joint.first, joint.second), linearized.by_end, strict=True):
             if end.body >= 0:
                 moves = _selection_by_increment(model, end, increments)
                 row = row.at[:, model.slices[end.body]].add(part @ moves)
         rows.append(row)
-    return jnp.concatenate(rows)[jnp.array(model.active, dtype=int)]
+    return _active_rows(model, rows)
 
 
 def _turn_by_increment(model: Model, index: int, increments: jax.Array) -> jax.Array:
@@ -287,8 +340,9 @@ def balance(model: Model, motion: Motion) -> Balance:
     joint_forces = zero
     multipliers = _all_multipliers(model, motion.multipliers)
     for joint, rows in zip(model.joints, _joint_parts(model), strict=True):
-        local = _local_jacobian(joint, *_markers(model, joint, motion), motion.time, still)
-        joint_forces = _scatter(model, joint, local.T @ multipliers[rows], joint_forces)
+        by_end = _linearize(joint, *_markers(model, joint, motion), motion.time).by_end
+        local = jnp.concatenate([part.T @ multipliers[rows] for part in by_end])
+        joint_forces = _scatter(model, joint, local, joint_forces)
     return Balance(
         jnp.concatenate(inertia), jnp.concatenate(internal), applied, joint_forces, tuple(stiffness)
     )
@@ -330,11 +384,7 @@ def tangent(
     multipliers = _all_multipliers(model, motion.multipliers)
     for joint, rows in zip(model.joints, _joint_parts(model), strict=True):
         first, second = _markers(model, joint, motion)
-        geometric = jax.jacfwd(
-            lambda variation, joint=joint, first=first, second=second, rows=rows: (
-                _local_jacobian(joint, first, second, motion.time, variation).T @ multipliers[rows]
-            )
-        )(still)
+        geometric = _geometric_stiffness(joint, first, second, motion.time, multipliers[rows])
         matrix = _scatter_matrix(model, joint, position * geometric, None, increments, matrix)
     return matrix
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from supple.algebra.rotation import rotation_exp, rotation_right_jacobian
+from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, skew
 
 __all__ = [
     "N_LOCAL",
@@ -27,7 +27,9 @@ __all__ = [
     "Wrench",
     "angular_velocity",
     "displaced",
+    "frame_motion",
     "generalized_force",
+    "wrench_stiffness",
     "orientation",
     "point",
     "point_velocity",
@@ -121,3 +123,42 @@ def generalized_force(marker: Marker, wrench: Wrench) -> jax.Array:
     arm = marker.offset + marker.displacement
     conjugate_to_turn = rotation_right_jacobian(marker.turn).T @ (rotation_exp(marker.turn).T @ moment)
     return jnp.concatenate([wrench.force, jnp.cross(arm, force) + moment, force, conjugate_to_turn])
+
+
+def frame_motion(marker: Marker) -> jax.Array:
+    """How the twelve local freedoms move the joint frame: `(dr global, dphi in the joint's axes)`, (6, 12).
+
+    dr = dR + A (du - (x + u)~ dpsi),      dphi = C^T ( exp(theta)^T dpsi + T(theta) dtheta )
+    """
+    arm = marker.offset + marker.displacement
+    turned = marker.axes.T @ rotation_exp(marker.turn).T
+    zero = jnp.zeros((3, 3))
+    shift = jnp.concatenate([jnp.eye(3), -marker.rotation @ skew(arm), marker.rotation, zero], axis=1)
+    turn = jnp.concatenate(
+        [zero, turned, zero, marker.axes.T @ rotation_right_jacobian(marker.turn)], axis=1
+    )
+    return jnp.concatenate([shift, turn])
+
+
+def wrench_stiffness(marker: Marker, wrench: jax.Array) -> jax.Array:
+    """Change of `frame_motion(marker)^T wrench` with the local freedoms while the wrench stays, (12, 12).
+
+    `wrench` (6,) is the force in global components and the moment in the joint's axes.
+    """
+    arm = marker.offset + marker.displacement
+    force = skew(marker.rotation.T @ wrench[:3])
+    moment = marker.axes @ wrench[3:]
+    jacobian = rotation_right_jacobian(marker.turn)
+    by_turn = jax.jacfwd(lambda turn: rotation_right_jacobian(turn).T @ moment)(marker.turn)
+    zero = jnp.zeros((3, 3))
+    of_spin = jnp.concatenate(
+        [zero, skew(arm) @ force, -force, -rotation_exp(marker.turn) @ skew(moment) @ jacobian], axis=1
+    )
+    return jnp.concatenate(
+        [
+            jnp.zeros((3, 12)),
+            of_spin,
+            jnp.concatenate([zero, force, zero, zero], axis=1),
+            jnp.concatenate([zero, zero, zero, by_turn], axis=1),
+        ]
+    )

@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from supple.algebra import read_only
 from supple.body import FlexibleBody, Frame
 from supple.errors import ModelError
 from supple.reduction.linear_basis import LinearBasis
@@ -27,6 +28,10 @@ class DerivativeColumns:
     dropped: tuple[str, ...] = ()
     singular_values_kept: np.ndarray = field(default_factory=lambda: np.empty(0))
     singular_values_dropped: np.ndarray = field(default_factory=lambda: np.empty(0))
+
+    def __post_init__(self):
+        for name in ("vectors", "singular_values_kept", "singular_values_dropped"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
 class DerivativeChoice(Protocol):

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from supple.algebra import ConstrainedFactor, mass_orthonormalize
+from supple.algebra import ConstrainedFactor, mass_orthonormalize, read_only
 from supple.body import FlexibleBody, Frame, frame_projector
 from supple.errors import AccuracyError, ModelError
 
@@ -29,6 +29,10 @@ class LinearBasis:
     labels: tuple[str, ...]
     static_solver: ConstrainedFactor
     dropped: tuple[str, ...] = ()
+
+    def __post_init__(self):
+        object.__setattr__(self, "vectors", read_only(self.vectors))
+        object.__setattr__(self, "frequencies", read_only(self.frequencies))
 
 
 class LinearBasisRecipe(Protocol):

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from supple.algebra import read_only
 from supple.body import FlexibleBody, Frame, frame_projector
 from supple.errors import ModelError
 from supple.reduction.linear_basis import LinearBasis
@@ -21,6 +22,10 @@ class ModalDerivatives:
 
     vectors: np.ndarray
     pairs: np.ndarray
+
+    def __post_init__(self):
+        object.__setattr__(self, "vectors", read_only(self.vectors))
+        object.__setattr__(self, "pairs", read_only(self.pairs, dtype=np.intp))
 
     @property
     def labels(self) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from supple.algebra import read_only
 from supple.body import FlexibleBody
 from supple.errors import ModelError
 from supple.reduction.linear_basis import LinearBasis
@@ -44,10 +45,13 @@ class StaticLoad:
 
     nodal_load: np.ndarray
 
+    def __post_init__(self):
+        object.__setattr__(self, "nodal_load", read_only(self.nodal_load))
+
     def amplitudes(self, body: FlexibleBody, basis: LinearBasis) -> np.ndarray:
         """(m,); ModelError when the load does not fit the body or moves no mode."""
         n_nodal = body.n_nodal
-        load = np.asarray(self.nodal_load, dtype=float)
+        load = self.nodal_load
         if load.shape != (n_nodal,):
             raise ModelError(
                 f"the load has shape {load.shape}, but body '{body.name}' has {n_nodal} nodal freedoms "
@@ -86,7 +90,7 @@ class ModalVirtualWork:
 
     with w_jk = p_j p_k, twice for j < k: the multipliers do no work, as D theta = 0. So the rank is twice the
     energy that the derivative releases, and derivatives that cannot move are passed over.
-    Source: the modal virtual work criterion of [Jain2017], evaluated for static amplitudes.
+    Source: after the modal virtual work of [Jain2017], here at static amplitudes instead of simulated ones.
     """
 
     expected: ModalAmplitudes = UnitLoad()

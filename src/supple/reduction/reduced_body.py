@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -123,7 +124,7 @@ class ReducedBody:
         """Nodal displacements per unit gamma, (N, 3, r)."""
         return self.nodal_basis.reshape(len(self.nodes), self.dofs_per_node, self.r)[:, :3]
 
-    @property
+    @cached_property
     def tensors(self) -> InternalForceTensors:
         """The internal force as a polynomial of gamma, in NumPy."""
         return InternalForceTensors(self.stiffness, self.cubic, self.quartic)

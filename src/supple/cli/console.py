@@ -1,0 +1,76 @@
+"""What the commands say: progress bars, warnings and errors on one console."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import (
+    BarColumn,
+    Progress,
+    SpinnerColumn,
+    TaskProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
+
+from supple.errors import SuppleError, SuppleWarning, ValidityError, ValidityWarning
+
+MISTAKE = 2
+"""Exit code of a command that was given something it cannot use."""
+
+console = Console()
+error_console = Console(stderr=True)
+
+
+def progress_bars() -> Progress:
+    """Bars with the time taken; a step of unknown length spins."""
+    return Progress(
+        SpinnerColumn(finished_text="[green]*[/green]"),
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=30),
+        TaskProgressColumn(show_speed=False),
+        TimeElapsedColumn(),
+        console=console,
+    )
+
+
+@contextmanager
+def reported_errors(*, debug: bool) -> Iterator[None]:
+    """Print errors that supple raises on purpose as a message and exit; with `debug`, as a traceback."""
+    try:
+        yield
+    except SuppleError as error:
+        if debug:
+            raise
+        error_console.print(
+            f"[bold red]error:[/bold red] {escape(str(error))}", highlight=False, soft_wrap=True
+        )
+        raise typer.Exit(MISTAKE) from error
+
+
+@contextmanager
+def reported_warnings(*, strict: bool) -> Iterator[None]:
+    """Print warnings of supple as they come; `strict` makes errors of motions beyond a model's validity."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", SuppleWarning)
+        if strict:
+            warnings.simplefilter("error", ValidityWarning)
+        show_others = warnings.showwarning
+
+        def show(message, category, filename, lineno, file=None, line=None):
+            if issubclass(category, SuppleWarning):
+                text = f"[bold yellow]warning:[/bold yellow] {escape(str(message))}"
+                console.print(text, highlight=False, soft_wrap=True)
+            else:
+                show_others(message, category, filename, lineno, file, line)
+
+        warnings.showwarning = show
+        try:
+            yield
+        except ValidityWarning as warning:
+            raise ValidityError(f"{warning} (an error because of --strict)") from warning

@@ -1,0 +1,102 @@
+"""What a case, mesh or result file holds, in a few lines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from rich.table import Table
+
+from supple.cli.console import console
+from supple.cli.read_case import read_case
+from supple.errors import ImportFormatError
+from supple.importers import read_mesh
+from supple.mesh import Mesh
+from supple.results import read_header, read_solution
+
+
+def print_info(path: Path) -> None:
+    """Print what the file at `path` holds, by its suffix: .toml, .inp or .msh, .h5.
+
+    Raises
+    ------
+    CaseError, ImportFormatError, MeshError, ResultFileError    a file that cannot be read, or of another kind
+    """
+    readers = {".toml": _case, ".inp": _mesh, ".msh": _mesh, ".h5": _result}
+    reader = readers.get(path.suffix.lower())
+    if reader is None:
+        raise ImportFormatError(
+            f"{path}: no such kind of file is known; give one that ends in {', '.join(readers)}"
+        )
+    console.print(reader(path))
+
+
+def _case(path: Path) -> Table:
+    case = read_case(path).case
+    table = _named(f"Case {path}", case.title)
+    for body in case.body:
+        kind = next(
+            key for key in ("shell", "solid", "superelement", "rigid") if getattr(body, key) is not None
+        )
+        basis = f", basis {body.reduction.basis}" if body.reduction else ""
+        interfaces = ", ".join(interface.name for interface in body.interface) or "none"
+        table.add_row(f"body {body.name}", f"{kind}{basis}; interfaces: {interfaces}")
+    for joint in case.joint:
+        table.add_row(f"joint {joint.name or ''}", f"{joint.kind}: {joint.first} - {joint.second}")
+    for load in case.load:
+        table.add_row("load", f"{load.kind} at {load.at}")
+    for spring in case.spring:
+        table.add_row("spring", f"{spring.kind}: {spring.first} - {spring.second}")
+    run = case.simulation
+    table.add_row("simulation", f"{run.duration:g} s, stored every {run.output_step:g} s")
+    return table
+
+
+def _mesh(path: Path) -> Table:
+    mesh = read_mesh(path)
+    table = _named(f"Mesh {path}", f"{mesh.n_nodes} nodes")
+    for kind, cells in mesh.cells.items():
+        table.add_row(kind.name, f"{len(cells)} cells")
+    for axis, low, high in zip("xyz", mesh.nodes.min(axis=0), mesh.nodes.max(axis=0), strict=True):
+        table.add_row(axis, f"{low:g} to {high:g}")
+    _add_sets(table, mesh)
+    return table
+
+
+def _add_sets(table: Table, mesh: Mesh) -> None:
+    for name, nodes in mesh.node_sets.items():
+        table.add_row(
+            f"node set {name}", f"{len(nodes)} nodes, centroid {_point(mesh.nodes[nodes].mean(axis=0))}"
+        )
+    for name, members in mesh.cell_sets.items():
+        table.add_row(f"cell set {name}", f"{sum(len(cells) for cells in members.values())} cells")
+
+
+def _result(path: Path) -> Table:
+    header = read_header(path)
+    state = (
+        "complete" if header.complete else "cut off, or still running; supple run CASE --resume continues it"
+    )
+    table = _named(f"Result {path}", state)
+    for name, value in header.metadata.items():
+        table.add_row(name, str(value))
+    if header.n_times:
+        solution = read_solution(path)
+        table.add_row("times", f"{header.n_times}, from {solution.times[0]:g} to {solution.times[-1]:g} s")
+        for name, motion in solution.bodies.items():
+            table.add_row(f"body {name}", f"{motion.coordinates.shape[1]} coordinates")
+        for name, forces in solution.joint_forces.items():
+            table.add_row(f"joint {name}", f"{forces.shape[1]} forces and moments")
+    cost = header.statistics
+    table.add_row("cost", f"{cost.steps} steps, {cost.iterations} iterations, {cost.seconds:.2f} s")
+    return table
+
+
+def _named(title: str, first: str) -> Table:
+    table = Table(title=title, show_header=False)
+    table.add_row("what", first)
+    return table
+
+
+def _point(position: np.ndarray) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in position) + ")"

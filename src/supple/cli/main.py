@@ -1,0 +1,72 @@
+"""The command `supple`: parse, call, print."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from supple import __version__
+from supple.cli.console import console, reported_errors, reported_warnings
+
+app = typer.Typer(
+    help="Reduced-order flexible multibody dynamics.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_show_locals=False,
+)
+benchmark_app = typer.Typer(help="Run a published benchmark and set our numbers beside the paper's.")
+app.add_typer(benchmark_app, name="benchmark", no_args_is_help=True)
+
+Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback of an error.")]
+
+
+def main() -> None:
+    """Entry point of the command."""
+    app()
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        console.print(f"supple {__version__}", highlight=False)
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Reduced-order flexible multibody dynamics."""
+
+
+@app.command()
+def run(
+    case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
+    ] = None,
+    strict: Annotated[bool, typer.Option("--strict", help="Stop where a model leaves its validity.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue a run that was cut off.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Simulate a case file; write results (HDF5, JSON), pictures (PNG) and an animation (GIF)."""
+    # Imported here: the solvers take seconds to load, which help and version need not wait for.
+    from supple.cli.run_case import run_case
+
+    with reported_errors(debug=debug), reported_warnings(strict=strict):
+        run_case(case, output or Path("results") / case.stem, resume=resume)
+
+
+@app.command()
+def info(
+    path: Annotated[Path, typer.Argument(help="Case (.toml), mesh (.inp, .msh) or result (.h5).")],
+    debug: Debug = False,
+) -> None:
+    """Say what a case, mesh or result file holds."""
+    from supple.cli.info import print_info
+
+    with reported_errors(debug=debug), reported_warnings(strict=False):
+        print_info(path)

@@ -1,0 +1,95 @@
+"""Run a case file: build, simulate, keep every step on disk, and say what came out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.progress import Progress
+
+from supple.cli.build_system import BuiltCase, build_case, build_step
+from supple.cli.console import console, progress_bars
+from supple.cli.read_case import CaseFile, read_case
+from supple.cli.summary import body_table, cost_line, joint_table, place_table, summarize
+from supple.cli.tracked_motion import track
+from supple.integrate import GeneralizedAlpha, Solution
+from supple.multibody import Checkpoint, simulate
+from supple.results import ResultFile, read_last_instant, read_solution, write_json
+
+
+def run_case(path: Path, folder: Path, *, resume: bool) -> None:
+    """Run the case file at `path` and write its results, summary and pictures into `folder`.
+
+    resume : continue the result file of a run that was cut off, instead of starting anew
+
+    Raises
+    ------
+    CaseError           mistakes in the case file, all of them
+    ResultFileError     a result file that cannot be written or continued
+    SuppleError         whatever the build and the simulation find wrong; what was computed is kept
+    """
+    case_file = read_case(path)
+    console.print(f"[bold]{case_file.case.title}[/bold]", highlight=False)
+    folder.mkdir(parents=True, exist_ok=True)
+    result_path = folder / f"{path.stem}.h5"
+    with progress_bars() as bars:
+        built = _build(case_file, bars)
+        solution = _simulate(built, result_path, bars, resume=resume)
+    tracked = [track(place, built.system, built.meshes, solution) for place in case_file.case.output.track]
+    numbers = summarize(built.system, tracked, solution)
+    tables = [body_table(numbers), joint_table(numbers)] + ([place_table(numbers)] if tracked else [])
+    for table in tables:
+        console.print(table)
+    console.print(cost_line(solution), highlight=False)
+    write_json(folder / f"{path.stem}.json", {"title": case_file.case.title, **numbers})
+    console.print(f"Results are in {folder}/", highlight=False)
+
+
+def _build(case_file: CaseFile, bars: Progress) -> BuiltCase:
+    steps = _Steps(bars)
+    with steps.last_finished():
+        return build_case(case_file, steps.begin)
+
+
+def _simulate(built: BuiltCase, result_path: Path, bars: Progress, *, resume: bool) -> Solution:
+    case = built.case_file.case
+    text = built.case_file.path.read_text(encoding="utf-8")
+    if resume:
+        start = Checkpoint(read_last_instant(result_path))
+        file = ResultFile.resume(result_path, case=text)
+    else:
+        start = None
+        file = ResultFile.create(result_path, case=text, metadata={"title": case.title})
+    task = bars.add_task("compiling and simulating", total=1.0)
+    with file:
+        simulate(
+            built.system,
+            duration=case.simulation.duration,
+            output_step=case.simulation.output_step,
+            step=build_step(case.simulation),
+            method=GeneralizedAlpha(case.simulation.rho_inf),
+            resume=start,
+            progress=lambda fraction: bars.update(task, completed=fraction),
+            record=file.append,
+        )
+        file.finish()
+    return read_solution(result_path)
+
+
+class _Steps:
+    """Steps of unknown length, one spinner each; the next begins where the one before ends."""
+
+    def __init__(self, bars: Progress) -> None:
+        self._bars = bars
+        self._finish = lambda: None
+
+    def begin(self, description: str) -> None:
+        self._finish()
+        task = self._bars.add_task(description, total=None)
+        self._finish = lambda: self._bars.update(task, total=1.0, completed=1.0)
+
+    @contextmanager
+    def last_finished(self) -> Iterator[None]:
+        yield
+        self._finish()

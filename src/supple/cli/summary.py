@@ -1,0 +1,157 @@
+"""The tables that a run prints, and the same numbers for a JSON file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from supple.body import RigidBody
+from supple.cli.tracked_motion import TrackedMotion
+from supple.integrate import Solution
+from supple.multibody import FullBody, System
+from supple.reduction.held_frequencies import held_frequencies
+
+N_FREQUENCIES = 5
+
+
+def summarize(system: System, tracked: Sequence[TrackedMotion], solution: Solution) -> dict[str, Any]:
+    """Numbers of a finished run: bodies, tracked places, joint forces, cost."""
+    return {
+        "bodies": {placed.body.name: _body_numbers(placed.body) for placed in system.bodies},
+        "tracked": {place.place: _place_numbers(place, solution.times) for place in tracked},
+        "joints": {joint.name: _joint_numbers(joint.rows, solution, joint.name) for joint in system.joints},
+        "statistics": solution.statistics,
+    }
+
+
+def _body_numbers(body: Any) -> dict[str, Any]:
+    if isinstance(body, RigidBody):
+        return {"kind": "rigid", "mass": body.mass}
+    if isinstance(body, FullBody):
+        return {"kind": "full", "nodes": len(body.nodes), "coordinates": body.r}
+    held = {i.name: held_frequencies(body, i.name)[:N_FREQUENCIES] / (2 * np.pi) for i in body.interfaces}
+    return {
+        "kind": "reduced",
+        "mass": float(body.gram[0, 0]),
+        "nodes": len(body.nodes),
+        "freedoms": body.nodal_basis.shape[0],
+        "coordinates": body.r,
+        "linear columns": len(body.report.linear),
+        "derivative columns": len(body.report.derivatives),
+        "dropped columns": list(body.report.dropped),
+        "largest singular value dropped": float(np.max(body.report.singular_values_dropped, initial=0.0)),
+        "frequencies in the frame, Hz": body.frequencies[:N_FREQUENCIES] / (2 * np.pi),
+        "frequencies held, Hz": held,
+        "seconds": dict(body.report.seconds),
+    }
+
+
+def _place_numbers(place: TrackedMotion, times: np.ndarray) -> dict[str, Any]:
+    peaks = np.argmax(np.abs(place.deflection), axis=0)
+    return {
+        "seen from": place.seen_from,
+        "largest deflection": place.deflection[peaks, range(3)],
+        "at time": times[peaks],
+        "last deflection": place.deflection[-1],
+        "last position": place.position[-1],
+    }
+
+
+def _joint_numbers(rows: Sequence[str], solution: Solution, name: str) -> dict[str, Any]:
+    # The multipliers close the gap of the second end against the first: the second end feels their opposite.
+    acting = -solution.joint_forces[name]
+    forces = np.array([row.startswith("position") for row in rows])
+    return _sizes("force", acting[:, forces], solution.times) | _sizes(
+        "moment", acting[:, ~forces], solution.times
+    )
+
+
+def _sizes(what: str, components: np.ndarray, times: np.ndarray) -> dict[str, Any]:
+    if components.shape[1] == 0:
+        return {}
+    size = np.linalg.norm(components, axis=1)
+    largest = int(np.argmax(size))
+    return {
+        f"largest {what}": float(size[largest]),
+        f"time of largest {what}": float(times[largest]),
+        f"last {what}": components[-1],
+    }
+
+
+def body_table(numbers: Mapping[str, Any]) -> Table:
+    """One row per body: size and lowest frequencies."""
+    table = Table(
+        "body", "kind", "mass", "nodes", "coordinates", "held at", "lowest frequencies, Hz", title="Bodies"
+    )
+    for name, body in numbers["bodies"].items():
+        cells = [name, body["kind"], _number(body.get("mass")), _count(body.get("nodes"))]
+        coordinates = _count(body.get("coordinates"))
+        if body["kind"] == "reduced":
+            coordinates = f"{coordinates} of {body['freedoms']}"
+        held = {"(its frame)": body.get("frequencies in the frame, Hz", ())} | body.get(
+            "frequencies held, Hz", {}
+        )
+        for row, (place, frequencies) in enumerate(held.items()):
+            head = [*cells, coordinates] if row == 0 else [""] * 5
+            if len(frequencies) or row == 0:
+                table.add_row(*head, place if len(frequencies) else "", _vector(frequencies, digits=4))
+    return table
+
+
+def place_table(numbers: Mapping[str, Any]) -> Table:
+    """One row per axis of each tracked place."""
+    table = Table(
+        "place", "seen from", "axis", "largest deflection", "at time", "at the end", title="Tracked motion"
+    )
+    for name, place in numbers["tracked"].items():
+        for axis, letter in enumerate("xyz"):
+            head = [name, place["seen from"]] if axis == 0 else ["", ""]
+            values = (place[key][axis] for key in ("largest deflection", "at time", "last deflection"))
+            table.add_row(*head, letter, *(_number(value) for value in values))
+    return table
+
+
+def joint_table(numbers: Mapping[str, Any]) -> Table:
+    """Force and moment on the second end of each joint."""
+    table = Table(
+        "joint",
+        "on its second end",
+        "largest",
+        "at time",
+        "at the end (x, y, z of the joint)",
+        title="Joints",
+    )
+    for name, joint in numbers["joints"].items():
+        for row, what in enumerate(what for what in ("force", "moment") if f"largest {what}" in joint):
+            table.add_row(
+                name if row == 0 else "",
+                what,
+                _number(joint[f"largest {what}"]),
+                _number(joint[f"time of largest {what}"]),
+                _vector(joint[f"last {what}"]),
+            )
+    return table
+
+
+def cost_line(solution: Solution) -> str:
+    """Steps, iterations and seconds in one line."""
+    cost = solution.statistics
+    return (
+        f"{cost.steps} steps, {cost.iterations} Newton iterations, {cost.cuts} cuts; "
+        f"{cost.seconds:.2f} s of simulation after {cost.compile_seconds:.1f} s of compilation"
+    )
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.5g}"
+
+
+def _count(value: int | None) -> str:
+    return "" if value is None else str(value)
+
+
+def _vector(values: Sequence[float] | np.ndarray, digits: int = 5) -> str:
+    return "  ".join(f"{value:.{digits}g}" for value in values)

@@ -1,0 +1,129 @@
+"""How far one motion is from another: the RMS error over time and the relative error of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.integrate.solution import BodyMotion, Solution
+from supple.results.recovery import ElasticBody, node_positions, time_slices
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MotionError:
+    """Distance between two motions of the same n nodes.
+
+    times : (t,)                s
+    rms : (t,)                  root-mean-square distance of the nodes, in the unit of length, (52)
+    relative_percent : float    (53), over all times
+    """
+
+    times: Array
+    rms: Array
+    relative_percent: float
+
+    @property
+    def max_rms(self) -> float:
+        """The largest RMS error of the run."""
+        return float(self.rms.max())
+
+
+def rms_error(reference: Array, positions: Array) -> Array:
+    """Root-mean-square distance of the nodes over time.
+
+        eps_RMS(t) = sqrt(1/n sum_a |r_a(t) - rbar_a(t)|^2)
+
+    Parameters
+    ----------
+    reference, positions : array (t, n, 3)     nodal positions in space
+
+    Returns
+    -------
+    array (t,)
+    Source: [Wu2019] (52)
+    """
+    return np.sqrt(_squared_distance(reference, positions) / reference.shape[1])
+
+
+def relative_error(reference: Array, positions: Array) -> float:
+    """Error of a whole run relative to the reference's distance from the origin, in percent.
+
+        RE = sqrt(sum_t |r - rbar|^2) / sqrt(sum_t |r|^2) 100 %,   r all nodal positions in one vector
+
+    Parameters as for rms_error.
+    Source: [Wu2019] (53)
+    """
+    return _percent(
+        _squared_distance(reference, positions).sum(), np.einsum("tni,tni->", reference, reference)
+    )
+
+
+def motion_error(
+    reference: Solution,
+    reference_body: ElasticBody,
+    candidate: Solution,
+    candidate_body: ElasticBody,
+    *,
+    body: str,
+) -> MotionError:
+    """RMS and relative error of a body's nodal positions between two solutions, such as full and reduced.
+
+    Parameters
+    ----------
+    reference, candidate : Solution     at the same output times
+    reference_body, candidate_body      the body as each solution computed it, over the same nodes
+    body : str                          its name, the same in both solutions
+
+    Raises
+    ------
+    ModelError  no such body, other output times, or other nodes
+    Source: [Wu2019] (52), (53)
+    """
+    expected, found = _motion_of(reference, body), _motion_of(candidate, body)
+    times = reference.times
+    # Output times come from sums of steps, which may differ in their last digits.
+    if times.shape != candidate.times.shape or not np.allclose(times, candidate.times, rtol=1e-9, atol=1e-12):
+        raise ModelError(
+            f"the solutions of body '{body}' have other output times ({len(times)} to t = {times[-1]:g}, "
+            f"{len(candidate.times)} to t = {candidate.times[-1]:g}): compare runs with the same output step"
+        )
+    if not np.array_equal(reference_body.nodes, candidate_body.nodes):
+        raise ModelError(
+            f"the two models of body '{body}' have other nodes ({len(reference_body.nodes)} and "
+            f"{len(candidate_body.nodes)}): compare models of one mesh"
+        )
+    distance, size = np.empty(len(times)), 0.0
+    for rows in time_slices(reference_body, len(times)):
+        r = node_positions(reference_body, _rows(expected, rows))
+        distance[rows] = _squared_distance(r, node_positions(candidate_body, _rows(found, rows)))
+        size += float(np.einsum("tni,tni->", r, r))
+    rms = np.sqrt(distance / len(reference_body.nodes))
+    return MotionError(times, rms, _percent(distance.sum(), size))
+
+
+def _squared_distance(reference: Array, positions: Array) -> Array:
+    if reference.shape != positions.shape:
+        raise ModelError(
+            f"error measure: positions of shapes {reference.shape} and {positions.shape}; "
+            "compare the same nodes at the same times"
+        )
+    return np.sum((reference - positions) ** 2, axis=(1, 2))
+
+
+def _percent(squared_distance: float, squared_size: float) -> float:
+    return 100.0 * float(np.sqrt(squared_distance / squared_size))
+
+
+def _motion_of(solution: Solution, body: str) -> BodyMotion:
+    if body not in solution.bodies:
+        raise ModelError(f"no body '{body}' in the solution; it has {', '.join(solution.bodies) or 'none'}")
+    return solution.bodies[body]
+
+
+def _rows(motion: BodyMotion, rows: slice) -> BodyMotion:
+    return BodyMotion(**{name: values[rows] for name, values in vars(motion).items()})

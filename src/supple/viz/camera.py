@@ -1,0 +1,65 @@
+"""The direction from which a body is looked at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.errors import ModelError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """Parallel projection, so that equal lengths along an axis look equal.
+
+    Parameters
+    ----------
+    axes : array (3, 3)     rows: the directions in space of right, up and towards the viewer; orthonormal
+
+    Raises
+    ------
+    ModelError  rows that are not orthonormal and right-handed
+    """
+
+    axes: Array
+
+    def __post_init__(self) -> None:
+        axes = np.array(self.axes, dtype=float)
+        if axes.shape != (3, 3) or not np.allclose(axes @ axes.T, np.eye(3), atol=1e-9) or np.linalg.det(axes) < 0:
+            raise ModelError("camera: right, up and towards must be orthonormal and right-handed; see Camera.looking")
+        axes.setflags(write=False)
+        object.__setattr__(self, "axes", axes)
+
+    @classmethod
+    def looking(cls, *, along: ArrayLike, up: ArrayLike) -> Camera:
+        """Camera that looks along a direction with another one upright.
+
+        Raises
+        ------
+        ModelError  the two directions are parallel, or one is zero
+        """
+        towards, upright = -np.asarray(along, dtype=float), np.asarray(up, dtype=float)
+        right = np.cross(upright, towards)
+        if np.linalg.norm(right) <= 1e-9 * np.linalg.norm(towards) * np.linalg.norm(upright):
+            raise ModelError(f"camera: looking along {along} with {up} up; give two directions that are not parallel")
+        axes = np.stack([right, np.cross(towards, right), towards])
+        return cls(axes / np.linalg.norm(axes, axis=1, keepdims=True))
+
+    @classmethod
+    def three_quarter(cls, nodes: Array) -> Camera:
+        """View of a body from a corner: its longest extent to the right, its thinnest upright."""
+        thin, _, long = np.argsort(np.ptp(nodes, axis=0), kind="stable")
+        right, up = np.eye(3)[long], np.eye(3)[thin]
+        towards = np.cross(right, up)
+        turn, lift = np.radians(25.0), np.radians(32.0)
+        sight = np.cos(lift) * (np.cos(turn) * towards + np.sin(turn) * right) + np.sin(lift) * up
+        return cls.looking(along=-sight, up=up)
+
+    def project(self, points: Array) -> tuple[Array, Array]:
+        """Picture coordinates (..., 2) of points (..., 3) and their nearness (...) to the viewer."""
+        seen = points @ self.axes.T
+        return seen[..., :2], seen[..., 2]

@@ -1,0 +1,177 @@
+"""Pictures of a body: its mesh, or a deformed shape coloured by what happens on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.transforms import Affine2D, ScaledTranslation, Transform
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.viz.camera import Camera
+from supple.viz.feature_edges import feature_edges
+from supple.viz.shaded_surface import Page, page_around, render, show
+from supple.viz.style import (
+    COLOUR_MAP,
+    INK,
+    PALE_INK,
+    TEXT_WIDTH,
+    new_figure,
+    save_figure,
+    textbook_style,
+)
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+N_COLUMNS = 1260
+_ARROW = {"arrowstyle": "-|>", "mutation_scale": 6.0, "linewidth": 0.9, "color": INK, "shrinkA": 0.0, "shrinkB": 0.0}
+
+
+@dataclass(frozen=True, eq=False)
+class NodalField:
+    """A scalar at the nodes (N,) to colour a surface by, and what it is, with its unit."""
+
+    label: str
+    values: Array
+
+
+def displacement_magnitude(displacements: Array, unit: str = "m") -> NodalField:
+    """Field of the lengths of nodal displacements (N, 3)."""
+    return NodalField(f"displacement ({unit})", np.linalg.norm(displacements, axis=1))
+
+
+def plot_mesh(
+    path: Path | str,
+    nodes: Array,
+    triangles: IntArray,
+    *,
+    colour_by: NodalField | None = None,
+    undeformed: Array | None = None,
+    camera: Camera | None = None,
+    title: str = "",
+    length_unit: str = "m",
+) -> Path:
+    """Draw a shaded surface in space, lengths true to scale, with an axis cross and a length bar.
+
+    Parameters
+    ----------
+    nodes : array (N, 3)            positions to draw, deformed or not
+    triangles : int array (T, 3)    as `skin_triangles` gives them
+    colour_by : NodalField          colours and colour bar; one plain colour without
+    undeformed : array (N, 3)       its outline is drawn pale, behind
+    camera : Camera                 a three-quarter view by default
+
+    Raises
+    ------
+    ModelError          arrays of other shapes, values that are not finite, triangles beyond the nodes
+    ResultFileError     the file cannot be written
+    """
+    check_surface(nodes, triangles)
+    if undeformed is not None:
+        check_surface(undeformed, triangles)
+    rest = nodes if undeformed is None else undeformed
+    camera = camera or Camera.three_quarter(rest)
+    page = page_around(camera.project(np.concatenate([nodes, rest]))[0], N_COLUMNS)
+    with textbook_style():
+        height = TEXT_WIDTH * page.n_rows / page.n_columns
+        figure = new_figure(height + 0.7 * (colour_by is not None) + 0.3 * bool(title))
+        axes = figure.subplots()
+        values, scale = None, ScalarMappable(cmap=COLOUR_MAP)
+        if colour_by is not None:
+            values = _checked(colour_by, len(nodes))
+            scale.set_norm(Normalize(values.min(), values.max()))
+            figure.colorbar(scale, ax=axes, location="bottom", label=colour_by.label, shrink=0.5, aspect=30)
+        picture = render(
+            nodes, triangles, camera, page, values=values, colouring=lambda value: scale.to_rgba(value)[:, :3]
+        )
+        if undeformed is not None:
+            draw_outline(axes, undeformed, triangles, camera)
+        show(axes, picture, page)
+        draw_cross(axes, camera)
+        draw_length_bar(axes, page, length_unit)
+        axes.set_title(title)
+        return save_figure(figure, path)
+
+
+def check_surface(nodes: Array, triangles: IntArray) -> None:
+    """Raise ModelError where nodes (N, 3) and triangles (T, 3) do not make a surface."""
+    if nodes.ndim != 2 or nodes.shape[1] != 3 or triangles.ndim != 2 or triangles.shape[1] != 3 or not triangles.size:
+        raise ModelError(
+            f"cannot draw nodes of shape {nodes.shape} and triangles of shape {triangles.shape}; "
+            "give (N, 3) and (T, 3) with at least one triangle"
+        )
+    if triangles.min() < 0 or triangles.max() >= len(nodes):
+        raise ModelError(
+            f"cannot draw triangles of nodes {triangles.min()} to {triangles.max()}: there are {len(nodes)} nodes"
+        )
+    finite = np.isfinite(nodes).all(axis=1)
+    if not finite.all():
+        raise ModelError(f"cannot draw: node {int(np.argmin(finite))} is not at a finite position")
+
+
+def draw_outline(axes: Axes, nodes: Array, triangles: IntArray, camera: Camera) -> None:
+    """The rims and folds of a surface as pale lines."""
+    plane, _ = camera.project(nodes)
+    edges = feature_edges(nodes, triangles)
+    axes.add_collection(LineCollection(list(plane[edges]), colors=PALE_INK, linewidths=0.5, zorder=1.0), autolim=False)
+
+
+def draw_cross(axes: Axes, camera: Camera) -> None:
+    """The directions of x, y and z as a small cross in the lower left corner."""
+    cross = axes.inset_axes((0.0, 0.0, 1.0, 1.0), transform=_corner(axes, 44.0), zorder=3.0)
+    cross.set_aspect("equal")
+    cross.set_xlim(-1.6, 1.6)
+    cross.set_ylim(-1.6, 1.6)
+    cross.set_axis_off()
+    tips, _ = camera.project(np.eye(3))
+    for tip, name in zip(tips, "xyz", strict=True):
+        # An axis that points at the viewer is a dot; its name would cover the others'.
+        if np.hypot(*tip) > 0.15:
+            cross.annotate("", tip, (0.0, 0.0), arrowprops=_ARROW)
+            cross.text(*(1.35 * tip), name, ha="center", va="center", fontsize=7.5)
+
+
+def draw_length_bar(axes: Axes, page: Page, unit: str) -> None:
+    """A bar of round length, about a sixth of the width, in the lower right corner."""
+    width, height = page.high - page.low
+    length = _round_length(width / 6.0)
+    right, bottom = page.high[0] - 0.02 * width, page.low[1] + 0.03 * height
+    axes.plot([right - length, right], [bottom, bottom], color=INK, linewidth=1.5, zorder=3.0)
+    axes.annotate(
+        f"{length:g} {unit}",
+        (right - 0.5 * length, bottom),
+        xytext=(0.0, 2.5),
+        textcoords="offset points",
+        ha="center",
+        va="bottom",
+        fontsize=7.5,
+        zorder=3.0,
+    )
+
+
+def _corner(axes: Axes, size: float) -> Transform:
+    """A square of the given side in points, in the lower left corner of the axes."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    return Affine2D().scale(size / 72.0) + figure.dpi_scale_trans + ScaledTranslation(0.0, 0.0, axes.transAxes)
+
+
+def _round_length(length: float) -> float:
+    power = 10.0 ** np.floor(np.log10(length))
+    return float(max(step * power for step in (1.0, 2.0, 5.0) if step * power <= length * (1.0 + 1e-9)))
+
+
+def _checked(field: NodalField, n_nodes: int) -> Array:
+    values = np.asarray(field.values, dtype=float)
+    if values.shape != (n_nodes,) or not np.isfinite(values).all():
+        raise ModelError(
+            f"field '{field.label}' of shape {values.shape}: give a finite value at each of {n_nodes} nodes"
+        )
+    return values

@@ -1,0 +1,121 @@
+"""Errors of reduced models: over time, and against a parameter of the load case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.results.error_measures import MotionError
+from supple.viz.style import COLOURS, SOLID, Stroke, draw_curve, legend_above, new_figure, save_figure, textbook_style
+
+Bounds = Mapping[str, float]
+
+
+def plot_rms_error(
+    path: Path | str,
+    errors: Mapping[str, MotionError],
+    *,
+    published: Bounds = MappingProxyType({}),
+    length_unit: str = "m",
+) -> Path:
+    """RMS errors over time on a logarithmic axis, with published bounds as labelled dashed lines.
+
+    Parameters
+    ----------
+    errors : {label: MotionError}
+    published : {label: value}      a bound named as an error takes its colour
+
+    Raises
+    ------
+    ModelError          no errors, or an error that is zero throughout
+    ResultFileError     the file cannot be written
+    """
+    if not errors:
+        raise ModelError(f"cannot draw {path}: give at least one error over time")
+    with textbook_style():
+        figure = new_figure(height=3.1)
+        axes = figure.subplots()
+        for rank, (label, error) in enumerate(errors.items()):
+            draw_curve(axes, error.times, _positive(error.rms, label), Stroke(width=1.1), rank, label)
+        _draw_bounds(axes, published, list(errors))
+        axes.set_yscale("log")
+        axes.set_xlim(min(e.times[0] for e in errors.values()), max(e.times[-1] for e in errors.values()))
+        axes.set_xlabel("time (s)")
+        axes.set_ylabel(f"RMS error ({length_unit})")
+        legend_above(axes, len(errors))
+        return save_figure(figure, path)
+
+
+def plot_error_over_parameter(
+    path: Path | str,
+    parameter: NDArray[np.float64],
+    errors: Mapping[str, NDArray[np.float64]],
+    *,
+    parameter_label: str,
+    error_label: str = "relative error (%)",
+) -> Path:
+    """Errors of several models against a parameter, such as the final speed, on a logarithmic axis.
+
+    Parameters
+    ----------
+    parameter : array (k,)
+    errors : {label: array (k,)}    NaN where a model failed
+
+    Raises
+    ------
+    ModelError          no errors, other lengths, or an error that is zero throughout
+    ResultFileError     the file cannot be written
+    """
+    if not errors:
+        raise ModelError(f"cannot draw {path}: give at least one error")
+    with textbook_style():
+        figure = new_figure(height=3.1)
+        axes = figure.subplots()
+        for rank, (label, values) in enumerate(errors.items()):
+            if len(values) != len(parameter):
+                raise ModelError(f"error '{label}': {len(values)} values for {len(parameter)} {parameter_label}")
+            marked = Stroke(colour=SOLID.colour, marker="osD^vP"[rank % 6])
+            draw_curve(axes, parameter, _positive(values, label), marked, rank, label)
+        axes.set_yscale("log")
+        axes.set_xticks(np.asarray(parameter))
+        axes.set_xlabel(parameter_label)
+        axes.set_ylabel(error_label)
+        legend_above(axes, len(errors))
+        return save_figure(figure, path)
+
+
+def _positive(values: NDArray[np.float64], label: str) -> NDArray[np.float64]:
+    """Values with gaps where a logarithmic axis has no place for them, as at an exact start."""
+    positive = np.where(np.asarray(values) > 0.0, values, np.nan)
+    if np.isnan(positive).all():
+        raise ModelError(f"error '{label}' is nowhere positive, so a logarithmic axis cannot show it")
+    return positive
+
+
+def _draw_bounds(axes: Axes, published: Bounds, labels: list[str]) -> None:
+    for label, value in published.items():
+        colour = COLOURS[labels.index(label) % len(COLOURS)] if label in labels else COLOURS[-1]
+        axes.axhline(value, color=colour, linewidth=1.0, dashes=(4.0, 2.0))
+        axes.annotate(
+            f"{'published' if label in labels else label}: {_power_of_ten(value)}",
+            (1.0, value),
+            xycoords=axes.get_yaxis_transform(),
+            xytext=(-2.0, 2.0),
+            textcoords="offset points",
+            ha="right",
+            va="bottom",
+            color=colour,
+            fontsize=7.5,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8},
+        )
+
+
+def _power_of_ten(value: float) -> str:
+    mantissa, exponent = f"{value:.1e}".split("e")
+    return rf"${mantissa} \times 10^{{{int(exponent)}}}$"

@@ -1,0 +1,133 @@
+"""A surface of triangles as a lit picture with mesh lines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.image import AxesImage
+from numpy.typing import NDArray
+
+from supple.viz.camera import Camera
+from supple.viz.depth_buffer import visible_triangles
+from supple.viz.style import SURFACE_COLOUR
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Colouring = Callable[[Array], Array]
+"""Nodal scalar (p,) to red, green, blue (p, 3) in [0, 1]."""
+
+# The light stands over the viewer's left shoulder: right, up, towards.
+_LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])
+_AMBIENT = 0.45
+# Each pixel of the picture averages so many by so many.
+_SUPERSAMPLING = 2
+# Mesh lines of finer meshes would merge into a grey.
+_FINEST_LINED_TRIANGLE = 7.0
+
+
+@dataclass(frozen=True, eq=False)
+class Page:
+    """A window on the camera's plane, cut into pixels.
+
+    low, high : (2,)    opposite corners, in the unit of length
+    n_columns : int     pixels across; square ones
+    """
+
+    low: Array
+    high: Array
+    n_columns: int
+
+    @property
+    def pixel(self) -> float:
+        """Side of a pixel in the unit of length."""
+        return float(self.high[0] - self.low[0]) / self.n_columns
+
+    @property
+    def n_rows(self) -> int:
+        """Pixels upwards."""
+        return max(1, round(float(self.high[1] - self.low[1]) / self.pixel))
+
+
+def page_around(points: Array, n_columns: int, *, margin: float = 0.04, least_aspect: float = 0.12) -> Page:
+    """The page that shows all projected points (..., 2) with a margin, its height a given share of its width at least."""
+    flat = points.reshape(-1, 2)
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    centre, half = 0.5 * (low + high), 0.5 * (high - low) + margin * (high - low).max()
+    half[1] = max(half[1], least_aspect * half[0])
+    half[0] = max(half[0], 0.6 * half[1])
+    return Page(centre - half, centre + half, n_columns)
+
+
+def render(
+    nodes: Array,
+    triangles: IntArray,
+    camera: Camera,
+    page: Page,
+    *,
+    values: Array | None = None,
+    colouring: Colouring | None = None,
+) -> Array:
+    """Picture (rows, columns, 4) of a surface, red green blue alpha from the bottom row, clear where it is not.
+
+    Both sides are lit alike, for a shell shows either. With nodal values (N,) and a colouring, colours are found
+    pixel by pixel from the interpolated value.
+    """
+    k = _SUPERSAMPLING
+    fine = Page(page.low, page.high, k * page.n_columns)
+    shape = (k * page.n_rows, fine.n_columns)
+    plane, nearness = camera.project(nodes[triangles])
+    corners = (plane - page.low) / fine.pixel
+    seen = visible_triangles(corners, nearness, shape)
+
+    base = np.broadcast_to(to_rgb(SURFACE_COLOUR), (len(seen.pixel), 3))
+    if values is not None and colouring is not None:
+        base = colouring(np.einsum("pi,pi->p", seen.weights, values[triangles[seen.triangle]]))
+    brightness, gloss = _lighting(np.concatenate([plane, nearness[..., None]], axis=-1))
+    colour = base * brightness[seen.triangle, None] + gloss[seen.triangle, None]
+    colour *= 1.0 - 0.3 * _on_mesh_line(corners, seen.triangle, seen.weights)[:, None]
+
+    picture = np.zeros((shape[0] * shape[1], 4))
+    picture[seen.pixel, :3] = np.clip(colour, 0.0, 1.0)
+    picture[seen.pixel, 3] = 1.0
+    return _average(picture.reshape(*shape, 4), k)
+
+
+def show(axes: Axes, picture: Array, page: Page) -> AxesImage:
+    """Put a picture on axes that then carry the page's coordinates, in equal scale and without a frame."""
+    extent = (page.low[0], page.high[0], page.low[1], page.high[1])
+    image = axes.imshow(picture, extent=extent, origin="lower", interpolation="antialiased", zorder=2.0)
+    axes.set_axis_off()
+    return image
+
+
+def _lighting(corners: Array) -> tuple[Array, Array]:
+    """Brightness of the colour and white gloss of each triangle (T,), corners (T, 3, 3) seen by the camera."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal *= np.where(normal[:, 2:] < 0.0, -1.0, 1.0) / np.where(length > 0.0, length, 1.0)
+    lit = np.clip(normal @ _LIGHT, 0.0, 1.0)
+    return _AMBIENT + (1.0 - _AMBIENT) * lit, 0.2 * lit**12
+
+
+def _on_mesh_line(corners: Array, triangle: IntArray, weights: Array) -> Array:
+    """1 at pixels within half a final pixel of an edge, 0 elsewhere, and everywhere on a fine mesh."""
+    sides = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
+    twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
+    heights = twice_area[:, None] / np.maximum(np.linalg.norm(sides, axis=2), 1e-300)
+    if np.median(heights.min(axis=1)) < _FINEST_LINED_TRIANGLE * _SUPERSAMPLING:
+        return np.zeros(len(triangle))
+    distance = (weights * heights[triangle]).min(axis=1)
+    return (distance < 0.25 * _SUPERSAMPLING).astype(float)
+
+
+def _average(picture: Array, k: int) -> Array:
+    """Mean over blocks of k by k pixels; colours weigh by how much of the block they cover."""
+    rows, columns = picture.shape[0] // k, picture.shape[1] // k
+    picture[..., :3] *= picture[..., 3:]
+    mean = picture.reshape(rows, k, columns, k, 4).mean(axis=(1, 3))
+    mean[..., :3] /= np.where(mean[..., 3:] > 0.0, mean[..., 3:], 1.0)
+    return mean

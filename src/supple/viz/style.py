@@ -1,0 +1,139 @@
+"""One look for every picture: colours that colour-blind readers tell apart, type sizes, and saving."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from supple.errors import ModelError
+from supple.results.atomic_write import replacing
+
+# Okabe and Ito (2008), ordered so that neighbours also differ in grey; the yellow is too light for lines.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+INK = "#222222"
+PALE_INK = "#8A8A8A"
+SURFACE_COLOUR = "#A9C3D9"
+COLOUR_MAP = "viridis"
+TEXT_WIDTH = 6.3
+"""Width of a picture in inch: the text width of an A4 page."""
+
+_RC = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.fontsize": 8.0,
+    "legend.frameon": False,
+    "legend.handlelength": 2.4,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.7,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#DDDDDD",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.4,
+    "axes.unicode_minus": True,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.use_mathtext": True,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    "savefig.dpi": 200,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "supple",
+    "path.simplify_threshold": 0.3,
+}
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """How a curve is drawn; a colour of None takes the next of the palette."""
+
+    colour: str | None = None
+    dashes: tuple[float, ...] = ()
+    width: float = 1.4
+    marker: str = ""
+
+
+SOLID = Stroke()
+"""A result of ours."""
+REFERENCE = Stroke(colour="#000000", dashes=(4.0, 2.0), width=1.1)
+"""What ours is compared with: a fuller model, another method."""
+PUBLISHED = Stroke(colour="#000000", width=0.0, marker="o")
+"""Published points."""
+
+
+@contextmanager
+def textbook_style() -> Iterator[None]:
+    """Draw inside this block in the library's style, leaving matplotlib's settings as they were."""
+    with mpl.rc_context({**mpl.rcParamsDefault, **_RC, "backend": mpl.rcParams["backend"]}):
+        yield
+
+
+def new_figure(height: float, width: float = TEXT_WIDTH) -> Figure:
+    """A figure of its own, in inch; no window and no global state, whatever the backend."""
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def draw_curve(axes: Axes, x, y, stroke: Stroke, rank: int, label: str) -> None:
+    """One curve, coloured by its rank unless the stroke has a colour; the first curves lie on top."""
+    (line,) = axes.plot(
+        x,
+        y,
+        color=stroke.colour or COLOURS[rank % len(COLOURS)],
+        linewidth=stroke.width,
+        marker=stroke.marker,
+        markersize=4.0,
+        markerfacecolor="white",
+        label=label,
+    )
+    if stroke.dashes:
+        line.set_dashes(stroke.dashes)
+
+
+def legend_above(axes: Axes, n_curves: int) -> None:
+    """A legend over the axes, where it covers no curve."""
+    axes.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=min(n_curves, 4 if n_curves != 5 else 3),
+        borderaxespad=0.2,
+        columnspacing=1.6,
+    )
+
+
+def save_figure(figure: Figure, path: Path | str) -> Path:
+    """Save a figure in the format of the path's suffix (png, pdf, svg, ...), atomically; returns the path.
+
+    Raises
+    ------
+    ModelError          no suffix, or a format that matplotlib cannot write
+    ResultFileError     the file cannot be written
+    """
+    path = Path(path)
+    picture_format = path.suffix.lstrip(".").lower()
+    known = figure.canvas.get_supported_filetypes()
+    if picture_format not in known:
+        raise ModelError(f"cannot draw {path}: no picture format '{path.suffix}'; use one of {', '.join(sorted(known))}")
+    # Without the date, the same data gives the same file.
+    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(picture_format)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, format=picture_format, metadata=undated)
+    return path

@@ -1,0 +1,79 @@
+"""Curves over time, one panel under another: ours beside theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.viz.style import SOLID, Stroke, draw_curve, legend_above, new_figure, save_figure, textbook_style
+
+
+@dataclass(frozen=True)
+class Series:
+    """One curve: values (t,) at times (t,), with what the legend calls it. NaN leaves a gap.
+
+    Raises
+    ------
+    ModelError  times and values of other shapes, or none that is finite
+    """
+
+    label: str
+    times: NDArray[np.float64]
+    values: NDArray[np.float64]
+    stroke: Stroke = field(default=SOLID)
+
+    def __post_init__(self) -> None:
+        times, values = np.asarray(self.times), np.asarray(self.values)
+        if times.ndim != 1 or times.shape != values.shape:
+            raise ModelError(
+                f"series '{self.label}': times of shape {times.shape} and values of shape {values.shape}; "
+                "give two arrays of equal length"
+            )
+        if not np.isfinite(values).any():
+            raise ModelError(f"series '{self.label}': no value is finite, so there is nothing to draw")
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One set of axes: what is measured (with its unit) and the curves."""
+
+    quantity: str
+    series: Sequence[Series]
+
+
+def plot_time_history(path: Path | str, panels: Sequence[Panel], *, time_label: str = "time (s)") -> Path:
+    """Draw panels of curves over a common time axis; the legend stands once where all panels share their labels.
+
+    Raises
+    ------
+    ModelError          no panel, or a panel without curves
+    ResultFileError     the file cannot be written
+    """
+    if not panels or not all(panel.series for panel in panels):
+        raise ModelError(f"cannot draw {path}: give at least one panel, and each panel at least one series")
+    labels = [[series.label for series in panel.series] for panel in panels]
+    with textbook_style():
+        figure = new_figure(height=0.5 + 2.2 * len(panels))
+        grid = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
+        for i, (axes, panel) in enumerate(zip(grid, panels, strict=True)):
+            ranks = _palette_ranks(panel.series)
+            for series, rank in zip(panel.series, ranks, strict=True):
+                draw_curve(axes, series.times, series.values, series.stroke, rank, series.label)
+            axes.set_ylabel(panel.quantity)
+            axes.margins(x=0.0)
+            if (i == 0 or labels[i] != labels[0]) and any(labels[i]):
+                legend_above(axes, len(panel.series))
+        grid[-1].set_xlabel(time_label)
+        figure.align_ylabels(grid)
+        return save_figure(figure, path)
+
+
+def _palette_ranks(series: Sequence[Series]) -> list[int]:
+    """Place of each curve among those that take their colour from the palette."""
+    takes = np.array([one.stroke.colour is None for one in series], dtype=int)
+    return (np.cumsum(takes) - takes).tolist()

@@ -1,0 +1,144 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from supple.body import superelement
+from supple.errors import ModelError
+
+
+@pytest.fixture
+def matrices(solid):
+    return solid.mesh.nodes, solid.stiffness.toarray(), solid.mass.toarray()
+
+
+def build(nodes, stiffness, mass, **options):
+    return superelement("arm", nodes, stiffness, mass, dofs_per_node=3, **options)
+
+
+def test_sound_matrices_pass(matrices):
+    build(*matrices)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+@pytest.mark.parametrize("which", ["stiffness", "mass"])
+def test_entries_that_are_not_finite(matrices, which, bad):
+    nodes, K, M = matrices
+    (K if which == "stiffness" else M)[7, 7] = bad
+    with pytest.raises(ModelError, match=f"body 'arm': the {which} is not finite in the row of node 2 uy"):
+        build(nodes, K, M)
+
+
+@pytest.mark.parametrize("which", ["stiffness", "mass"])
+def test_matrices_that_are_not_symmetric(matrices, which):
+    nodes, K, M = matrices
+    matrix = K if which == "stiffness" else M
+    matrix[3, 8] += 1e-3 * np.max(matrix)
+    with pytest.raises(
+        ModelError,
+        match=rf"the {which} is not symmetric: the two entries of node [12] u[xz] with .* differ by 1\.0e-03",
+    ):
+        build(nodes, K, M)
+
+
+@pytest.mark.parametrize("which", ["stiffness", "mass"])
+def test_matrices_of_the_wrong_size(matrices, which):
+    nodes, K, M = matrices
+    n = len(M)
+    cut = {"stiffness": (K[1:, 1:], M), "mass": (K, M[1:, 1:])}[which]
+    with pytest.raises(
+        ModelError, match=rf"the {which} has shape \({n - 1}, {n - 1}\), but 45 nodes .* need \({n}, {n}\)"
+    ):
+        build(nodes, *cut)
+
+
+def test_nodes_of_the_wrong_shape_or_not_finite(matrices):
+    nodes, K, M = matrices
+    with pytest.raises(ModelError, match=r"nodes have shape \(45, 2\); give \(N, 3\)"):
+        build(nodes[:, :2], K, M)
+    with pytest.raises(ModelError, match=r"nodes have shape \(0, 3\)"):
+        build(nodes[:0], K, M)
+    broken = nodes.copy()
+    broken[5, 1] = np.nan
+    with pytest.raises(ModelError, match=r"node 5 has the coordinates .*nan.*, which are not finite"):
+        build(broken, K, M)
+
+
+def test_a_freedom_without_mass_is_named(matrices):
+    nodes, K, M = matrices
+    M[4] = M[:, 4] = 0
+    with pytest.raises(ModelError, match=r"node 1 uy has the mass 0.000e\+00 \(and 1 freedoms in all"):
+        build(nodes, K, M)
+
+
+def test_a_negative_density_is_named(matrices):
+    nodes, K, M = matrices
+    with pytest.raises(ModelError, match=r"has the mass -.* 135 freedoms in all have none or less"):
+        build(nodes, K, -M)
+
+
+def test_an_indefinite_mass_is_counted(matrices):
+    nodes, K, M = matrices
+    M[0, 30] = M[30, 0] = 2 * np.sqrt(M[0, 0] * M[30, 30])
+    with pytest.raises(
+        ModelError, match="mass matrix is not positive definite: 1 negative and 0 zero eigenvalues of 135"
+    ):
+        build(nodes, K, M)
+
+
+def test_a_singular_mass_is_found(matrices):
+    nodes, K, M = matrices
+    root = np.random.default_rng(0).standard_normal((len(M), len(M) - 1))
+    with pytest.raises(ModelError, match="the mass matrix is singular: some motion carries no mass"):
+        build(nodes, K, root @ root.T)
+
+
+@pytest.mark.parametrize("softness", [1.0, 1e-4, 1e-7])
+def test_a_grounded_stiffness_is_told_with_a_number(matrices, softness):
+    nodes, K, M = matrices
+    spring = softness * K[16, 16]
+    K[16, 16] += spring
+    with pytest.raises(
+        ModelError, match=r"resists rigid motion: .* meets \d\.\de-\d\d of the forces .* at coordinate 16"
+    ):
+        build(nodes, K, M)
+    if softness < 1e-6:
+        build(nodes, K, M, rigid_tolerance=1e-6)
+
+
+def test_supports_that_fix_a_node(matrices):
+    nodes, K, M = matrices
+    K[:3, :] = K[:, :3] = 0
+    K[:3, :3] = np.eye(3) * np.max(K)
+    with pytest.raises(ModelError, match=r"resists rigid motion.*leave supports out of its matrices"):
+        build(nodes, K, M)
+
+
+def test_a_part_without_stiffness_is_a_mechanism(matrices):
+    nodes, K, M = matrices
+    nodes = np.vstack([nodes, [[2.0, 0, 0]]])
+    K = sparse.block_diag([K, np.zeros((3, 3))])
+    M = sparse.block_diag([M, np.eye(3)])
+    with pytest.raises(ModelError, match="can move in more than six ways without strain"):
+        build(nodes, K, M)
+
+
+def test_two_parts_that_are_not_joined(matrices):
+    nodes, K, M = matrices
+    with pytest.raises(ModelError, match="can move in more than six ways without strain"):
+        build(np.vstack([nodes, nodes + 5]), sparse.block_diag([K, K]), sparse.block_diag([M, M]))
+
+
+def test_negative_strain_energy_is_counted(matrices, solid):
+    nodes, K, M = matrices
+    R = np.zeros((len(M), 6))
+    R[:, :3] = np.tile(np.eye(3), (len(nodes), 1))
+    for i, axis in enumerate(np.eye(3)):
+        R[:, 3 + i] = np.cross(axis, nodes).ravel()
+    v = np.random.default_rng(1).standard_normal(len(M))
+    v -= R @ np.linalg.lstsq(R, v)[0]
+    with pytest.raises(
+        ModelError, match="its stiffness has 1 negative eigenvalues; strain energy cannot be negative"
+    ):
+        build(nodes, K - 10 * np.max(K) * np.outer(v, v) / (v @ v), M, rigid_tolerance=1e-8)

@@ -1,0 +1,109 @@
+"""The commands as a user types them: what they print, what they write, and how they fail."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from supple import __version__
+from supple.cli.main import app
+from supple.results import read_header
+
+ROOT_WEIGHT = 7850.0 * 1.0 * 0.1 * 0.01 * 9.81
+
+
+def call(*arguments, code=0):
+    """Output of a command (errors included), its lines joined so that wrapping does not matter."""
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    assert result.exit_code == code, result.output
+    return re.sub(r"\s+", " ", result.output)
+
+
+def test_run_writes_results_and_prints_tables(case_folder):
+    output = call("run", case_folder / "strip.toml", "-o", case_folder / "out")
+    for part in (
+        "clamped strip",
+        "Bodies",
+        "Joints",
+        "Tracked motion",
+        "strip.TIP",
+        "Newton iterations",
+        "Results are in",
+    ):
+        assert part in output
+    header = read_header(case_folder / "out" / "strip.h5")
+    assert header.complete
+    assert header.n_times == 201
+    numbers = json.loads((case_folder / "out" / "strip.json").read_text())
+    # Damped to rest: the clamp carries the weight and its moment, the tip hangs by w L^4 / (8 E I).
+    assert numbers["joints"]["clamp"]["last force"] == pytest.approx(
+        [0, 0, ROOT_WEIGHT], abs=2e-3 * ROOT_WEIGHT
+    )
+    assert numbers["joints"]["clamp"]["last moment"][1] == pytest.approx(-ROOT_WEIGHT / 2, rel=1e-2)
+    stiffness = 2.1e11 * 0.1 * 0.01**3 / 12
+    assert numbers["tracked"]["strip.TIP"]["last deflection"][2] == pytest.approx(
+        -ROOT_WEIGHT / (8 * stiffness), rel=1e-2
+    )
+    assert numbers["tracked"]["strip.root"]["last deflection"] == pytest.approx([0, 0, 0], abs=1e-12)
+
+
+def test_a_wrong_case_is_an_error_message_and_not_a_traceback(case_folder):
+    case = case_folder / "strip.toml"
+    case.write_text(case.read_text().replace("thickness", "thicknes"))
+    output = call("run", case, "-o", case_folder / "out", code=2)
+    assert "error:" in output
+    assert "unknown key, did you mean 'thickness'?" in output
+    assert "Traceback" not in output
+    assert not (case_folder / "out").exists()
+
+
+def test_debug_shows_the_error_itself(case_folder):
+    case = case_folder / "strip.toml"
+    case.write_text("title = ")
+    result = CliRunner().invoke(app, ["run", str(case), "--debug"])
+    assert type(result.exception).__name__ == "CaseError"
+
+
+def test_node_sets_that_no_mesh_has_are_named_with_their_lines(case_folder):
+    case = case_folder / "strip.toml"
+    case.write_text(case.read_text().replace('"ROOT"', '"ROT"').replace('"strip.TIP"', '"strip.TOP"'))
+    output = call("run", case, "-o", case_folder / "out", code=2)
+    assert "has 2 mistakes" in output
+    assert (
+        "line 14, body[1].interface[1].nodes: there is no node set named 'ROT', did you mean 'ROOT'?"
+        in output
+    )
+    assert (
+        "output.track[1]: there is no node set named 'TOP', did you mean 'TIP'?; the mesh has: ROOT, TIP"
+        in output
+    )
+
+
+def test_info_of_case_mesh_and_result(case_folder):
+    assert "shell, basis rubin; interfaces: root" in call("info", case_folder / "strip.toml")
+    mesh = call("info", case_folder / "strip.inp")
+    assert "27 nodes" in mesh
+    assert "node set TIP" in mesh
+    call("run", case_folder / "strip.toml", "-o", case_folder / "out")
+    result = call("info", case_folder / "out" / "strip.h5")
+    assert "complete" in result
+    assert "201, from 0 to 0.4 s" in result
+
+
+def test_info_of_another_kind_of_file(tmp_path):
+    assert "no such kind of file is known; give one that ends in .toml" in call(
+        "info", tmp_path / "a.txt", code=2
+    )
+
+
+def test_resuming_a_complete_run_is_refused(case_folder):
+    call("run", case_folder / "strip.toml", "-o", case_folder / "out")
+    output = call("run", case_folder / "strip.toml", "-o", case_folder / "out", "--resume", code=2)
+    assert "its run is complete" in output
+
+
+def test_version():
+    assert call("--version").strip() == f"supple {__version__}"

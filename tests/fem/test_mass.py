@@ -1,0 +1,82 @@
+"""Mass: rigid motions have the exact mass, first moments and inertia of the meshed volume."""
+
+import numpy as np
+import pytest
+
+from supple.fem import HomogeneousWall, lumped_mass, shell_model, solid_model
+from supple.mesh import CellType, Mesh, block, box_beam, plate
+
+SOLIDS = (CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20)
+
+
+def rigid_mass(mass, centre, inertia_about_origin):
+    """Mass matrix (6, 6) of a rigid body about the origin: translations, then rotations."""
+    S = mass * np.cross(np.eye(3), centre)
+    return np.block([[mass * np.eye(3), -S], [S, inertia_about_origin]])
+
+
+def about_origin(mass, centre, second_moments):
+    """Inertia from the central second moments of mass, integral of (x - c)(x - c)^T."""
+    moments = second_moments + mass * np.outer(centre, centre)
+    return np.trace(moments) * np.eye(3) - moments
+
+
+@pytest.mark.parametrize("cell_type", SOLIDS, ids=lambda kind: kind.name)
+def test_block(cell_type, material, rigid_modes):
+    """Inner nodes may lie anywhere: the volume is the block."""
+    mesh = block(2.0, 0.8, 0.5, 2, 2, 2, cell_type)
+    nodes = mesh.nodes.copy()
+    surface = (np.abs(nodes - [1.0, 0, 0]) > np.array([1.0, 0.4, 0.25]) - 1e-9).any(axis=1)
+    if cell_type.n_corners == cell_type.n_nodes:
+        nodes[~surface] += [0.1, -0.05, 0.03]
+    shift = np.array([0.3, -1.0, 2.0])
+    model = solid_model(Mesh(nodes + shift, mesh.cells), material)
+    R = rigid_modes(model)
+    mass = material.density * 2.0 * 0.8 * 0.5
+    centre = shift + np.array([1.0, 0, 0])
+    moments = mass / 12 * np.diag([2.0**2, 0.8**2, 0.5**2])
+    exact = rigid_mass(mass, centre, about_origin(mass, centre, moments))
+    np.testing.assert_allclose(R.T @ model.mass @ R, exact, rtol=1e-12, atol=1e-9)
+
+
+def test_shell(material, rigid_modes):
+    """A plate: the mid-surface, and on every rotation the rotary inertia t^2/12 of its mass."""
+    flat = plate(1.4, 0.9, 3, 2)
+    nodes = flat.nodes.copy()
+    inner = np.setdiff1d(np.arange(len(nodes)), flat.nodes_of("boundary"))
+    nodes[inner, :2] += 0.05
+    shift, t = np.array([0.2, -0.3, 1.0]), 0.06
+    model = shell_model(Mesh(nodes + shift, flat.cells), HomogeneousWall(material, t))
+    R = rigid_modes(model)
+    mass = material.density * 1.4 * 0.9 * t
+    centre = shift + np.array([0.7, 0.45, 0])
+    moments = mass / 12 * np.diag([1.4**2, 0.9**2, 0])
+    rotary = mass * t**2 / 12 * np.eye(3)
+    exact = rigid_mass(mass, centre, about_origin(mass, centre, moments) + rotary)
+    np.testing.assert_allclose(R.T @ model.mass @ R, exact, rtol=1e-12, atol=1e-9)
+
+
+def test_mass_of_a_closed_shell_is_the_same_in_all_directions(material, rigid_modes):
+    """Translations carry the total mass; the first moments are those of the areas."""
+    mesh = box_beam(2.0, 0.4, 0.3, 4, 2, 2)
+    model = shell_model(mesh, HomogeneousWall(material, 0.02))
+    R = rigid_modes(model)
+    mass = material.density * 0.02 * 2.0 * 2 * (0.4 + 0.3)
+    G = R.T @ model.mass @ R
+    np.testing.assert_allclose(G[:3, :3], mass * np.eye(3), rtol=1e-12, atol=1e-10)
+    np.testing.assert_allclose(G[:3, 3:], -mass * np.cross(np.eye(3), [1.0, 0, 0]), atol=1e-10 * mass)
+
+
+@pytest.mark.parametrize("build", ["shell", *SOLIDS], ids=str)
+def test_mass_is_positive_definite_and_lumping_keeps_the_total(build, material, distorted, rigid_modes):
+    if build == "shell":
+        model = shell_model(
+            distorted(box_beam(1.0, 0.6, 0.4, 2, 1, 1), 0.05), HomogeneousWall(material, 0.02)
+        )
+    else:
+        model = solid_model(distorted(block(1, 0.8, 0.6, 1, 1, 1, build), 0.05), material)
+    assert np.linalg.eigvalsh(model.mass.toarray())[0] > 0
+    lumped = lumped_mass(model)
+    assert lumped.min() > 0
+    R = rigid_modes(model)[:, :3]
+    np.testing.assert_allclose(R.T @ (lumped[:, None] * R), R.T @ model.mass @ R, rtol=1e-12, atol=1e-9)

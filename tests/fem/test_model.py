@@ -1,0 +1,88 @@
+"""Models: which meshes, walls and materials go together."""
+
+import numpy as np
+import pytest
+
+from supple.errors import MeshError, ModelError, SuppleWarning
+from supple.fem import HomogeneousWall, shell_model, solid_model
+from supple.mesh import CellType, Mesh, block, plate
+
+
+@pytest.fixture
+def halves():
+    mesh = plate(2.0, 1.0, 4, 2)
+    triangles = mesh.cells[CellType.TRIANGLE3]
+    left = mesh.nodes[triangles].mean(axis=1)[:, 0] < 1
+    sets = {"left": left, "right": ~left, "most": mesh.nodes[triangles].mean(axis=1)[:, 0] < 1.5}
+    sets = {name: {CellType.TRIANGLE3: np.flatnonzero(where)} for name, where in sets.items()}
+    return Mesh(mesh.nodes, mesh.cells, mesh.node_sets, sets)
+
+
+def test_walls_of_cell_sets_add_up(halves, material):
+    """Mass of the halves in proportion to their thickness; the same walls give the same model."""
+    thin, thick = HomogeneousWall(material, 0.01), HomogeneousWall(material, 0.03)
+    along_x = np.tile([1.0, 0, 0, 0, 0, 0], halves.n_nodes)
+    mixed = shell_model(halves, {"left": thin, "right": thick})
+    assert along_x @ mixed.mass @ along_x == pytest.approx(material.density * (0.01 + 0.03))
+    split, whole = shell_model(halves, {"left": thin, "right": thin}), shell_model(halves, thin)
+    np.testing.assert_allclose(
+        split.stiffness.toarray(), whole.stiffness.toarray(), rtol=0, atol=1e-13 * whole.stiffness.max()
+    )
+
+
+def test_the_model_says_how_far_it_may_turn(material):
+    shell = shell_model(plate(1.0, 1.0, 1, 1), HomogeneousWall(material, 0.01))
+    solid = solid_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.TETRA4), material)
+    assert (shell.rotation_limit, solid.rotation_limit) == (0.3, np.inf)
+    assert (shell.n_dofs, solid.n_dofs) == (24, 24)
+
+
+def test_unknown_cell_set(halves, material):
+    with pytest.raises(MeshError, match="no cell set 'centre' in this mesh; it has 'left', 'right', 'most'"):
+        shell_model(halves, {"centre": HomogeneousWall(material, 0.01)})
+
+
+def test_cells_without_a_wall(halves, material):
+    with pytest.raises(ModelError, match="8 of 16 TRIANGLE3 cells, first 8, are in none of the cell sets"):
+        shell_model(halves, {"left": HomogeneousWall(material, 0.01)})
+
+
+def test_cells_with_two_walls(halves, material):
+    wall = HomogeneousWall(material, 0.01)
+    with pytest.raises(
+        ModelError, match="12 TRIANGLE3 cells, first 0, are in more than one of the cell sets"
+    ):
+        shell_model(halves, dict.fromkeys(("left", "right", "most"), wall))
+
+
+def test_a_shell_of_solid_cells(material):
+    with pytest.raises(ModelError, match="a shell model takes TRIANGLE3 cells; the mesh has HEXA8"):
+        shell_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8), HomogeneousWall(material, 0.01))
+
+
+def test_a_solid_of_triangles(material):
+    with pytest.raises(ModelError, match=r"a solid model takes .* cells; the mesh has TRIANGLE3"):
+        solid_model(plate(1.0, 1.0, 1, 1), material)
+
+
+def test_a_shell_of_a_bare_material(material):
+    with pytest.raises(ModelError, match="a shell needs a wall, not Isotropic"):
+        shell_model(plate(1.0, 1.0, 1, 1), material)
+
+
+def test_a_solid_of_a_wall(material):
+    with pytest.raises(ModelError, match="a solid needs an Isotropic material, not HomogeneousWall"):
+        solid_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.TETRA4), HomogeneousWall(material, 0.01))
+
+
+def test_a_wall_thicker_than_the_mesh(material):
+    """20 mm given as 20 on a plate of 1 m."""
+    with pytest.raises(ModelError, match=r"wall thickness 20 exceeds the size of the whole mesh, 1\.41421"):
+        shell_model(plate(1.0, 1.0, 2, 2), HomogeneousWall(material, 20.0))
+
+
+def test_a_wall_thicker_than_its_elements(material):
+    with pytest.warns(
+        SuppleWarning, match=r"wall thickness 0\.5 is 10 times the size of its elements, 0\.05"
+    ):
+        shell_model(plate(1.0, 1.0, 20, 20), HomogeneousWall(material, 0.5))

@@ -1,0 +1,94 @@
+"""Stress: Hooke's law on uniform fields, bending through the thickness, rotation of the axes."""
+
+import numpy as np
+import pytest
+
+from supple.errors import ModelError
+from supple.fem import HomogeneousWall, LaminateWall, shell_model, solid_model, stress_recovery, von_mises
+from supple.mesh import CellType, Mesh, block, plate
+
+SOLIDS = (CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20)
+
+
+def tensor(stress):
+    xx, yy, zz, yz, xz, xy = np.moveaxis(stress, -1, 0)
+    return np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), (0, 1), (-2, -1))
+
+
+def test_von_mises_of_simple_states():
+    """Tension: its stress. Pure shear: sqrt(3) of it. Pressure: none."""
+    stress = np.array([[-5.0, 0, 0, 0, 0, 0], [0, 0, 0, 2, 0, 0], [0, 0, 0, 0, 0, -2], [7, 7, 7, 0, 0, 0]])
+    np.testing.assert_allclose(von_mises(stress), [5, 2 * 3**0.5, 2 * 3**0.5, 0], atol=1e-14)
+
+
+def test_von_mises_does_not_depend_on_the_axes(rng):
+    s = rng.normal(size=6)
+    Q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    S = Q @ tensor(s) @ Q.T
+    turned = np.array([S[0, 0], S[1, 1], S[2, 2], S[1, 2], S[0, 2], S[0, 1]])
+    assert von_mises(turned) == pytest.approx(von_mises(s), rel=1e-13)
+
+
+@pytest.mark.parametrize("cell_type", SOLIDS, ids=lambda kind: kind.name)
+def test_finite_uniform_strain_of_a_solid(cell_type, material, distorted, rng):
+    """S = C : E at every point and node, with the Green-Lagrange strain E."""
+    model = solid_model(distorted(block(1.0, 0.9, 0.8, 2, 1, 1, cell_type), 0.05), material)
+    H = 0.1 * rng.normal(size=(3, 3))
+    E = 0.5 * (H + H.T + H.T @ H)
+    lame = material.elasticity[0, 1]
+    S = 2 * material.shear_modulus * E + lame * np.trace(E) * np.eye(3)
+    recovery = stress_recovery(model)
+    u = (model.mesh.nodes @ H.T).ravel()
+    (points,) = recovery.at_points(u)
+    atol = 1e-11 * np.abs(S).max()
+    np.testing.assert_allclose(tensor(points), np.broadcast_to(S, (*points.shape[:2], 3, 3)), atol=atol)
+    nodes = recovery.at_nodes(u)
+    assert nodes.shape == (model.mesh.n_nodes, 1, 6)
+    np.testing.assert_allclose(tensor(nodes[:, 0]), np.broadcast_to(S, (len(nodes), 3, 3)), atol=atol)
+
+
+@pytest.mark.parametrize("cell_type", [CellType.TETRA10, CellType.HEXA20], ids=lambda kind: kind.name)
+def test_bending_stress_of_a_solid_is_exact_at_nodes(cell_type, material):
+    """sigma_xx = -E k z for the small rotation-free part; the quadratic strain is of order k^2."""
+    mesh = block(2.0, 0.4, 0.5, 2, 1, 1, cell_type)
+    k, nu, E = 1e-9, material.poissons_ratio, material.youngs_modulus
+    x, y, z = mesh.nodes.T
+    u = k * np.column_stack([-x * z, nu * y * z, 0.5 * (x**2 + nu * (z**2 - y**2))])
+    stress = stress_recovery(solid_model(mesh, material)).at_nodes(u.ravel())[:, 0]
+    np.testing.assert_allclose(stress[:, 0], -E * k * z, atol=1e-7 * E * k)
+    np.testing.assert_allclose(stress[:, 1:], 0, atol=1e-7 * E * k)
+
+
+def test_stretch_and_bending_of_a_shell_in_any_attitude(material, rng):
+    """sigma = C (eps + z kappa) at bottom, middle, top; turning the plate turns the tensor."""
+    flat = plate(1.3, 1.0, 3, 2)
+    t, scale = 0.04, 1e-8
+    H, C = scale * rng.normal(size=(2, 2)), scale * rng.normal(size=(2, 2))
+    C = C + C.T
+    x = flat.nodes[:, :2]
+    q = np.zeros((flat.n_nodes, 6))
+    q[:, :2], q[:, 2] = x @ H.T, 0.5 * np.einsum("ai,ij,aj->a", x, C, x)
+    q[:, 3], q[:, 4], q[:, 5] = (x @ C)[:, 1], -(x @ C)[:, 0], 0.5 * (H[1, 0] - H[0, 1])
+    Q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    Q = Q * np.linalg.det(Q)
+    model = shell_model(Mesh(flat.nodes @ Q.T, flat.cells), HomogeneousWall(material, t))
+    u = (q.reshape(-1, 3) @ Q.T).ravel()
+
+    recovery = stress_recovery(model)
+    (points,) = recovery.at_points(u)
+    nodes = recovery.at_nodes(u)
+    assert points.shape == (12, 3, 6)
+    assert nodes.shape == (flat.n_nodes, 3, 6)
+    for layer, z in enumerate([-t / 2, 0, t / 2]):
+        eps = H - z * C
+        s = material.plane_stress @ [eps[0, 0], eps[1, 1], eps[0, 1] + eps[1, 0]]
+        S = Q[:, :2] @ np.array([[s[0], s[2]], [s[2], s[1]]]) @ Q[:, :2].T
+        for found in (points[:, layer], nodes[:, layer]):
+            expected = np.broadcast_to(S, (len(found), 3, 3))
+            np.testing.assert_allclose(tensor(found), expected, atol=1e-6 * np.abs(S).max())
+
+
+def test_a_laminate_has_no_stress_of_its_own():
+    wall = LaminateWall(np.eye(3), np.zeros((3, 3)), np.eye(3), 1.0, 1.0)
+    with pytest.raises(ModelError, match="stress needs a HomogeneousWall"):
+        stress_recovery(shell_model(plate(1.0, 1.0, 1, 1), wall))
