@@ -8,7 +8,9 @@ RESULTS := results
 WORKERS ?= 2
 # The first interpreter that is new enough; `make PYTHON=/path/to/python3 ...` overrides it.
 PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
-  "$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo "$$p"; break; }; done)
+  "$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && { echo "$$p"; break; }; done)
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -e
+INSTALL_FAILED := echo "Installing failed, see above. Remedy: check the network and say make again"; exit 2
 # One thread per process: the test workers share the cores between them.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
@@ -55,11 +57,11 @@ $(VENV)/bin/python:
 
 # Stamps, renewed when the dependencies change: the demo needs no developer tools.
 $(VENV)/.ready: pyproject.toml | $(VENV)/bin/python
-	@echo "Installing supple and its dependencies into $(VENV) (once; about 700 MB, a minute or two)"
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[fast]'
+	@echo "Installing supple and its dependencies into $(VENV) (once; about 800 MB, a minute or two)"
+	@$(INSTALL) '.[fast]' || { $(INSTALL_FAILED); }
 	@touch $@
 
 $(VENV)/.ready-dev: pyproject.toml | $(VENV)/.ready
 	@echo "Installing the developer tools into $(VENV) (once)"
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[fast,dev]'
+	@$(INSTALL) '.[fast,dev]' || { $(INSTALL_FAILED); }
 	@touch $@

@@ -65,13 +65,12 @@ def mass_orthonormalize(
             continue
         rank = len(kept)
         column = columns[:, j] / norms[j]
-        for _ in range(2):
-            column -= basis[:, :rank] @ (mass_basis[:, :rank].T @ column)
+        column -= basis[:, :rank] @ (mass_basis[:, :rank].T @ column)
         mass_column = mass @ column
         remaining = float(np.sqrt(max(column @ mass_column, 0.0)))
         if remaining * norms[j] <= rank_tolerance * reference[j]:
             continue
-        # A column that lost many digits is projected once more after scaling: round-off has grown with it.
+        # Once more after scaling: where the column lost digits, its round-off has grown with it.
         column /= remaining
         column -= basis[:, :rank] @ (mass_basis[:, :rank].T @ column)
         mass_column = mass @ column

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,7 +28,7 @@ class RayleighDamping:
             if not (np.isfinite(value) and value >= 0):
                 raise ModelError(f"Rayleigh damping: {name} is {value}; it must be zero or positive")
 
-    def matrix(self, stiffness, mass):
+    def matrix(self, stiffness: Any, mass: Any) -> Any:
         """C (n, n), sparse or dense as the matrices given."""
         return self.alpha * mass + self.beta * stiffness
 

@@ -12,7 +12,7 @@ from supple.body import RigidBody
 from supple.cli.tracked_motion import TrackedMotion
 from supple.integrate import Solution
 from supple.multibody import FullBody, System
-from supple.reduction.held_frequencies import held_frequencies
+from supple.reduction.held_modes import held_modes
 
 N_FREQUENCIES = 5
 
@@ -32,7 +32,9 @@ def _body_numbers(body: Any) -> dict[str, Any]:
         return {"kind": "rigid", "mass": body.mass}
     if isinstance(body, FullBody):
         return {"kind": "full", "nodes": len(body.nodes), "coordinates": body.r}
-    held = {i.name: held_frequencies(body, i.name)[:N_FREQUENCIES] / (2 * np.pi) for i in body.interfaces}
+    held = {
+        i.name: _hertz(held_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies) for i in body.interfaces
+    }
     return {
         "kind": "reduced",
         "mass": float(body.gram[0, 0]),
@@ -43,10 +45,14 @@ def _body_numbers(body: Any) -> dict[str, Any]:
         "derivative columns": len(body.report.derivatives),
         "dropped columns": list(body.report.dropped),
         "largest singular value dropped": float(np.max(body.report.singular_values_dropped, initial=0.0)),
-        "frequencies in the frame, Hz": body.frequencies[:N_FREQUENCIES] / (2 * np.pi),
+        "frequencies in the frame, Hz": _hertz(body.frequencies[:N_FREQUENCIES]),
         "frequencies held, Hz": held,
         "seconds": dict(body.report.seconds),
     }
+
+
+def _hertz(omega: np.ndarray) -> np.ndarray:
+    return omega / (2 * np.pi)
 
 
 def _place_numbers(place: TrackedMotion, times: np.ndarray) -> dict[str, Any]:

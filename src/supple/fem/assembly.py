@@ -22,8 +22,8 @@ IntArray = NDArray[np.integer]
 # Any scipy.sparse array: their common base declares no shape.
 SparseArray = Any
 
-# Numbers held at once while pairs of directions are evaluated: 64 MiB.
-CHUNK = 2**23
+# Numbers held at once while pairs of directions are evaluated: 8 MiB, about a processor's cache.
+CHUNK = 2**20
 
 
 @dataclass(frozen=True, eq=False)

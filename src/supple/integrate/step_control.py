@@ -14,6 +14,13 @@ def _check_positive(**values: float) -> None:
             raise ValueError(f"{name} must be a positive, finite number, got {value}")
 
 
+def _check_smallest(smallest: float, first: float) -> None:
+    if smallest > first:
+        raise ValueError(
+            f"the smallest step ({smallest:g}) exceeds the first ({first:g}): lower `smallest` as well"
+        )
+
+
 @dataclass(frozen=True)
 class FixedStep:
     """Steps of one size, in the unit of time; a step that does not converge is halved, and reported.
@@ -26,6 +33,7 @@ class FixedStep:
 
     def __post_init__(self) -> None:
         _check_positive(size=self.size, smallest=self.smallest)
+        _check_smallest(self.smallest, self.size)
 
     @property
     def first(self) -> float:
@@ -62,6 +70,7 @@ class AdaptiveStep:
         )
         if self.first > self.largest:
             raise ValueError(f"the first step ({self.first}) exceeds the largest ({self.largest})")
+        _check_smallest(self.smallest, self.first)
 
 
 StepControl = FixedStep | AdaptiveStep

@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 
 from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, skew
-from supple.multibody.floating_inertia import FloatingMotion, inertia_force, inertia_tangent
+from supple.multibody.floating_inertia import FloatingMotion, floating_mass, inertia_force, inertia_tangent
 from supple.multibody.joints.joint import JointFrame
 from supple.multibody.marker import (
     N_LOCAL,
@@ -38,6 +38,7 @@ __all__ = [
     "balance",
     "constraint_jacobian",
     "constraints",
+    "mass_matrix",
     "tangent",
 ]
 
@@ -348,6 +349,17 @@ def balance(model: Model, motion: Motion) -> Balance:
     )
 
 
+def mass_matrix(model: Model, configuration: Configuration) -> jax.Array:
+    """Mass matrix of the system for its velocities, (n, n)."""
+    matrix = jnp.zeros((model.n_velocities, model.n_velocities))
+    for index, (body, part) in enumerate(zip(model.bodies, model.slices, strict=True)):
+        own = floating_mass(body.gram, configuration.coordinates[index])
+        rotation = configuration.rotations[index]
+        own = own.at[:, :3].set(own[:, :3] @ rotation.T)
+        matrix = matrix.at[part, part].set(own.at[:3].set(rotation @ own[:3]))
+    return matrix
+
+
 def tangent(
     model: Model,
     motion: Motion,
@@ -362,10 +374,9 @@ def tangent(
     with the factor `position` (`StepRule`).
     """
     matrix = jnp.zeros((model.n_velocities, model.n_velocities))
-    for index, body in enumerate(model.bodies):
+    for index in range(len(model.bodies)):
         block = _body_tangent(model, motion, index, stiffness[index], increments, velocity, position)
         matrix = matrix.at[model.slices[index], model.slices[index]].add(block)
-        del body
     for load in model.dead_forces:
         block = _dead_force_tangent(model, load, motion, increments)
         matrix = matrix.at[model.slices[load.body], model.slices[load.body]].add(-position * block)

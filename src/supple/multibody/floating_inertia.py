@@ -24,7 +24,7 @@ import jax.numpy as jnp
 
 from supple.algebra.rotation import skew
 
-__all__ = ["FloatingMotion", "inertia_force", "inertia_tangent", "kinetic_energy", "momenta"]
+__all__ = ["FloatingMotion", "floating_mass", "inertia_force", "inertia_tangent", "kinetic_energy", "momenta"]
 
 
 class FloatingMotion(NamedTuple):
@@ -91,6 +91,21 @@ def inertia_force(gram: jax.Array, motion: FloatingMotion) -> jax.Array:
             d.deformation - h.coupling @ motion.spin,
         ]
     )
+
+
+def floating_mass(gram: jax.Array, coordinates: jax.Array) -> jax.Array:
+    """Mass matrix `Z^T G Z` for `(v, w, gdot)` in body components, (6 + r, 6 + r)."""
+    rows = _split(gram)
+    columns = jnp.concatenate(
+        [
+            rows.translation,
+            rows.rotation + jnp.einsum("k,kin->in", coordinates, rows.coupling),
+            rows.deformation,
+        ]
+    )
+    parts = _split(columns.T)
+    by_spin = parts.rotation + jnp.einsum("k,kin->in", coordinates, parts.coupling)
+    return jnp.concatenate([parts.translation, by_spin, parts.deformation])
 
 
 def inertia_tangent(

@@ -43,7 +43,7 @@ from supple.multibody.equations import (
 )
 from supple.multibody.full_body import FullBody
 from supple.multibody.full_interior import Elimination, FullInterior, InteriorState, prepare_interior
-from supple.multibody.initial_state import check_joints_closed, gap_rates, independent_constraints
+from supple.multibody.initial_state import check_joints_closed, independent_constraints, joint_terms, placed_velocity
 from supple.multibody.loads import DeadForce
 from supple.multibody.model import Model, build_model, is_nodal_load_on_full_body
 from supple.multibody.simulate import (
@@ -381,32 +381,29 @@ class _FullOrderSystem:
                     f"the initial deformation of body '{interior.full.name}' moves its frame by "
                     f"{np.max(abs(held)):.3g}: subtract the rigid motion (frame_projector) first"
                 )
-        border = self.border_configuration(configuration)
         now = jnp.asarray(float(time))
-        velocity = np.concatenate(
-            [
-                np.concatenate([placed.velocity, placed.angular_velocity, placed.coordinate_rates])
-                for placed in system.bodies
-            ]
-        )
-        gap = np.asarray(constraints(self.model, now, border))
-        check_joints_closed(system, self.model, gap)
+        velocity = placed_velocity(system)
         rest = np.zeros(self.n)
+        border = self.border_configuration(configuration)
+        terms = joint_terms(self.model, now, border, jnp.asarray(self.to_border(velocity)))
+        check_joints_closed(system, self.model, np.asarray(terms.gap))
+        # Judged by the motions of the interfaces: a massless stand-in has no mass to measure them with.
+        kept = independent_constraints(system, np.asarray(terms.jacobian), np.eye(self.model.n_velocities))
+        self.model = build_model(system, active=kept)
         state = FullState(
             float(time),
             configuration,
             velocity,
             rest,
             rest,
-            np.zeros(len(self.model.active)),
+            np.zeros(len(kept)),
             tuple(np.zeros(6) for _ in self.interiors),
         )
-        state = self._drop_redundant(state)
         # Velocities: the least change in the mass norm that closes the rates of joints and frames.
-        drift = np.asarray(gap_rates(self.model, now, border, jnp.asarray(self.to_border(velocity)))[0])
-        frame_drift = tuple(
-            i.frame_rows @ velocity[self.slices[i.index]][6:] for i in self.interiors
+        drift = np.asarray(
+            joint_terms(self.model, now, border, jnp.asarray(self.to_border(velocity))).rate
         )
+        frame_drift = tuple(i.frame_rows @ velocity[self.slices[i.index]][6:] for i in self.interiors)
         still = self.evaluate(state._replace(velocity=rest), 0.0)
         balanced = still._replace(
             border=_zero_residual(still.border),
@@ -417,7 +414,9 @@ class _FullOrderSystem:
         )
         state = state._replace(velocity=velocity + change)
         # Accelerations and multipliers, with the second derivative of the constraints at constant velocity.
-        bending = np.asarray(gap_rates(self.model, now, border, jnp.asarray(self.to_border(state.velocity)))[1])
+        bending = np.asarray(
+            joint_terms(self.model, now, border, jnp.asarray(self.to_border(state.velocity))).bending
+        )
         evaluation = self.evaluate(state, 0.0)
         none = tuple(np.zeros(6) for _ in self.interiors)
         acceleration, multipliers, frame_multipliers = self.correction(
@@ -429,14 +428,6 @@ class _FullOrderSystem:
             multipliers=multipliers,
             frame_multipliers=frame_multipliers,
         )
-
-    def _drop_redundant(self, state: FullState) -> FullState:
-        """Leave out constraint rows that others imply, judged by the motions of the interfaces."""
-        border = self.border_configuration(state.configuration)
-        rows = np.asarray(constraint_jacobian(self.model, jnp.asarray(state.time), border))
-        kept = independent_constraints(self.system, rows, np.eye(self.model.n_velocities))
-        self.model = build_model(self.system, active=kept)
-        return state._replace(multipliers=np.zeros(len(kept)))
 
     def step(
         self, start: FullState, h: float, method: TimeIntegrator, tolerances: Tolerances

@@ -24,7 +24,7 @@ from supple.multibody.equations import (
     balance,
     constraint_jacobian,
     constraints,
-    tangent,
+    mass_matrix,
 )
 from supple.multibody.model import Model, build_model
 from supple.multibody.system import System
@@ -53,32 +53,24 @@ def placed_velocity(system: System) -> np.ndarray:
     return np.concatenate([item for part in parts for item in part])
 
 
-class _JointState(NamedTuple):
-    """The system's mass matrix and constraints in one configuration."""
+class JointTerms(NamedTuple):
+    """The constraints at one position and velocity."""
 
-    mass: jax.Array
     gap: jax.Array
+    """`g`, (m,)"""
     jacobian: jax.Array
+    """`G`, (m, n)"""
+    rate: jax.Array
+    """`dg/dt`, (m,)"""
+    bending: jax.Array
+    """`d2g/dt2` while the velocities stay constant, (m,)"""
 
 
 @jax.jit
-def _joint_state(model: Model, time: jax.Array, configuration: Configuration) -> _JointState:
-    rest = jnp.zeros(model.n_velocities)
-    motion = Motion(time, configuration, rest, rest, jnp.zeros(len(model.active)))
-    stiffness = tuple(jnp.zeros_like(jnp.asarray(body.stiffness)) for body in model.bodies)
-    zero = jnp.zeros(())
-    return _JointState(
-        mass=tangent(model, motion, stiffness, rest, zero, zero),
-        gap=constraints(model, time, configuration),
-        jacobian=constraint_jacobian(model, time, configuration),
-    )
-
-
-@jax.jit
-def gap_rates(
+def joint_terms(
     model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array
-) -> tuple[jax.Array, jax.Array]:
-    """First and second time derivative of the constraints while the velocities stay constant, (m,) each."""
+) -> JointTerms:
+    """Constraints, their Jacobian, and their first two time derivatives at constant velocity."""
 
     def gap_after(duration: jax.Array) -> jax.Array:
         return constraints(model, time + duration, advance(model, configuration, duration * velocity))
@@ -86,16 +78,22 @@ def gap_rates(
     def rate_after(duration: jax.Array) -> jax.Array:
         return jax.jvp(gap_after, (duration,), (jnp.ones(()),))[1]
 
-    return jax.jvp(rate_after, (jnp.zeros(()),), (jnp.ones(()),))
+    rate, bending = jax.jvp(rate_after, (jnp.zeros(()),), (jnp.ones(()),))
+    return JointTerms(
+        gap=constraints(model, time, configuration),
+        jacobian=constraint_jacobian(model, time, configuration),
+        rate=rate,
+        bending=bending,
+    )
 
 
 @jax.jit
-def _forces(model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array) -> jax.Array:
-    """Residual without accelerations and multipliers, (n,)."""
-    still = jnp.zeros_like(velocity)
-    return balance(
-        model, Motion(time, configuration, velocity, still, jnp.zeros(len(model.active)))
-    ).residual
+def _mass_and_forces(
+    model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Mass matrix (n, n), and the residual without accelerations and multipliers (n,)."""
+    still = Motion(time, configuration, velocity, jnp.zeros_like(velocity), jnp.zeros(len(model.active)))
+    return mass_matrix(model, configuration), balance(model, still).residual
 
 
 def check_joints_closed(system: System, model: Model, gaps: np.ndarray) -> None:
@@ -146,20 +144,6 @@ def _bordered_solve(mass: np.ndarray, jacobian: np.ndarray, top: np.ndarray, bot
     return solution
 
 
-def _close_joints(model: Model, time: jax.Array, configuration: Configuration) -> Configuration:
-    """Project the configuration on the joints by Newton's method."""
-    for _ in range(20):
-        mass, gap, jacobian = map(np.asarray, _joint_state(model, time, configuration))
-        if np.max(abs(gap), initial=0.0) <= 1e-13 * float(model.length):
-            return configuration
-        step = _bordered_solve(mass, jacobian, np.zeros(len(mass)), -gap)[: len(mass)]
-        configuration = _moved(model, configuration, jnp.asarray(step))
-    raise ConvergenceError(
-        f"the joints could not be closed at the start: largest gap {np.max(abs(gap)):.3g} after 20 iterations. "
-        "Place the bodies closer to a configuration in which every joint fits"
-    )
-
-
 _moved = jax.jit(advance)
 
 
@@ -168,20 +152,21 @@ def consistent_start(system: System, time: float, first_step: float) -> tuple[Mo
     model = build_model(system)
     now = jnp.asarray(float(time))
     configuration = placed_configuration(system)
-    mass, gap, jacobian = map(np.asarray, _joint_state(model, now, configuration))
-    check_joints_closed(system, model, gap)
-    active = independent_constraints(system, jacobian, mass)
+    velocity = placed_velocity(system)
+    mass, _ = map(np.asarray, _mass_and_forces(model, now, configuration, jnp.asarray(velocity)))
+    terms = joint_terms(model, now, configuration, jnp.asarray(velocity))
+    check_joints_closed(system, model, np.asarray(terms.gap))
+    active = independent_constraints(system, np.asarray(terms.jacobian), mass)
     if active != model.active:
         model = build_model(system, active=active)
+    configuration = _close_joints(model, now, configuration, velocity)
 
-    configuration = _close_joints(model, now, configuration)
-    mass, _, jacobian = map(np.asarray, _joint_state(model, now, configuration))
-    velocity = placed_velocity(system)
-    drift = np.asarray(gap_rates(model, now, configuration, jnp.asarray(velocity))[0])
+    mass, _ = map(np.asarray, _mass_and_forces(model, now, configuration, jnp.asarray(velocity)))
+    _, jacobian, drift, _ = map(np.asarray, joint_terms(model, now, configuration, jnp.asarray(velocity)))
     velocity = velocity + _bordered_solve(mass, jacobian, np.zeros(len(mass)), -drift)[: len(mass)]
     moving = jnp.asarray(velocity)
-    bending = np.asarray(gap_rates(model, now, configuration, moving)[1])
-    forces = np.asarray(_forces(model, now, configuration, moving))
+    bending = np.asarray(joint_terms(model, now, configuration, moving).bending)
+    _, forces = map(np.asarray, _mass_and_forces(model, now, configuration, moving))
     solution = _bordered_solve(mass, jacobian, -forces, -bending)
     acceleration = jnp.asarray(solution[: len(mass)])
     count = jnp.zeros((), dtype=int)
@@ -198,4 +183,21 @@ def consistent_start(system: System, time: float, first_step: float) -> tuple[Mo
         cuts=count,
         failed=jnp.zeros((), dtype=bool),
         imbalance=jnp.zeros(4),
+    )
+
+
+def _close_joints(
+    model: Model, time: jax.Array, configuration: Configuration, velocity: np.ndarray
+) -> Configuration:
+    """Project the configuration on the joints by Newton's method."""
+    for _ in range(20):
+        gap, jacobian, _, _ = map(np.asarray, joint_terms(model, time, configuration, jnp.asarray(velocity)))
+        if np.max(abs(gap), initial=0.0) <= 1e-13 * float(model.length):
+            return configuration
+        mass, _ = map(np.asarray, _mass_and_forces(model, time, configuration, jnp.asarray(velocity)))
+        step = _bordered_solve(mass, jacobian, np.zeros(len(mass)), -gap)[: len(mass)]
+        configuration = _moved(model, configuration, jnp.asarray(step))
+    raise ConvergenceError(
+        f"the joints could not be closed at the start: largest gap {np.max(abs(gap)):.3g} after 20 iterations. "
+        "Place the bodies closer to a configuration in which every joint fits"
     )

@@ -88,6 +88,14 @@ class _Trial(NamedTuple):
     converged: jax.Array
 
 
+class _Iteration(NamedTuple):
+    """An iterate and the correction that leads to the next."""
+
+    trial: _Trial
+    change: jax.Array
+    multiplier_change: jax.Array
+
+
 def _kinds(model: Model) -> np.ndarray:
     """(3, n) rows that pick translations, rotations and deformations out of the velocity vector."""
     kinds = np.zeros((3, model.n_velocities))
@@ -178,7 +186,7 @@ def _newton_correction(model: Model, rule: StepRule, start: State, trial: _Trial
     matrix = tangent(model, motion, trial.stiffness, trial.increments, rule.velocity, rule.position)
     n, m = model.n_velocities, trial.multipliers.shape[0]
     if m == 0:
-        return -jnp.linalg.solve(matrix, trial.residual), trial.multipliers
+        return -jnp.linalg.solve(matrix, trial.residual), jnp.zeros_like(trial.multipliers)
     rows = constraint_jacobian(model, motion.time, trial.configuration)
     rows_by_increment = constraint_jacobian(model, motion.time, trial.configuration, trial.increments)
     bordered = jnp.block(
@@ -190,39 +198,57 @@ def _newton_correction(model: Model, rule: StepRule, start: State, trial: _Trial
 
 
 def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _Trial:
-    """Newton's iteration for one step of size h from the constant-acceleration guess."""
+    """Newton's iteration for one step of size h from the constant-acceleration guess.
+
+    Each pass evaluates the residual at the iterate left by the pass before and, unless that is good enough,
+    finds the next one; so the code for either stands once in the compiled program.
+    """
     rule = StepRule(controls.coefficients, h)
     scale = _position_scale(model)
 
-    def unfinished(trial: _Trial) -> jax.Array:
+    def unfinished(iteration: _Iteration) -> jax.Array:
+        trial = iteration.trial
         finite = jnp.all(jnp.isfinite(trial.imbalance))
         return ~trial.converged & finite & (trial.iterations < controls.max_iterations)
 
-    def iterate(trial: _Trial) -> _Trial:
-        change, multiplier_change = _newton_correction(model, rule, start, trial)
-        new = _evaluate(
+    def one_pass(iteration: _Iteration) -> _Iteration:
+        old = iteration.trial
+        trial = _evaluate(
             model,
             rule,
             start,
-            trial.acceleration + change,
-            trial.multipliers + multiplier_change,
-            trial.iterations + 1,
+            old.acceleration + iteration.change,
+            old.multipliers + iteration.multiplier_change,
+            old.iterations + 1,
             controls.residual_tolerance,
         )
         # Below rounding error no residual can tell a better answer from a worse one.
-        moved = rule.position * jnp.max(jnp.abs(change) / scale)
-        return new._replace(converged=new.converged | ((moved <= _ROUNDING) & (new.imbalance[3] <= 1e-6)))
+        moved = rule.position * jnp.max(jnp.abs(iteration.change) / scale)
+        settled = (trial.iterations > 0) & (moved <= _ROUNDING) & (trial.imbalance[3] <= 1e-6)
+        trial = trial._replace(converged=trial.converged | settled)
+        change, multiplier_change = jax.lax.cond(
+            trial.converged,
+            lambda: (jnp.zeros_like(iteration.change), jnp.zeros_like(iteration.multiplier_change)),
+            lambda: _newton_correction(model, rule, start, trial),
+        )
+        return _Iteration(trial, change, multiplier_change)
 
-    first = _evaluate(
-        model,
-        rule,
-        start,
-        start.acceleration,
-        start.multipliers,
-        jnp.zeros((), dtype=int),
-        controls.residual_tolerance,
+    guess = _Trial(
+        acceleration=start.acceleration,
+        multipliers=start.multipliers,
+        configuration=start.configuration,
+        velocity=start.velocity,
+        auxiliary=start.auxiliary,
+        increments=jnp.zeros_like(start.velocity),
+        residual=jnp.zeros_like(start.velocity),
+        gap=jnp.zeros_like(start.multipliers),
+        stiffness=tuple(jnp.zeros_like(jnp.asarray(body.stiffness)) for body in model.bodies),
+        imbalance=jnp.zeros(4),
+        iterations=jnp.asarray(-1),
+        converged=jnp.zeros((), dtype=bool),
     )
-    return jax.lax.while_loop(unfinished, iterate, first)
+    none = _Iteration(guess, jnp.zeros_like(start.velocity), jnp.zeros_like(start.multipliers))
+    return jax.lax.while_loop(unfinished, one_pass, none).trial
 
 
 def _local_error(model: Model, rule: StepRule, start: State, trial: _Trial) -> jax.Array:
@@ -271,7 +297,7 @@ def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> 
     return jax.tree.map(lambda a, b: jnp.where(accepted, a, b), after, before)
 
 
-@partial(jax.jit, static_argnames=())
+@jax.jit
 def march(model: Model, controls: Controls, start: State, output_times: jax.Array) -> tuple[State, State]:
     """Simulate to each of the output times (k,); the final state, and the states there, stacked.
 

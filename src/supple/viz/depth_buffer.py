@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 IntArray = NDArray[np.int64]
 Array = NDArray[np.float64]
 
-# Candidate pixels worked on at a time, which bounds the memory to some 100 MiB.
+# Pixels worked on at a time, which bounds the memory to some 50 MiB.
 _BATCH = 2**20
 
 
@@ -38,52 +38,85 @@ def visible_triangles(corners: Array, nearness: Array, shape: tuple[int, int]) -
     shape : (int, int)           rows and columns of the picture
     """
     rows, columns = shape
-    x, y = corners[..., 0], corners[..., 1]
-    left, right = _pixel_range(x, columns)
-    bottom, top = _pixel_range(y, rows)
-    area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0])
-    # A triangle seen edge-on covers no pixel centre.
-    n_candidates = np.where(area != 0.0, (right - left) * (top - bottom), 0)
+    spans = _spans(corners, shape)
+    length = spans.past - spans.first
+    depth_slope, depth_at_zero = _depth_along_row(corners, nearness, spans)
     nearest = np.full(rows * columns, -np.inf)
     seen = np.full(rows * columns, -1, dtype=np.int64)
-    for first, last in _batches(n_candidates):
-        count = n_candidates[first:last]
-        t = np.repeat(np.arange(first, last), count)
-        place = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-        row, column = np.divmod(place, (right - left)[t])
-        row, column = row + bottom[t], column + left[t]
-        weights = _barycentric(corners, area, t, column + 0.5, row + 0.5)
-        inside = weights.min(axis=1) >= 0.0
-        t, weights = t[inside], weights[inside]
-        pixel = row[inside] * columns + column[inside]
-        depth = np.einsum("pi,pi->p", weights, nearness[t])
-        # In rising order of nearness, the last to be assigned to a pixel is the nearest.
-        order = np.argsort(depth)
-        order = order[depth[order] > nearest[pixel[order]]]
-        nearest[pixel[order]] = depth[order]
-        seen[pixel[order]] = t[order]
+    for begin, end in _batches(length):
+        part = slice(begin, end)
+        count = length[part]
+        span = np.repeat(np.arange(begin, end), count)
+        column = np.arange(len(span)) - np.repeat(np.cumsum(count) - count - spans.first[part], count)
+        pixel = spans.row[span] * columns + column
+        depth = depth_at_zero[span] + depth_slope[span] * (column + 0.5)
+        np.maximum.at(nearest, pixel, depth)
+        front = depth == nearest[pixel]
+        seen[pixel[front]] = spans.triangle[span[front]]
     pixel = np.flatnonzero(seen >= 0)
     t = seen[pixel]
     row, column = np.divmod(pixel, columns)
-    return VisibleTriangles(pixel, t, _barycentric(corners, area, t, column + 0.5, row + 0.5))
+    return VisibleTriangles(pixel, t, _barycentric(corners, t, column + 0.5, row + 0.5))
 
 
-def _pixel_range(coordinate: Array, n_pixels: int) -> tuple[IntArray, IntArray]:
-    """First pixel whose centre may lie inside, and one past the last."""
-    first = np.ceil(coordinate.min(axis=1) - 0.5).astype(np.int64)
-    past = np.floor(coordinate.max(axis=1) - 0.5).astype(np.int64) + 1
-    first, past = np.clip(first, 0, n_pixels), np.clip(past, 0, n_pixels)
+@dataclass(frozen=True, eq=False)
+class _Spans:
+    """Runs of pixels in a row whose centres lie in a triangle: from first to before past, each (s,)."""
+
+    triangle: IntArray
+    row: IntArray
+    first: IntArray
+    past: IntArray
+
+
+def _spans(corners: Array, shape: tuple[int, int]) -> _Spans:
+    rows, columns = shape
+    x, y = corners[..., 0], corners[..., 1]
+    # A triangle seen edge-on covers no pixel centre.
+    bottom, top = _centres_between(y.min(axis=1), y.max(axis=1), rows)
+    n_rows = np.where(_twice_area(corners) != 0.0, top - bottom, 0)
+    t = np.repeat(np.arange(len(corners)), n_rows)
+    row = np.arange(len(t)) - np.repeat(np.cumsum(n_rows) - n_rows - bottom, n_rows)
+    level = (row + 0.5)[:, None]
+    x_from, y_from = x[t], y[t]
+    x_to, y_to = x_from[:, [1, 2, 0]], y_from[:, [1, 2, 0]]
+    crosses = (y_from <= level) != (y_to <= level)
+    rise = np.where(crosses, y_to - y_from, 1.0)
+    at = x_from + (x_to - x_from) * (level - y_from) / rise
+    left = np.where(crosses, at, np.inf).min(axis=1)
+    right = np.where(crosses, at, -np.inf).max(axis=1)
+    crossed = crosses.any(axis=1)
+    first, past = _centres_between(np.where(crossed, left, 0.0), np.where(crossed, right, 0.0), columns)
+    kept = past > first
+    return _Spans(t[kept], row[kept], first[kept], past[kept])
+
+
+def _centres_between(low: Array, high: Array, n_pixels: int) -> tuple[IntArray, IntArray]:
+    """First pixel whose centre lies in [low, high], and one past the last."""
+    first = np.clip(np.ceil(low - 0.5), 0, n_pixels).astype(np.int64)
+    past = np.clip(np.floor(high - 0.5) + 1.0, 0, n_pixels).astype(np.int64)
     return first, np.maximum(first, past)
 
 
-def _batches(n_candidates: IntArray) -> list[tuple[int, int]]:
-    """Runs of triangles with about _BATCH candidate pixels each."""
-    batch = np.cumsum(n_candidates) // _BATCH
-    cuts = np.flatnonzero(np.diff(batch)) + 1
-    return list(zip([0, *cuts.tolist()], [*cuts.tolist(), len(n_candidates)], strict=True))
+def _depth_along_row(corners: Array, nearness: Array, spans: _Spans) -> tuple[Array, Array]:
+    """Nearness = slope x + value at x = 0 along each span, for it is linear over a triangle."""
+    t, y = spans.triangle, spans.row + 0.5
+    at_zero, at_one = (np.einsum("si,si->s", _barycentric(corners, t, x, y), nearness[t]) for x in (0.0, 1.0))
+    return at_one - at_zero, at_zero
 
 
-def _barycentric(corners: Array, area: Array, t: IntArray, x: Array, y: Array) -> Array:
+def _batches(length: IntArray) -> list[tuple[int, int]]:
+    """Runs of spans with about _BATCH pixels each."""
+    cuts = (np.flatnonzero(np.diff(np.cumsum(length) // _BATCH)) + 1).tolist()
+    return list(zip([0, *cuts], [*cuts, len(length)], strict=True))
+
+
+def _twice_area(corners: Array) -> Array:
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+
+
+def _barycentric(corners: Array, t: IntArray, x: Array | float, y: Array) -> Array:
     ax, ay = corners[t, :, 0].T - x, corners[t, :, 1].T - y
     twice = np.stack([ax[1] * ay[2] - ax[2] * ay[1], ax[2] * ay[0] - ax[0] * ay[2], ax[0] * ay[1] - ax[1] * ay[0]])
-    return (twice / area[t]).T
+    return (twice / _twice_area(corners)[t]).T

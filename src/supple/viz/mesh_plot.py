@@ -17,6 +17,7 @@ from supple.errors import ModelError
 from supple.viz.camera import Camera
 from supple.viz.feature_edges import feature_edges
 from supple.viz.shaded_surface import Page, page_around, render, show
+from supple.viz.skin import Skin
 from supple.viz.style import (
     COLOUR_MAP,
     INK,
@@ -28,7 +29,6 @@ from supple.viz.style import (
 )
 
 Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 N_COLUMNS = 1260
 _ARROW = {"arrowstyle": "-|>", "mutation_scale": 6.0, "linewidth": 0.9, "color": INK, "shrinkA": 0.0, "shrinkB": 0.0}
@@ -50,7 +50,7 @@ def displacement_magnitude(displacements: Array, unit: str = "m") -> NodalField:
 def plot_mesh(
     path: Path | str,
     nodes: Array,
-    triangles: IntArray,
+    skin: Skin,
     *,
     colour_by: NodalField | None = None,
     undeformed: Array | None = None,
@@ -63,19 +63,19 @@ def plot_mesh(
     Parameters
     ----------
     nodes : array (N, 3)            positions to draw, deformed or not
-    triangles : int array (T, 3)    as `skin_triangles` gives them
+    skin : Skin                     what is seen of the mesh
     colour_by : NodalField          colours and colour bar; one plain colour without
     undeformed : array (N, 3)       its outline is drawn pale, behind
     camera : Camera                 a three-quarter view by default
 
     Raises
     ------
-    ModelError          arrays of other shapes, values that are not finite, triangles beyond the nodes
+    ModelError          arrays of other shapes, values that are not finite, a skin beyond the nodes
     ResultFileError     the file cannot be written
     """
-    check_surface(nodes, triangles)
+    check_nodes(nodes, skin)
     if undeformed is not None:
-        check_surface(undeformed, triangles)
+        check_nodes(undeformed, skin)
     rest = nodes if undeformed is None else undeformed
     camera = camera or Camera.three_quarter(rest)
     page = page_around(camera.project(np.concatenate([nodes, rest]))[0], N_COLUMNS)
@@ -89,10 +89,10 @@ def plot_mesh(
             scale.set_norm(Normalize(values.min(), values.max()))
             figure.colorbar(scale, ax=axes, location="bottom", label=colour_by.label, shrink=0.5, aspect=30)
         picture = render(
-            nodes, triangles, camera, page, values=values, colouring=lambda value: scale.to_rgba(value)[:, :3]
+            nodes, skin, camera, page, values=values, colouring=lambda value: scale.to_rgba(value)[:, :3]
         )
         if undeformed is not None:
-            draw_outline(axes, undeformed, triangles, camera)
+            draw_outline(axes, undeformed, skin, camera)
         show(axes, picture, page)
         draw_cross(axes, camera)
         draw_length_bar(axes, page, length_unit)
@@ -100,26 +100,24 @@ def plot_mesh(
         return save_figure(figure, path)
 
 
-def check_surface(nodes: Array, triangles: IntArray) -> None:
-    """Raise ModelError where nodes (N, 3) and triangles (T, 3) do not make a surface."""
-    if nodes.ndim != 2 or nodes.shape[1] != 3 or triangles.ndim != 2 or triangles.shape[1] != 3 or not triangles.size:
+def check_nodes(nodes: Array, skin: Skin) -> None:
+    """Raise ModelError where positions (N, 3) cannot carry the skin."""
+    if nodes.ndim != 2 or nodes.shape[1] != 3:
+        raise ModelError(f"cannot draw positions of shape {nodes.shape}: give (N, 3)")
+    if skin.triangles.min() < 0 or skin.triangles.max() >= len(nodes):
         raise ModelError(
-            f"cannot draw nodes of shape {nodes.shape} and triangles of shape {triangles.shape}; "
-            "give (N, 3) and (T, 3) with at least one triangle"
-        )
-    if triangles.min() < 0 or triangles.max() >= len(nodes):
-        raise ModelError(
-            f"cannot draw triangles of nodes {triangles.min()} to {triangles.max()}: there are {len(nodes)} nodes"
+            f"cannot draw a skin of nodes {skin.triangles.min()} to {skin.triangles.max()}: "
+            f"there are {len(nodes)} positions"
         )
     finite = np.isfinite(nodes).all(axis=1)
     if not finite.all():
         raise ModelError(f"cannot draw: node {int(np.argmin(finite))} is not at a finite position")
 
 
-def draw_outline(axes: Axes, nodes: Array, triangles: IntArray, camera: Camera) -> None:
+def draw_outline(axes: Axes, nodes: Array, skin: Skin, camera: Camera) -> None:
     """The rims and folds of a surface as pale lines."""
     plane, _ = camera.project(nodes)
-    edges = feature_edges(nodes, triangles)
+    edges = feature_edges(nodes, skin.triangles)
     axes.add_collection(LineCollection(list(plane[edges]), colors=PALE_INK, linewidths=0.5, zorder=1.0), autolim=False)
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from supple.viz.camera import Camera
 from supple.viz.depth_buffer import visible_triangles
+from supple.viz.skin import Skin
 from supple.viz.style import SURFACE_COLOUR
 
 Array = NDArray[np.float64]
@@ -22,7 +23,7 @@ Colouring = Callable[[Array], Array]
 
 # The light stands over the viewer's left shoulder: right, up, towards.
 _LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])
-_AMBIENT = 0.45
+_AMBIENT = 0.58
 # Each pixel of the picture averages so many by so many.
 _SUPERSAMPLING = 2
 # Mesh lines of finer meshes would merge into a grey.
@@ -64,7 +65,7 @@ def page_around(points: Array, n_columns: int, *, margin: float = 0.04, least_as
 
 def render(
     nodes: Array,
-    triangles: IntArray,
+    skin: Skin,
     camera: Camera,
     page: Page,
     *,
@@ -76,7 +77,7 @@ def render(
     Both sides are lit alike, for a shell shows either. With nodal values (N,) and a colouring, colours are found
     pixel by pixel from the interpolated value.
     """
-    k = _SUPERSAMPLING
+    k, triangles = _SUPERSAMPLING, skin.triangles
     fine = Page(page.low, page.high, k * page.n_columns)
     shape = (k * page.n_rows, fine.n_columns)
     plane, nearness = camera.project(nodes[triangles])
@@ -88,7 +89,7 @@ def render(
         base = colouring(np.einsum("pi,pi->p", seen.weights, values[triangles[seen.triangle]]))
     brightness, gloss = _lighting(np.concatenate([plane, nearness[..., None]], axis=-1))
     colour = base * brightness[seen.triangle, None] + gloss[seen.triangle, None]
-    colour *= 1.0 - 0.3 * _on_mesh_line(corners, seen.triangle, seen.weights)[:, None]
+    colour *= 1.0 - 0.3 * _on_mesh_line(corners, skin.mesh_lines, seen.triangle, seen.weights)[:, None]
 
     picture = np.zeros((shape[0] * shape[1], 4))
     picture[seen.pixel, :3] = np.clip(colour, 0.0, 1.0)
@@ -113,14 +114,14 @@ def _lighting(corners: Array) -> tuple[Array, Array]:
     return _AMBIENT + (1.0 - _AMBIENT) * lit, 0.2 * lit**12
 
 
-def _on_mesh_line(corners: Array, triangle: IntArray, weights: Array) -> Array:
-    """1 at pixels within half a final pixel of an edge, 0 elsewhere, and everywhere on a fine mesh."""
+def _on_mesh_line(corners: Array, lined: NDArray[np.bool_], triangle: IntArray, weights: Array) -> Array:
+    """1 at pixels within half a final pixel of a mesh line, 0 elsewhere, and everywhere on a fine mesh."""
     sides = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
     twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
     heights = twice_area[:, None] / np.maximum(np.linalg.norm(sides, axis=2), 1e-300)
     if np.median(heights.min(axis=1)) < _FINEST_LINED_TRIANGLE * _SUPERSAMPLING:
         return np.zeros(len(triangle))
-    distance = (weights * heights[triangle]).min(axis=1)
+    distance = np.where(lined[triangle], weights * heights[triangle], np.inf).min(axis=1)
     return (distance < 0.25 * _SUPERSAMPLING).astype(float)
 
 

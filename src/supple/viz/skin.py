@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.errors import ModelError
 from supple.mesh import CellType, Mesh
 
 IntArray = NDArray[np.int64]
@@ -28,22 +31,59 @@ _CUTS = {
 }
 
 
-def skin_triangles(mesh: Mesh) -> IntArray:
-    """Node numbers (T, 3) of the visible triangles, turning about the outward normal on solids.
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """Visible triangles, and which of their sides are edges of the mesh.
 
-    Faces that two solid cells share lie inside and are left out; faces with mid-edge nodes are cut at them, so that a
-    curved face looks curved.
+    triangles : int array (T, 3)        node numbers, turning about the outward normal on solids
+    mesh_lines : bool array (T, 3)      side i lies across from corner i; the others are cuts through a face
+
+    Raises
+    ------
+    ModelError  arrays of other shapes, or no triangle
     """
-    return np.concatenate([_cell_skin(kind, cells) for kind, cells in mesh.cells.items()])
+
+    triangles: IntArray
+    mesh_lines: NDArray[np.bool_]
+
+    def __post_init__(self) -> None:
+        if self.triangles.ndim != 2 or self.triangles.shape[1] != 3 or not len(self.triangles):
+            raise ModelError(f"skin: triangles of shape {self.triangles.shape}; give (T, 3) with at least one")
+        if self.mesh_lines.shape != self.triangles.shape:
+            raise ModelError(
+                f"skin: mesh lines of shape {self.mesh_lines.shape} for triangles of shape {self.triangles.shape}"
+            )
+        for array in (self.triangles, self.mesh_lines):
+            array.setflags(write=False)
+
+    @classmethod
+    def of_triangles(cls, triangles: IntArray) -> Skin:
+        """Skin of plain triangles, each side an edge of the mesh."""
+        return cls(np.array(triangles), np.ones(np.shape(triangles), dtype=bool))
 
 
-def _cell_skin(kind: CellType, cells: IntArray) -> IntArray:
+def skin(mesh: Mesh) -> Skin:
+    """The skin of a mesh.
+
+    Faces that two solid cells share lie inside and are left out; faces with mid-edge nodes are cut at them, so that
+    a curved face looks curved.
+    """
+    parts = [_cell_skin(kind, cells) for kind, cells in mesh.cells.items()]
+    return Skin(np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts]))
+
+
+def _cell_skin(kind: CellType, cells: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
     rims = np.array([_rim(kind, corners) for corners in _FACES[kind]])
     faces = cells[:, rims].reshape(-1, rims.shape[1])
     if kind.dimension == 3:
         _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
         faces = faces[np.sort(first[count == 1])]
-    return faces[:, np.array(_CUTS[faces.shape[1]])].reshape(-1, 3)
+    n_rim = faces.shape[1]
+    cuts = np.array(_CUTS[n_rim])
+    # A side is an edge of the mesh where it joins neighbours on the rim.
+    gap = (cuts[:, [2, 0, 1]] - cuts[:, [1, 2, 0]]) % n_rim
+    on_rim = (gap == 1) | (gap == n_rim - 1)
+    return faces[:, cuts].reshape(-1, 3), np.tile(on_rim, (len(faces), 1))
 
 
 def _rim(kind: CellType, corners: tuple[int, ...]) -> list[int]:

@@ -1,4 +1,4 @@
-"""Clamped frequencies of a reduced free body, against the clamped mesh and the cantilever's closed form."""
+"""Clamped modes of a reduced free body, against the clamped mesh and the cantilever's closed form."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from supple.errors import ModelError
 from supple.fem import HomogeneousWall, Isotropic, shell_model
 from supple.mesh import strip
 from supple.reduction import NoDerivatives, Rubin, reduce
-from supple.reduction.held_frequencies import held_frequencies
+from supple.reduction.held_modes import held_modes
 
 LENGTH, THICKNESS = 2.0, 0.01
 STEEL = Isotropic(2.1e11, 0.0, 7850.0)
@@ -29,7 +29,7 @@ def body():
 def test_both_frames_give_the_frequencies_of_the_clamped_mesh(body, frame):
     reduced = reduce(body, frame, Rubin(n_modes=12), derivatives=NoDerivatives())
     clamped = lowest_modes(body.stiffness, body.mass, 4, constraint=body.interface("root").motion.toarray())
-    found = held_frequencies(reduced, "root")[:4]
+    found = held_modes(reduced, "root", n_modes=4).frequencies
     # A thin shell's stiffness fixes its lowest frequencies to about six digits.
     np.testing.assert_allclose(found, np.sqrt(clamped.values), rtol=1e-5)
 
@@ -38,10 +38,25 @@ def test_lowest_frequency_is_that_of_a_cantilever(body):
     reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives())
     stiffness_over_mass = STEEL.youngs_modulus * THICKNESS**2 / (12 * STEEL.density)
     cantilever = 1.875104**2 / LENGTH**2 * np.sqrt(stiffness_over_mass)
-    assert held_frequencies(reduced, "root")[0] == pytest.approx(cantilever, rel=5e-3)
+    assert held_modes(reduced, "root").frequencies[0] == pytest.approx(cantilever, rel=5e-3)
+
+
+def test_shapes_leave_the_held_nodes_in_place_and_bend_as_a_cantilever(body):
+    reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives())
+    (shape,) = held_modes(reduced, "root", n_modes=1).shapes
+    mesh = body.model.mesh
+    tip = shape[mesh.nodes_of("tip"), 2].mean()
+    np.testing.assert_allclose(shape[mesh.nodes_of("root")], 0.0, atol=1e-9 * abs(tip))
+    k = 1.875104 / LENGTH
+    x = mesh.nodes[:, 0]
+    ratio = (np.sinh(k * LENGTH) - np.sin(k * LENGTH)) / (np.cosh(k * LENGTH) + np.cos(k * LENGTH))
+    curve = np.cosh(k * x) - np.cos(k * x) - ratio * (np.sinh(k * x) - np.sin(k * x))
+    np.testing.assert_allclose(shape[:, 2] / tip, curve / 2.0, atol=5e-3)
+    # Unit modal mass, to the accuracy of lumping along the beam: m L / 4 times the tip's square.
+    assert 7850.0 * 0.2 * THICKNESS * LENGTH / 4 * tip**2 == pytest.approx(1.0, rel=5e-3)
 
 
 def test_an_unknown_interface_is_named(body):
     reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=2), derivatives=NoDerivatives())
     with pytest.raises(ModelError, match="'strip' has no interface 'tip'"):
-        held_frequencies(reduced, "tip")
+        held_modes(reduced, "tip")

@@ -1,0 +1,52 @@
+"""Modes of a reduced body with one interface held in space: what a test on a clamp would measure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import linalg
+
+from supple.algebra import read_only
+from supple.algebra.rotation import skew
+from supple.reduction.reduced_body import ReducedBody
+
+
+@dataclass(frozen=True, eq=False)
+class HeldModes:
+    """Modes with unit modal mass.
+
+    frequencies : (m,)      rad/s, ascending
+    shapes : (m, N, 3)      nodal displacements, mesh axes
+    """
+
+    frequencies: np.ndarray
+    shapes: np.ndarray
+
+
+def held_modes(body: ReducedBody, interface: str, *, n_modes: int | None = None) -> HeldModes:
+    """The lowest modes of a reduced body with one interface clamped and the rest free.
+
+        q = R a + V gamma,   [ R_p  B_p V ] (a, gamma) = 0,   R_p the rigid motions at the interface p
+
+    The floating frame takes part in the motion, so the answer is that of the clamped body in any frame: as many
+    modes as there are coordinates, less those that the frame itself does not hold at p.
+
+    n_modes : how many; all of them when omitted
+    Raises ModelError when the body has no interface of that name.
+    """
+    place = body.interface(interface)
+    r = body.r
+    fields = np.r_[0:6, 6 + 3 * r : 6 + 4 * r]
+    mass = body.gram[np.ix_(fields, fields)]
+    stiffness = linalg.block_diag(np.zeros((6, 6)), body.stiffness)
+    rigid = np.block([[np.eye(3), -np.asarray(skew(place.position))], [np.zeros((3, 3)), np.eye(3)]])
+    free = linalg.null_space(np.hstack([rigid, place.motion]))
+    values, vectors = linalg.eigh(free.T @ stiffness @ free, free.T @ mass @ free)
+    motion = (free @ vectors[:, :n_modes]).T
+    translations, rotations, gammas = motion[:, :3], motion[:, 3:6], motion[:, 6:]
+    rigid_shapes = translations[:, None] + np.cross(rotations[:, None], body.nodes)
+    return HeldModes(
+        frequencies=read_only(np.sqrt(np.maximum(values[:n_modes], 0.0))),
+        shapes=read_only(rigid_shapes + body.expand(gammas)),
+    )

@@ -1,0 +1,138 @@
+"""A body in motion, as a film."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from PIL import Image
+
+from supple.errors import ModelError
+from supple.results.atomic_write import replacing
+from supple.viz.camera import Camera
+from supple.viz.mesh_plot import check_nodes, draw_cross, draw_length_bar
+from supple.viz.shaded_surface import page_around, render, show
+from supple.viz.skin import Skin
+from supple.viz.style import COLOUR_MAP, COLOURS, textbook_style
+
+Array = NDArray[np.float64]
+
+_PIXELS_PER_INCH = 100
+
+
+def animate(
+    path: Path | str,
+    times: Array,
+    positions: Array,
+    skin: Skin,
+    *,
+    values: Array | None = None,
+    traced_nodes: Sequence[int] = (),
+    camera: Camera | None = None,
+    frames_per_second: float = 20.0,
+    n_columns: int = 640,
+    length_unit: str = "m",
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """Film a body in space as a GIF that repeats, one frame per given time.
+
+    Parameters
+    ----------
+    times : array (t,)              s, shown in the picture
+    positions : array (t, N, 3)     of the nodes, as `node_positions` recovers them
+    skin : Skin                     what is seen of the mesh
+    values : array (t, N)           nodal scalar to colour by, in one scale for the whole film
+    traced_nodes : node numbers     whose paths are drawn
+    camera : Camera                 a three-quarter view of the whole motion by default
+    frames_per_second : float       up to 50, which is as fast as viewers play
+    n_columns : int                 pixels across
+    progress : callable             called with the share of frames done, ending at 1
+
+    Raises
+    ------
+    ModelError          no frames, arrays of other shapes or not finite, a rate out of range
+    ResultFileError     the file cannot be written
+    """
+    _check(path, times, positions, skin, values, traced_nodes, frames_per_second)
+    camera = camera or Camera.three_quarter(positions.reshape(-1, 3))
+    page = page_around(camera.project(positions)[0], n_columns, least_aspect=0.25)
+    low, high = (0.0, 1.0) if values is None else (values.min(), values.max())
+    colours = colormaps[COLOUR_MAP]
+
+    def colouring(value: Array) -> Array:
+        return colours((value - low) / max(high - low, 1e-300))[:, :3]
+
+    with textbook_style():
+        figure = Figure(figsize=(n_columns / _PIXELS_PER_INCH, page.n_rows / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH)
+        canvas = FigureCanvasAgg(figure)
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        image = show(axes, np.zeros((page.n_rows, page.n_columns, 4)), page)
+        draw_cross(axes, camera)
+        draw_length_bar(axes, page, length_unit)
+        clock = axes.text(0.98, 0.97, "", transform=axes.transAxes, ha="right", va="top")
+        paths = [axes.plot([], [], color=COLOURS[1], linewidth=0.9, zorder=1.5)[0] for _ in traced_nodes]
+        traced = camera.project(positions[:, list(traced_nodes)])[0]
+        frames = []
+        for i, time in enumerate(times):
+            frame_values = None if values is None else values[i]
+            image.set_data(render(positions[i], skin, camera, page, values=frame_values, colouring=colouring))
+            clock.set_text(f"t = {time:.2f} s")
+            for k, line in enumerate(paths):
+                line.set_data(*traced[: i + 1, k].T)
+            canvas.draw()
+            frames.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
+            if progress is not None:
+                progress((i + 1) / len(times))
+    _save_gif(Path(path), frames, frames_per_second)
+    return Path(path)
+
+
+def _save_gif(path: Path, frames: list[Image.Image], frames_per_second: float) -> None:
+    # One palette, taken from a frame late in the film, keeps the background from flickering.
+    palette = frames[2 * len(frames) // 3].quantize(255, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    indexed = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    with replacing(path) as temporary:
+        indexed[0].save(
+            temporary,
+            format="GIF",
+            save_all=True,
+            append_images=indexed[1:],
+            duration=round(1000.0 / frames_per_second),
+            loop=0,
+            # Pillow would merge frames in which nothing moves and shorten the film's list of times.
+            optimize=False,
+        )
+
+
+def _check(
+    path: Path | str,
+    times: Array,
+    positions: Array,
+    skin: Skin,
+    values: Array | None,
+    traced_nodes: Sequence[int],
+    frames_per_second: float,
+) -> None:
+    if Path(path).suffix.lower() != ".gif":
+        raise ModelError(f"cannot animate {path}: films are GIF files; end the path in .gif")
+    if positions.ndim != 3 or len(positions) != len(times) or not len(times):
+        raise ModelError(
+            f"cannot animate positions of shape {np.shape(positions)} at {len(times)} times: "
+            "give (t, N, 3) and (t,) with at least one frame"
+        )
+    for frame in positions:
+        check_nodes(frame, skin)
+    if values is not None and (values.shape != positions.shape[:2] or not np.isfinite(values).all()):
+        raise ModelError(
+            f"cannot colour by values of shape {values.shape}: give finite ones of shape {positions.shape[:2]}"
+        )
+    wrong = [node for node in traced_nodes if not 0 <= node < positions.shape[1]]
+    if wrong:
+        raise ModelError(f"cannot trace node {wrong[0]}: there are {positions.shape[1]} nodes")
+    if not 0.0 < frames_per_second <= 50.0:
+        raise ModelError(f"cannot animate at {frames_per_second} frames per second: give more than 0, at most 50")

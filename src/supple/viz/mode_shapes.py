@@ -1,0 +1,85 @@
+"""A table of mode shapes with their frequencies."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.viz.camera import Camera
+from supple.viz.mesh_plot import check_nodes, draw_cross, draw_outline
+from supple.viz.shaded_surface import page_around, render, show
+from supple.viz.skin import Skin
+from supple.viz.style import COLOUR_MAP, TEXT_WIDTH, new_figure, save_figure, textbook_style
+
+Array = NDArray[np.float64]
+
+_PIXELS_PER_INCH = 200
+
+
+def plot_mode_shapes(
+    path: Path | str,
+    nodes: Array,
+    skin: Skin,
+    modes: Array,
+    frequencies: Array,
+    *,
+    n_columns: int = 2,
+    amplitude: float = 0.1,
+    camera: Camera | None = None,
+) -> Path:
+    """Draw modes in rows of n_columns, each coloured by its own amplitude over the outline of the body at rest.
+
+    Parameters
+    ----------
+    nodes : array (N, 3)            at rest
+    modes : array (m, N, 3)         displacements; their scale is free
+    frequencies : array (m,)        Hz
+    amplitude : float               largest displacement drawn, as a share of the body's diagonal
+    camera : Camera                 a three-quarter view by default
+
+    Raises
+    ------
+    ModelError          arrays of other shapes, a mode without displacement or not finite, n_columns below one
+    ResultFileError     the file cannot be written
+    """
+    check_nodes(nodes, skin)
+    if modes.ndim != 3 or not len(modes) or modes.shape[1:] != nodes.shape or len(frequencies) != len(modes):
+        raise ModelError(
+            f"cannot draw modes of shape {modes.shape} with {len(frequencies)} frequencies over nodes of shape "
+            f"{nodes.shape}; give (m, N, 3) and (m,)"
+        )
+    if n_columns < 1:
+        raise ModelError(f"mode shapes: n_columns is {n_columns}; give at least one")
+    length = np.linalg.norm(modes, axis=2)
+    largest = length.max(axis=1)
+    drawable = np.isfinite(largest) & (largest > 0.0)
+    if not drawable.all():
+        raise ModelError(f"mode {int(np.argmin(drawable)) + 1} has no finite displacement to draw")
+    camera = camera or Camera.three_quarter(nodes)
+    reach = amplitude * np.linalg.norm(np.ptp(nodes, axis=0))
+    shapes = nodes + modes * (reach / largest)[:, None, None]
+
+    n_columns = min(n_columns, len(modes))
+    n_rows = -(-len(modes) // n_columns)
+    cell = TEXT_WIDTH / n_columns
+    everything = camera.project(np.concatenate([nodes[None], shapes]))[0]
+    page = page_around(everything, round(cell * _PIXELS_PER_INCH), least_aspect=0.2)
+    colours = colormaps[COLOUR_MAP]
+    with textbook_style():
+        figure = new_figure(n_rows * (cell * page.n_rows / page.n_columns + 0.22) + 0.1)
+        grid = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
+        for i, (axes, shape, frequency) in enumerate(zip(grid, shapes, frequencies, strict=False)):
+            picture = render(
+                shape, skin, camera, page, values=length[i] / largest[i], colouring=lambda v: colours(v)[:, :3]
+            )
+            draw_outline(axes, nodes, skin, camera)
+            show(axes, picture, page)
+            axes.set_title(f"mode {i + 1}:  {frequency:.3g} Hz", fontsize=8.5, pad=2.0)
+        for axes in grid[len(modes) :]:
+            axes.set_axis_off()
+        draw_cross(grid[0], camera)
+        return save_figure(figure, path)

@@ -1,0 +1,45 @@
+"""Solutions are joined end to end, and their costs add up."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from supple.integrate import BodyMotion, Solution, Statistics, concatenate
+
+
+def chunk(times):
+    """A body whose every array holds the time, with two coordinates and a joint of one equation."""
+    shapes = {"rotation": (3, 3), "coordinates": (2,), "coordinate_rates": (2,), "coordinate_accelerations": (2,)}
+    motion = {
+        f.name: np.multiply.outer(times, np.ones(shapes.get(f.name, (3,)))) for f in fields(BodyMotion)
+    }
+    return Solution(
+        np.asarray(times),
+        {"link": BodyMotion(**motion)},
+        {"hinge": np.asarray(times)[:, None]},
+        Statistics(steps=len(times), iterations=2 * len(times), cuts=1, seconds=0.5, compile_seconds=0.25),
+    )
+
+
+def test_parts_are_joined_in_time():
+    whole = concatenate([chunk([0.0]), chunk([1.0, 2.0]), chunk([3.0])])
+    np.testing.assert_array_equal(whole.times, [0, 1, 2, 3])
+    motion = whole.bodies["link"]
+    assert motion.rotation.shape == (4, 3, 3)
+    for f in fields(BodyMotion):
+        array = getattr(motion, f.name)
+        np.testing.assert_array_equal(array.reshape(4, -1)[:, 0], whole.times)
+    np.testing.assert_array_equal(whole.joint_forces["hinge"][:, 0], whole.times)
+
+
+def test_costs_add_up():
+    total = concatenate([chunk([0.0]), chunk([1.0, 2.0])]).statistics
+    assert total == Statistics(steps=3, iterations=6, cuts=2, seconds=1.0, compile_seconds=0.5)
+
+
+def test_nothing_cannot_be_joined():
+    with pytest.raises(ValueError, match="no parts to join"):
+        concatenate([])
