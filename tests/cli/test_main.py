@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from supple import __version__
 from supple.cli.main import app
-from supple.results import read_header
+from supple.integrate import BodyMotion
+from supple.results import ResultFile, read_header, read_solution
 
 ROOT_WEIGHT = 7850.0 * 1.0 * 0.1 * 0.01 * 9.81
 
@@ -97,6 +100,59 @@ def test_info_of_another_kind_of_file(tmp_path):
     assert "no such kind of file is known; give one that ends in .toml" in call(
         "info", tmp_path / "a.txt", code=2
     )
+
+
+def test_a_run_that_was_cut_off_is_continued_to_the_same_end(case_folder):
+    case, whole, cut = case_folder / "strip.toml", case_folder / "whole", case_folder / "cut"
+    call("run", case, "-o", whole)
+    solution = read_solution(whole / "strip.h5")
+    half = first_times(solution, 100)
+    cut.mkdir()
+    with ResultFile.create(cut / "strip.h5", case=case.read_text()) as file:
+        file.append(half)
+    assert "cut off" in call("info", cut / "strip.h5")
+    call("run", case, "-o", cut, "--resume")
+    continued = read_solution(cut / "strip.h5")
+    np.testing.assert_array_equal(continued.times, solution.times)
+    ends = [each.bodies["strip"].coordinates[-1] for each in (solution, continued)]
+    np.testing.assert_allclose(*ends, atol=1e-3 * np.abs(ends[0]).max())
+
+
+def first_times(solution, n):
+    """The first n output times of a solution."""
+    return replace(
+        solution,
+        times=solution.times[:n],
+        bodies={
+            name: BodyMotion(**{field: array[:n] for field, array in vars(motion).items()})
+            for name, motion in solution.bodies.items()
+        },
+        joint_forces={name: force[:n] for name, force in solution.joint_forces.items()},
+    )
+
+
+def test_pictures_and_film_are_drawn(case_folder):
+    case = case_folder / "strip.toml"
+    case.write_text(
+        re.sub(r"(pictures|animation) = false", r"\1 = true", case.read_text()).replace("0.4", "0.04")
+    )
+    call("run", case, "-o", case_folder / "out")
+    drawn = {path.name for path in (case_folder / "out").iterdir()}
+    pictures = {f"strip-{what}.png" for what in ("mesh", "modes", "deformed")}
+    assert drawn == pictures | {
+        "tracked-motion.png",
+        "joint-forces.png",
+        "motion.gif",
+        "strip.h5",
+        "strip.json",
+    }
+
+
+def test_strict_stops_at_a_motion_beyond_the_shell_s_validity(case_folder):
+    case = case_folder / "strip.toml"
+    case.write_text(case.read_text().replace("2.1e11", "2.1e9"))
+    assert "warning: body 'strip' turns by" in call("run", case, "-o", case_folder / "out")
+    assert "error: body 'strip' turns by" in call("run", case, "-o", case_folder / "out", "--strict", code=2)
 
 
 def test_resuming_a_complete_run_is_refused(case_folder):

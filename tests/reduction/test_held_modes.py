@@ -10,8 +10,7 @@ from supple.body import MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible
 from supple.errors import ModelError
 from supple.fem import HomogeneousWall, Isotropic, shell_model
 from supple.mesh import strip
-from supple.reduction import NoDerivatives, Rubin, reduce
-from supple.reduction.held_modes import held_modes
+from supple.reduction import NoDerivatives, Rubin, held_modes, reduce
 
 LENGTH, THICKNESS = 2.0, 0.01
 STEEL = Isotropic(2.1e11, 0.0, 7850.0)
@@ -20,7 +19,7 @@ STEEL = Isotropic(2.1e11, 0.0, 7850.0)
 @pytest.fixture(scope="module")
 def body():
     model = shell_model(strip(LENGTH, 0.2, 20, 2), HomogeneousWall(STEEL, THICKNESS))
-    return flexible_body("strip", model, [RigidInterface("root", "root")])
+    return flexible_body("strip", model, [RigidInterface("root", "root"), RigidInterface("tip", "tip")])
 
 
 @pytest.mark.parametrize(
@@ -41,6 +40,12 @@ def test_lowest_frequency_is_that_of_a_cantilever(body):
     assert held_modes(reduced, "root").frequencies[0] == pytest.approx(cantilever, rel=5e-3)
 
 
+def test_a_symmetric_strip_has_the_same_frequencies_held_at_either_end(body):
+    reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives())
+    ends = [held_modes(reduced, end, n_modes=4).frequencies for end in ("root", "tip")]
+    np.testing.assert_allclose(*ends, rtol=1e-5)
+
+
 def test_shapes_leave_the_held_nodes_in_place_and_bend_as_a_cantilever(body):
     reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives())
     (shape,) = held_modes(reduced, "root", n_modes=1).shapes
@@ -58,5 +63,5 @@ def test_shapes_leave_the_held_nodes_in_place_and_bend_as_a_cantilever(body):
 
 def test_an_unknown_interface_is_named(body):
     reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=2), derivatives=NoDerivatives())
-    with pytest.raises(ModelError, match="'strip' has no interface 'tip'"):
-        held_modes(reduced, "tip")
+    with pytest.raises(ModelError, match="'strip' has no interface 'middle'"):
+        held_modes(reduced, "middle")

@@ -18,7 +18,7 @@ from rich.progress import (
     TimeElapsedColumn,
 )
 
-from supple.errors import SuppleError, SuppleWarning, ValidityError, ValidityWarning
+from supple.errors import SuppleError, SuppleWarning
 
 MISTAKE = 2
 """Exit code of a command that was given something it cannot use."""
@@ -54,12 +54,10 @@ def reported_errors(*, debug: bool) -> Iterator[None]:
 
 
 @contextmanager
-def reported_warnings(*, strict: bool) -> Iterator[None]:
-    """Print warnings of supple as they come; `strict` makes errors of motions beyond a model's validity."""
+def reported_warnings() -> Iterator[None]:
+    """Print warnings of supple as they come, each in its own words and without a source line."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", SuppleWarning)
-        if strict:
-            warnings.simplefilter("error", ValidityWarning)
         show_others = warnings.showwarning
 
         def show(message, category, filename, lineno, file=None, line=None):
@@ -70,7 +68,4 @@ def reported_warnings(*, strict: bool) -> Iterator[None]:
                 show_others(message, category, filename, lineno, file, line)
 
         warnings.showwarning = show
-        try:
-            yield
-        except ValidityWarning as warning:
-            raise ValidityError(f"{warning} (an error because of --strict)") from warning
+        yield

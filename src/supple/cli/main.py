@@ -56,8 +56,8 @@ def run(
     # Imported here: the solvers take seconds to load, which help and version need not wait for.
     from supple.cli.run_case import run_case
 
-    with reported_errors(debug=debug), reported_warnings(strict=strict):
-        run_case(case, output or Path("results") / case.stem, resume=resume)
+    with reported_errors(debug=debug), reported_warnings():
+        run_case(case, output or Path("results") / case.stem, resume=resume, strict=strict)
 
 
 @app.command()
@@ -68,5 +68,5 @@ def info(
     """Say what a case, mesh or result file holds."""
     from supple.cli.info import print_info
 
-    with reported_errors(debug=debug), reported_warnings(strict=False):
+    with reported_errors(debug=debug), reported_warnings():
         print_info(path)

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 from rich.progress import Progress
 
 from supple.cli.build_system import BuiltCase, build_case, build_step
 from supple.cli.console import console, progress_bars
 from supple.cli.read_case import CaseFile, read_case
-from supple.cli.summary import body_table, cost_line, joint_table, place_table, summarize
-from supple.cli.tracked_motion import track
+from supple.cli.summary import body_table, cost_line, joint_loads, joint_table, place_table, summarize
+from supple.cli.tracked_motion import TrackedMotion, track
 from supple.integrate import GeneralizedAlpha, Solution
-from supple.multibody import Checkpoint, simulate
+from supple.multibody import Checkpoint, Validity, simulate
 from supple.results import ResultFile, read_last_instant, read_solution, write_json
 
 
-def run_case(path: Path, folder: Path, *, resume: bool) -> None:
+def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = False) -> None:
     """Run the case file at `path` and write its results, summary and pictures into `folder`.
 
     resume : continue the result file of a run that was cut off, instead of starting anew
+    strict : a motion beyond what a body's kinematics can describe is an error
 
     Raises
     ------
@@ -35,8 +37,11 @@ def run_case(path: Path, folder: Path, *, resume: bool) -> None:
     result_path = folder / f"{path.stem}.h5"
     with progress_bars() as bars:
         built = _build(case_file, bars)
-        solution = _simulate(built, result_path, bars, resume=resume)
-    tracked = [track(place, built.system, built.meshes, solution) for place in case_file.case.output.track]
+        solution = _simulate(built, result_path, bars, resume=resume, strict=strict)
+        tracked = [
+            track(place, built.system, built.meshes, solution) for place in case_file.case.output.track
+        ]
+        _draw(built, solution, tracked, folder, bars)
     numbers = summarize(built.system, tracked, solution)
     tables = [body_table(numbers), joint_table(numbers)] + ([place_table(numbers)] if tracked else [])
     for table in tables:
@@ -52,7 +57,7 @@ def _build(case_file: CaseFile, bars: Progress) -> BuiltCase:
         return build_case(case_file, steps.begin)
 
 
-def _simulate(built: BuiltCase, result_path: Path, bars: Progress, *, resume: bool) -> Solution:
+def _simulate(built: BuiltCase, result_path: Path, bars: Progress, *, resume: bool, strict: bool) -> Solution:
     case = built.case_file.case
     text = built.case_file.path.read_text(encoding="utf-8")
     if resume:
@@ -69,12 +74,36 @@ def _simulate(built: BuiltCase, result_path: Path, bars: Progress, *, resume: bo
             output_step=case.simulation.output_step,
             step=build_step(case.simulation),
             method=GeneralizedAlpha(case.simulation.rho_inf),
+            validity=Validity(strict=strict),
             resume=start,
             progress=lambda fraction: bars.update(task, completed=fraction),
             record=file.append,
         )
         file.finish()
     return read_solution(result_path)
+
+
+def _draw(
+    built: BuiltCase, solution: Solution, tracked: Sequence[TrackedMotion], folder: Path, bars: Progress
+) -> None:
+    output = built.case_file.case.output
+    if not (output.pictures or output.animation):
+        return
+    # Imported here: a run without pictures does not wait for the drawing library.
+    from supple.cli.pictures import draw_film, draw_pictures
+
+    if output.pictures:
+        sizes = {
+            name: {what: np.linalg.norm(part, axis=1) for what, part in loads.items()}
+            for name, loads in joint_loads(built.system, solution).items()
+        }
+        steps = _Steps(bars)
+        with steps.last_finished():
+            steps.begin("drawing pictures")
+            draw_pictures(built, solution, tracked, sizes, folder)
+    if output.animation:
+        task = bars.add_task("drawing the film", total=1.0)
+        draw_film(built, solution, folder / "motion.gif", lambda share: bars.update(task, completed=share))
 
 
 class _Steps:

@@ -12,7 +12,7 @@ from supple.body import RigidBody
 from supple.cli.tracked_motion import TrackedMotion
 from supple.integrate import Solution
 from supple.multibody import FullBody, System
-from supple.reduction.held_modes import held_modes
+from supple.reduction import held_modes
 
 N_FREQUENCIES = 5
 
@@ -22,7 +22,10 @@ def summarize(system: System, tracked: Sequence[TrackedMotion], solution: Soluti
     return {
         "bodies": {placed.body.name: _body_numbers(placed.body) for placed in system.bodies},
         "tracked": {place.place: _place_numbers(place, solution.times) for place in tracked},
-        "joints": {joint.name: _joint_numbers(joint.rows, solution, joint.name) for joint in system.joints},
+        "joints": {
+            name: _joint_numbers(loads, solution.times)
+            for name, loads in joint_loads(system, solution).items()
+        },
         "statistics": solution.statistics,
     }
 
@@ -66,25 +69,27 @@ def _place_numbers(place: TrackedMotion, times: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _joint_numbers(rows: Sequence[str], solution: Solution, name: str) -> dict[str, Any]:
-    # The multipliers close the gap of the second end against the first: the second end feels their opposite.
-    acting = -solution.joint_forces[name]
-    forces = np.array([row.startswith("position") for row in rows])
-    return _sizes("force", acting[:, forces], solution.times) | _sizes(
-        "moment", acting[:, ~forces], solution.times
-    )
+def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, np.ndarray]]:
+    """Force and moment (t, k) on the second end of each joint, in the joint's axes on the first end."""
+    loads: dict[str, dict[str, np.ndarray]] = {}
+    for joint in system.joints:
+        # The multipliers hold the second end back along the gap that they close: it feels their opposite.
+        acting = -solution.joint_forces[joint.name]
+        forces = np.array([row.startswith("position") for row in joint.rows])
+        parts = {"force": acting[:, forces], "moment": acting[:, ~forces]}
+        loads[joint.name] = {what: part for what, part in parts.items() if part.shape[1]}
+    return loads
 
 
-def _sizes(what: str, components: np.ndarray, times: np.ndarray) -> dict[str, Any]:
-    if components.shape[1] == 0:
-        return {}
-    size = np.linalg.norm(components, axis=1)
-    largest = int(np.argmax(size))
-    return {
-        f"largest {what}": float(size[largest]),
-        f"time of largest {what}": float(times[largest]),
-        f"last {what}": components[-1],
-    }
+def _joint_numbers(loads: Mapping[str, np.ndarray], times: np.ndarray) -> dict[str, Any]:
+    numbers: dict[str, Any] = {}
+    for what, components in loads.items():
+        size = np.linalg.norm(components, axis=1)
+        largest = int(np.argmax(size))
+        numbers[f"largest {what}"] = float(size[largest])
+        numbers[f"time of largest {what}"] = float(times[largest])
+        numbers[f"last {what}"] = components[-1]
+    return numbers
 
 
 def body_table(numbers: Mapping[str, Any]) -> Table:

@@ -13,7 +13,7 @@ from supple.integrate import BodyMotion, Solution
 from supple.mesh import Mesh
 from supple.multibody import FullBody, System
 from supple.reduction import ReducedBody
-from supple.results import displacement_from_axes, node_displacements
+from supple.results import displacement_from_axes, node_displacements, node_positions
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +48,27 @@ def track(place: str, system: System, meshes: Mapping[str, Mesh], solution: Solu
     position = _in_space(motion, rest + displacement)
     if not body.interfaces:
         return TrackedMotion(place, position, "", displacement)
+    origin, axes = _base_axes(body, motion)
+    base = body.interfaces[0]
+    deflection = displacement_from_axes(position, origin, axes, rest - base.position)
+    return TrackedMotion(place, position, base.name, deflection)
+
+
+def deflections(body: ReducedBody | FullBody, motion: BodyMotion) -> np.ndarray:
+    """Displacements (t, N, 3) of all nodes seen from the body's first interface, or else from its frame."""
+    if not body.interfaces:
+        return node_displacements(body, motion.coordinates)
+    origin, axes = _base_axes(body, motion)
+    seen = np.einsum("tji,tnj->tni", axes, node_positions(body, motion) - origin[:, None])
+    return seen - (body.nodes - body.interfaces[0].position)
+
+
+def _base_axes(body: ReducedBody | FullBody, motion: BodyMotion) -> tuple[np.ndarray, np.ndarray]:
+    """Position (t, 3) and axes (t, 3, 3) in space of the first interface."""
     base = body.interfaces[0]
     base_motion = motion.coordinates @ base.motion.T
     origin = _in_space(motion, base.position + base_motion[:, :3])
-    axes = motion.rotation @ Rotation.from_rotvec(base_motion[:, 3:]).as_matrix()
-    deflection = displacement_from_axes(position, origin, axes, rest - base.position)
-    return TrackedMotion(place, position, base.name, deflection)
+    return origin, motion.rotation @ Rotation.from_rotvec(base_motion[:, 3:]).as_matrix()
 
 
 def _in_space(motion: BodyMotion, local: np.ndarray) -> np.ndarray:

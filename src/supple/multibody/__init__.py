@@ -1,5 +1,7 @@
 """Systems of bodies, joints and loads; floating-frame equations of motion, reduced and full."""
 
+from supple.multibody.batch import BatchSolution, simulate_batch
+from supple.multibody.energy import Balances, balances
 from supple.multibody.full_body import FullBody
 from supple.multibody.joints import (
     GROUND,
@@ -27,11 +29,14 @@ from supple.multibody.loads import (
 from supple.multibody.simulate import Checkpoint, simulate
 from supple.multibody.system import Placed, System
 from supple.multibody.time_law import Constant, Table, TimeFunction, TimeLaw
+from supple.multibody.validity import Validity
 
 __all__ = [
     "GROUND",
     "At",
+    "Balances",
     "Ball",
+    "BatchSolution",
     "Checkpoint",
     "Constant",
     "Cylindrical",
@@ -56,5 +61,8 @@ __all__ = [
     "TimeLaw",
     "TorsionSpringDamper",
     "Universal",
+    "Validity",
+    "balances",
     "simulate",
+    "simulate_batch",
 ]

@@ -164,9 +164,7 @@ def _frame_equations(
     return joint.constraint(_nudged(first, variation[:6]), _nudged(second, variation[6:]), value)
 
 
-def _frame_jacobian(
-    joint: JointArrays, first: JointFrame, second: JointFrame, value: Any
-) -> jax.Array:
+def _frame_jacobian(joint: JointArrays, first: JointFrame, second: JointFrame, value: Any) -> jax.Array:
     """Derivative of the joint's equations for small motions of its frames, (m, 12)."""
     return jax.jacfwd(lambda small: _frame_equations(joint, first, second, value, small))(jnp.zeros(12))
 
@@ -201,16 +199,16 @@ def _geometric_stiffness(
     return motion.T @ by_frame @ motion + own
 
 
-def _markers(
-    model: Model, element: JointArrays | ForceArrays, motion: Motion
-) -> tuple[Marker, Marker]:
+def _markers(model: Model, element: JointArrays | ForceArrays, motion: Motion) -> tuple[Marker, Marker]:
     return (
         marker(model, element.first, motion.configuration, motion.velocity),
         marker(model, element.second, motion.configuration, motion.velocity),
     )
 
 
-def _scatter(model: Model, element: JointArrays | ForceArrays, local: jax.Array, total: jax.Array) -> jax.Array:
+def _scatter(
+    model: Model, element: JointArrays | ForceArrays, local: jax.Array, total: jax.Array
+) -> jax.Array:
     """Add the local generalised forces (24,) of both ends to the bodies' equations."""
     for end, part in ((element.first, local[:N_LOCAL]), (element.second, local[N_LOCAL:])):
         if end.body >= 0:

@@ -24,7 +24,15 @@ import jax.numpy as jnp
 
 from supple.algebra.rotation import skew
 
-__all__ = ["FloatingMotion", "floating_mass", "inertia_force", "inertia_tangent", "kinetic_energy", "momenta"]
+__all__ = [
+    "FloatingMotion",
+    "floating_mass",
+    "frame_momenta",
+    "inertia_force",
+    "inertia_tangent",
+    "kinetic_energy",
+    "momenta",
+]
 
 
 class FloatingMotion(NamedTuple):
@@ -60,15 +68,15 @@ def _split(vector: jax.Array) -> _Parts:
     return _Parts(vector[:3], vector[3:6], coupling, vector[6 + 3 * r :])
 
 
-def _join(translation: jax.Array, rotation: jax.Array, coupling: jax.Array, deformation: jax.Array) -> jax.Array:
+def _join(
+    translation: jax.Array, rotation: jax.Array, coupling: jax.Array, deformation: jax.Array
+) -> jax.Array:
     return jnp.concatenate([translation, rotation, coupling.reshape(-1), deformation])
 
 
 def momenta(gram: jax.Array, motion: FloatingMotion) -> jax.Array:
     """`h = G (0, w, g_k w, gdot)`: momenta of a body whose frame origin is at rest, (6 + 4r,)."""
-    return gram @ _join(
-        jnp.zeros(3), motion.spin, motion.coordinates[:, None] * motion.spin, motion.rates
-    )
+    return gram @ _join(jnp.zeros(3), motion.spin, motion.coordinates[:, None] * motion.spin, motion.rates)
 
 
 def _rate_of_momenta(gram: jax.Array, motion: FloatingMotion) -> jax.Array:
@@ -168,3 +176,12 @@ def kinetic_energy(gram: jax.Array, motion: FloatingMotion, velocity: jax.Array)
     """`T = z G z / 2` with the frame's velocity `v = A^T Rdot` (3,) in body components."""
     z = _join(velocity, motion.spin, motion.coordinates[:, None] * motion.spin, motion.rates)
     return z @ gram @ z / 2
+
+
+def frame_momenta(
+    gram: jax.Array, motion: FloatingMotion, velocity: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Linear momentum, and angular momentum about the frame origin, body components, (3,) each."""
+    z = _join(velocity, motion.spin, motion.coordinates[:, None] * motion.spin, motion.rates)
+    h = _split(gram @ z)
+    return h.translation, h.rotation + motion.coordinates @ h.coupling

@@ -146,9 +146,7 @@ class FullInertia:
             "gyroscopic": [project(mass @ e + e @ mass) for e in turns],
             "euler": [project(mass @ e) for e in turns],
             "centrifugal": [
-                project(
-                    turns[i] @ mass @ turns[j] + (turns[j] @ mass @ turns[i] if i != j else 0 * mass)
-                )
+                project(turns[i] @ mass @ turns[j] + (turns[j] @ mass @ turns[i] if i != j else 0 * mass))
                 for i, j in pairs
             ],
         }

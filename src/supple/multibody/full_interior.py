@@ -142,7 +142,12 @@ class FullInterior:
         return data
 
     def eliminate(
-        self, state: InteriorState, residual: np.ndarray, increment: np.ndarray, velocity: float, position: float
+        self,
+        state: InteriorState,
+        residual: np.ndarray,
+        increment: np.ndarray,
+        velocity: float,
+        position: float,
     ) -> Elimination:
         """Factor the interior's tangent and solve for everything that acts on it.
 

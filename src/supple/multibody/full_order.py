@@ -43,7 +43,12 @@ from supple.multibody.equations import (
 )
 from supple.multibody.full_body import FullBody
 from supple.multibody.full_interior import Elimination, FullInterior, InteriorState, prepare_interior
-from supple.multibody.initial_state import check_joints_closed, independent_constraints, joint_terms, placed_velocity
+from supple.multibody.initial_state import (
+    check_joints_closed,
+    independent_constraints,
+    joint_terms,
+    placed_velocity,
+)
 from supple.multibody.loads import DeadForce
 from supple.multibody.model import Model, build_model, is_nodal_load_on_full_body
 from supple.multibody.simulate import (
@@ -53,7 +58,6 @@ from supple.multibody.simulate import (
     Recorder,
     body_motions,
     failure_message,
-    report_cuts,
 )
 from supple.multibody.system import System, n_coordinates
 
@@ -150,7 +154,9 @@ class _FullOrderSystem:
         for index, part in enumerate(self.slices):
             own = vector[part]
             interior = self.interior_of.get(index)
-            parts.append(own if interior is None else np.concatenate([own[:6], interior.interface_rows @ own[6:]]))
+            parts.append(
+                own if interior is None else np.concatenate([own[:6], interior.interface_rows @ own[6:]])
+            )
         return np.concatenate(parts)
 
     def border_configuration(self, configuration: Configuration) -> Configuration:
@@ -400,18 +406,14 @@ class _FullOrderSystem:
             tuple(np.zeros(6) for _ in self.interiors),
         )
         # Velocities: the least change in the mass norm that closes the rates of joints and frames.
-        drift = np.asarray(
-            joint_terms(self.model, now, border, jnp.asarray(self.to_border(velocity))).rate
-        )
+        drift = np.asarray(joint_terms(self.model, now, border, jnp.asarray(self.to_border(velocity))).rate)
         frame_drift = tuple(i.frame_rows @ velocity[self.slices[i.index]][6:] for i in self.interiors)
         still = self.evaluate(state._replace(velocity=rest), 0.0)
         balanced = still._replace(
             border=_zero_residual(still.border),
             interior_residuals=tuple(np.zeros_like(r) for r in still.interior_residuals),
         )
-        change, _, _ = self.correction(
-            balanced, (-drift, tuple(-d for d in frame_drift)), rest, 0.0, 0.0
-        )
+        change, _, _ = self.correction(balanced, (-drift, tuple(-d for d in frame_drift)), rest, 0.0, 0.0)
         state = state._replace(velocity=velocity + change)
         # Accelerations and multipliers, with the second derivative of the constraints at constant velocity.
         bending = np.asarray(
@@ -536,9 +538,7 @@ def simulate_full_order(
         if failure is not None:
             raise ConvergenceError(failure_message(state.time, failure))
         progress(min(begin + size, len(times)) / len(times))
-    solution = concatenate(parts)
-    report_cuts(solution.statistics, step)
-    return solution
+    return concatenate(parts)
 
 
 class _March(NamedTuple):

@@ -135,7 +135,9 @@ def independent_constraints(system: System, jacobian: np.ndarray, mass: np.ndarr
     return tuple(int(i) for i in kept)
 
 
-def _bordered_solve(mass: np.ndarray, jacobian: np.ndarray, top: np.ndarray, bottom: np.ndarray) -> np.ndarray:
+def _bordered_solve(
+    mass: np.ndarray, jacobian: np.ndarray, top: np.ndarray, bottom: np.ndarray
+) -> np.ndarray:
     m = len(jacobian)
     scale = np.trace(mass) / len(mass)
     matrix = np.block([[mass, scale * jacobian.T], [scale * jacobian, np.zeros((m, m))]])

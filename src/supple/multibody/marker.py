@@ -29,11 +29,11 @@ __all__ = [
     "displaced",
     "frame_motion",
     "generalized_force",
-    "wrench_stiffness",
     "orientation",
     "point",
     "point_velocity",
     "with_rates",
+    "wrench_stiffness",
 ]
 
 N_LOCAL = 12
@@ -134,9 +134,7 @@ def frame_motion(marker: Marker) -> jax.Array:
     turned = marker.axes.T @ rotation_exp(marker.turn).T
     zero = jnp.zeros((3, 3))
     shift = jnp.concatenate([jnp.eye(3), -marker.rotation @ skew(arm), marker.rotation, zero], axis=1)
-    turn = jnp.concatenate(
-        [zero, turned, zero, marker.axes.T @ rotation_right_jacobian(marker.turn)], axis=1
-    )
+    turn = jnp.concatenate([zero, turned, zero, marker.axes.T @ rotation_right_jacobian(marker.turn)], axis=1)
     return jnp.concatenate([shift, turn])
 
 

@@ -36,7 +36,6 @@ __all__ = [
 ]
 
 
-
 def _static() -> Any:
     return field(metadata={"static": True})
 

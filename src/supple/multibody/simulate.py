@@ -28,6 +28,7 @@ from supple.multibody.initial_state import consistent_start
 from supple.multibody.model import Model
 from supple.multibody.system import System
 from supple.multibody.time_step import Controls, State, march
+from supple.multibody.validity import Peaks, Validity, watch
 
 __all__ = ["Checkpoint", "Progress", "Recorder", "output_times", "simulate"]
 
@@ -85,6 +86,7 @@ def simulate(
     step: StepControl | None = None,
     method: TimeIntegrator | None = None,
     tolerances: Tolerances | None = None,
+    validity: Validity | None = None,
     resume: Checkpoint | None = None,
     progress: Progress | None = None,
     record: Recorder | None = None,
@@ -98,6 +100,7 @@ def simulate(
     step : FixedStep | AdaptiveStep     default: a fixed step equal to the output step
     method : GeneralizedAlpha (default, rho_inf = 0.8) | Newmark | HilberHughesTaylor
     tolerances : Tolerances
+    validity : Validity     warn of a motion beyond what the kinematics allow (default), or stop at it
     resume : Checkpoint     go on from the end of an earlier part of the same run
     progress, record : called as the run goes on; `record` receives every completed chunk
 
@@ -110,23 +113,36 @@ def simulate(
     ModelError          a joint open at the start, a table that ends too early
     ConvergenceError    a step that fails at the smallest size: time, residual and remedy; what was computed
                         until then has been handed to `record`
+    ValidityError       a motion beyond the kinematics, under `Validity(strict=True)`
+
+    Warns
+    -----
+    ValidityWarning, StepCutWarning, RedundantConstraintWarning
     """
     step = step or FixedStep(output_step)
     method = method or GeneralizedAlpha()
     tolerances = tolerances or Tolerances()
     times = output_times(duration, output_step)
     check_laws_cover(system, times[-1])
+    limits = watch(system, validity or Validity())
+    peaks: dict[str, Peaks] = {}
+
+    def observed(chunk: Solution) -> None:
+        if record is not None:
+            record(chunk)
+        peaks.update(limits.observe(peaks, chunk))
+
     if any(isinstance(placed.body, FullBody) for placed in system.bodies):
         from supple.multibody.full_order import simulate_full_order as engine
     else:
         engine = _simulate_compiled
-    return engine(system, times, step, method, tolerances, resume, progress or _silent, record or _forget)
+    solution = engine(system, times, step, method, tolerances, resume, progress or _silent, observed)
+    report_cuts(solution.statistics, step)
+    limits.report(peaks)
+    return solution
 
 
 def _silent(fraction: float) -> None: ...
-
-
-def _forget(chunk: Solution) -> None: ...
 
 
 def controls(step: StepControl, method: TimeIntegrator, tolerances: Tolerances) -> Controls:
@@ -167,7 +183,7 @@ def _simulate_compiled(
     if resume is None:
         first = jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], state)
         parts.append(
-            _as_solution(system, model, first, Statistics(compile_seconds=ready - began, seconds=0.0))
+            as_solution(system, model, first, Statistics(compile_seconds=ready - began, seconds=0.0))
         )
         record(parts[0])
     last_mark = ready
@@ -189,16 +205,14 @@ def _simulate_compiled(
         last_mark = mark
         if good:
             parts.append(
-                _as_solution(system, model, jax.tree.map(lambda leaf: leaf[:good], states), statistics)
+                as_solution(system, model, jax.tree.map(lambda leaf: leaf[:good], states), statistics)
             )
             record(parts[-1])
         if bool(state.failed):
             raise ConvergenceError(failure_message(float(state.time), np.asarray(state.imbalance)))
         n_done += len(chunk)
         progress(n_done / len(times))
-    solution = concatenate(parts)
-    report_cuts(solution.statistics, step)
-    return solution
+    return concatenate(parts)
 
 
 def report_cuts(statistics: Statistics, step: StepControl) -> None:
@@ -208,7 +222,7 @@ def report_cuts(statistics: Statistics, step: StepControl) -> None:
             f"{statistics.cuts} steps did not converge and were cut ({statistics.steps} steps were taken); "
             f"a fixed step below {step.size:g} avoids this",
             StepCutWarning,
-            stacklevel=4,
+            stacklevel=3,
         )
 
 
@@ -224,21 +238,23 @@ def failure_message(time: float, imbalance: np.ndarray) -> str:
     )
 
 
-def _as_solution(system: System, model: Model, states: State, statistics: Statistics) -> Solution:
+def as_solution(system: System, model: Model, states: State, statistics: Statistics) -> Solution:
     """Stacked states (leading axis: time) as a solution."""
     states = jax.tree.map(np.asarray, states)
     return Solution(
         times=states.time,
-        bodies=body_motions(
-            system, model.slices, states.configuration, states.velocity, states.acceleration
-        ),
+        bodies=body_motions(system, model.slices, states.configuration, states.velocity, states.acceleration),
         joint_forces=_joint_forces(system, model, states.multipliers),
         statistics=statistics,
     )
 
 
 def body_motions(
-    system: System, slices: tuple[slice, ...], configuration: object, velocity: np.ndarray, acceleration: np.ndarray
+    system: System,
+    slices: tuple[slice, ...],
+    configuration: object,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
 ) -> dict[str, BodyMotion]:
     """Split stacked states (leading axis: time) by body."""
     motions = {}
@@ -278,7 +294,9 @@ def _resumed(
     last: Mapping[str, BodyMotion] = done.bodies
     names = [placed.body.name for placed in system.bodies]
     if set(names) != set(last) or {j.name for j in system.joints} != set(done.joint_forces):
-        raise ModelError("the recorded part has other bodies or joints than this system: it cannot be continued")
+        raise ModelError(
+            "the recorded part has other bodies or joints than this system: it cannot be continued"
+        )
     configuration = state.configuration._replace(
         origins=jnp.array([last[name].position[-1] for name in names]),
         rotations=jnp.array([last[name].rotation[-1] for name in names]),

@@ -69,7 +69,9 @@ class Placed:
             value = getattr(self, item)
             array = np.zeros(r) if value is None else np.array(value, dtype=float)
             if array.shape != (r,) or not np.isfinite(array).all():
-                raise ModelError(f"{item} of body '{name}' must be {r} finite numbers, got shape {array.shape}")
+                raise ModelError(
+                    f"{item} of body '{name}' must be {r} finite numbers, got shape {array.shape}"
+                )
             array.setflags(write=False)
             object.__setattr__(self, item, array)
 
@@ -117,7 +119,9 @@ class System:
         for kind, seen in (("body", names), ("joint", [joint.name for joint in self.joints])):
             for name in seen:
                 if seen.count(name) > 1:
-                    raise ModelError(f"{kind} name '{name}' is used {seen.count(name)} times: names must differ")
+                    raise ModelError(
+                        f"{kind} name '{name}' is used {seen.count(name)} times: names must differ"
+                    )
         if GROUND.body in names:
             raise ModelError("no body may be named 'ground': joints use that name for what does not move")
         for joint in self.joints:

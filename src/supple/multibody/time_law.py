@@ -54,7 +54,9 @@ class Table:
             raise ValueError("a table of a quantity over time holds NaN or infinite entries")
         if (np.diff(times) <= 0).any():
             row = int(np.argmax(np.diff(times) <= 0)) + 1
-            raise ValueError(f"times of a table must increase: row {row} has {times[row]} after {times[row - 1]}")
+            raise ValueError(
+                f"times of a table must increase: row {row} has {times[row]} after {times[row - 1]}"
+            )
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "values", values)
 

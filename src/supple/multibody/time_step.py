@@ -127,7 +127,9 @@ def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
     return jnp.where(norm > 0, norm / jnp.where(scale > 0, scale, 1.0), 0.0)
 
 
-def _imbalance(model: Model, terms: Balance, gap: jax.Array, trial: jax.Array, position: jax.Array) -> jax.Array:
+def _imbalance(
+    model: Model, terms: Balance, gap: jax.Array, trial: jax.Array, position: jax.Array
+) -> jax.Array:
     """Residual of each kind over the largest term in balance, and the constraints' over the accelerations."""
     kinds = _kinds(model)
     scale = jnp.max(
@@ -179,7 +181,9 @@ def _evaluate(
     )
 
 
-def _newton_correction(model: Model, rule: StepRule, start: State, trial: _Trial) -> tuple[jax.Array, jax.Array]:
+def _newton_correction(
+    model: Model, rule: StepRule, start: State, trial: _Trial
+) -> tuple[jax.Array, jax.Array]:
     motion = Motion(
         start.time + rule.h, trial.configuration, trial.velocity, trial.acceleration, trial.multipliers
     )
@@ -189,9 +193,7 @@ def _newton_correction(model: Model, rule: StepRule, start: State, trial: _Trial
         return -jnp.linalg.solve(matrix, trial.residual), jnp.zeros_like(trial.multipliers)
     rows = constraint_jacobian(model, motion.time, trial.configuration)
     rows_by_increment = constraint_jacobian(model, motion.time, trial.configuration, trial.increments)
-    bordered = jnp.block(
-        [[matrix, model.mass * rows.T], [model.mass * rows_by_increment, jnp.zeros((m, m))]]
-    )
+    bordered = jnp.block([[matrix, model.mass * rows.T], [model.mass * rows_by_increment, jnp.zeros((m, m))]])
     right = jnp.concatenate([trial.residual, model.mass * trial.gap / rule.position])
     correction = -jnp.linalg.solve(bordered, right)
     return correction[:n], model.mass * correction[n:]
@@ -269,7 +271,9 @@ def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> 
     ratio = jnp.where(error > 0, controls.error_tolerance / jnp.where(error > 0, error, 1.0), jnp.inf)
     grown = jnp.clip(0.9 * ratio ** (1 / 3), 0.2, 2.0)
     next_step = jnp.where(
-        converged, jnp.minimum(jnp.where(accepted, jnp.maximum(h, start.step), h) * grown, controls.largest), h / 2
+        converged,
+        jnp.minimum(jnp.where(accepted, jnp.maximum(h, start.step), h) * grown, controls.largest),
+        h / 2,
     )
     failed = ~accepted & (next_step < controls.smallest)
     last = h >= remaining * (1 - 1e-9)

@@ -4,7 +4,7 @@ from supple.reduction.compression import CompressedDerivatives, compress
 from supple.reduction.craig_bampton import CraigBampton
 from supple.reduction.derivative_columns import DerivativeChoice, DerivativeColumns, NoDerivatives
 from supple.reduction.guyan import Guyan, constraint_modes
-from supple.reduction.held_frequencies import held_frequencies
+from supple.reduction.held_modes import HeldModes, held_modes
 from supple.reduction.linear_basis import LinearBasis, LinearBasisRecipe, vibrating_basis
 from supple.reduction.modal_derivatives import ModalDerivatives, modal_derivatives
 from supple.reduction.normal_modes import CompleteBasis, NormalModes
@@ -30,6 +30,7 @@ __all__ = [
     "DerivativeChoice",
     "DerivativeColumns",
     "Guyan",
+    "HeldModes",
     "InternalForceTensors",
     "LinearBasis",
     "LinearBasisRecipe",
@@ -48,7 +49,7 @@ __all__ = [
     "UnitLoad",
     "compress",
     "constraint_modes",
-    "held_frequencies",
+    "held_modes",
     "internal_force_tensors",
     "modal_derivatives",
     "pick",

@@ -8,7 +8,6 @@ import numpy as np
 from scipy import linalg
 
 from supple.algebra import read_only
-from supple.algebra.rotation import skew
 from supple.reduction.reduced_body import ReducedBody
 
 
@@ -29,8 +28,7 @@ def held_modes(body: ReducedBody, interface: str, *, n_modes: int | None = None)
 
         q = R a + V gamma,   [ R_p  B_p V ] (a, gamma) = 0,   R_p the rigid motions at the interface p
 
-    The floating frame takes part in the motion, so the answer is that of the clamped body in any frame: as many
-    modes as there are coordinates, less those that the frame itself does not hold at p.
+    The floating frame takes part in the motion, so the answer is that of the clamped body in any frame.
 
     n_modes : how many; all of them when omitted
     Raises ModelError when the body has no interface of that name.
@@ -40,7 +38,8 @@ def held_modes(body: ReducedBody, interface: str, *, n_modes: int | None = None)
     fields = np.r_[0:6, 6 + 3 * r : 6 + 4 * r]
     mass = body.gram[np.ix_(fields, fields)]
     stiffness = linalg.block_diag(np.zeros((6, 6)), body.stiffness)
-    rigid = np.block([[np.eye(3), -np.asarray(skew(place.position))], [np.zeros((3, 3)), np.eye(3)]])
+    rigid = np.eye(6)
+    rigid[:3, 3:] = np.cross(np.eye(3), place.position).T
     free = linalg.null_space(np.hstack([rigid, place.motion]))
     values, vectors = linalg.eigh(free.T @ stiffness @ free, free.T @ mass @ free)
     motion = (free @ vectors[:, :n_modes]).T

@@ -21,8 +21,11 @@ from supple.viz.skin import Skin
 from supple.viz.style import COLOUR_MAP, COLOURS, textbook_style
 
 Array = NDArray[np.float64]
+Array8 = NDArray[np.uint8]
 
 _PIXELS_PER_INCH = 100
+# Place of white in a film's palette.
+_WHITE = 255
 
 
 def animate(
@@ -68,7 +71,9 @@ def animate(
         return colours((value - low) / max(high - low, 1e-300))[:, :3]
 
     with textbook_style():
-        figure = Figure(figsize=(n_columns / _PIXELS_PER_INCH, page.n_rows / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH)
+        figure = Figure(
+            figsize=(n_columns / _PIXELS_PER_INCH, page.n_rows / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH
+        )
         canvas = FigureCanvasAgg(figure)
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         image = show(axes, np.zeros((page.n_rows, page.n_columns, 4)), page)
@@ -85,17 +90,16 @@ def animate(
             for k, line in enumerate(paths):
                 line.set_data(*traced[: i + 1, k].T)
             canvas.draw()
-            frames.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
+            frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
             if progress is not None:
                 progress((i + 1) / len(times))
     _save_gif(Path(path), frames, frames_per_second)
     return Path(path)
 
 
-def _save_gif(path: Path, frames: list[Image.Image], frames_per_second: float) -> None:
-    # One palette, taken from a frame late in the film, keeps the background from flickering.
-    palette = frames[2 * len(frames) // 3].quantize(255, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-    indexed = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+def _save_gif(path: Path, frames: list[Array8], frames_per_second: float) -> None:
+    palette = _common_palette(frames)
+    indexed = [_indexed(frame, palette) for frame in frames]
     with replacing(path) as temporary:
         indexed[0].save(
             temporary,
@@ -104,9 +108,27 @@ def _save_gif(path: Path, frames: list[Image.Image], frames_per_second: float) -
             append_images=indexed[1:],
             duration=round(1000.0 / frames_per_second),
             loop=0,
-            # Pillow would merge frames in which nothing moves and shorten the film's list of times.
-            optimize=False,
         )
+
+
+def _common_palette(frames: list[Array8]) -> Image.Image:
+    """255 colours from frames all over the film, so that they do not flicker, and white as the last."""
+    sample = np.concatenate([frames[i] for i in np.unique(np.linspace(0, len(frames) - 1, 9).astype(int))])
+    palette = Image.fromarray(sample).quantize(_WHITE, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    colours = np.full((256, 3), 255)
+    found = np.array(palette.getpalette()).reshape(-1, 3)[:_WHITE]
+    colours[: len(found)] = found
+    palette.putpalette(colours.reshape(-1).tolist())
+    return palette
+
+
+def _indexed(frame: Array8, palette: Image.Image) -> Image.Image:
+    """The frame in colours of the palette; Pillow's approximate search would tint the white page."""
+    places = np.array(Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE))
+    places[(frame == 255).all(axis=2)] = _WHITE
+    indexed = Image.fromarray(places)
+    indexed.putpalette(palette.getpalette() or [])
+    return indexed
 
 
 def _check(
@@ -129,10 +151,13 @@ def _check(
         check_nodes(frame, skin)
     if values is not None and (values.shape != positions.shape[:2] or not np.isfinite(values).all()):
         raise ModelError(
-            f"cannot colour by values of shape {values.shape}: give finite ones of shape {positions.shape[:2]}"
+            f"cannot colour by values of shape {values.shape}: "
+            f"give finite ones of shape {positions.shape[:2]}"
         )
     wrong = [node for node in traced_nodes if not 0 <= node < positions.shape[1]]
     if wrong:
         raise ModelError(f"cannot trace node {wrong[0]}: there are {positions.shape[1]} nodes")
     if not 0.0 < frames_per_second <= 50.0:
-        raise ModelError(f"cannot animate at {frames_per_second} frames per second: give more than 0, at most 50")
+        raise ModelError(
+            f"cannot animate at {frames_per_second} frames per second: give more than 0, at most 50"
+        )

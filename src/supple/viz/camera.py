@@ -29,8 +29,14 @@ class Camera:
 
     def __post_init__(self) -> None:
         axes = np.array(self.axes, dtype=float)
-        if axes.shape != (3, 3) or not np.allclose(axes @ axes.T, np.eye(3), atol=1e-9) or np.linalg.det(axes) < 0:
-            raise ModelError("camera: right, up and towards must be orthonormal and right-handed; see Camera.looking")
+        if (
+            axes.shape != (3, 3)
+            or not np.allclose(axes @ axes.T, np.eye(3), atol=1e-9)
+            or np.linalg.det(axes) < 0
+        ):
+            raise ModelError(
+                "camera: right, up and towards must be orthonormal and right-handed; see Camera.looking"
+            )
         axes.setflags(write=False)
         object.__setattr__(self, "axes", axes)
 
@@ -45,7 +51,9 @@ class Camera:
         towards, upright = -np.asarray(along, dtype=float), np.asarray(up, dtype=float)
         right = np.cross(upright, towards)
         if np.linalg.norm(right) <= 1e-9 * np.linalg.norm(towards) * np.linalg.norm(upright):
-            raise ModelError(f"camera: looking along {along} with {up} up; give two directions that are not parallel")
+            raise ModelError(
+                f"camera: looking along {along} with {up} up; give two directions that are not parallel"
+            )
         axes = np.stack([right, np.cross(towards, right), towards])
         return cls(axes / np.linalg.norm(axes, axis=1, keepdims=True))
 

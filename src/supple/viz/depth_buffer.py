@@ -100,7 +100,7 @@ def _centres_between(low: Array, high: Array, n_pixels: int) -> tuple[IntArray, 
 
 def _depth_along_row(corners: Array, nearness: Array, spans: _Spans) -> tuple[Array, Array]:
     """Nearness = slope x + value at x = 0 along each span, for it is linear over a triangle."""
-    t, y = spans.triangle, spans.row + 0.5
+    t, y = spans.triangle, spans.row.astype(float) + 0.5
     at_zero, at_one = (np.einsum("si,si->s", _barycentric(corners, t, x, y), nearness[t]) for x in (0.0, 1.0))
     return at_one - at_zero, at_zero
 
@@ -118,5 +118,7 @@ def _twice_area(corners: Array) -> Array:
 
 def _barycentric(corners: Array, t: IntArray, x: Array | float, y: Array) -> Array:
     ax, ay = corners[t, :, 0].T - x, corners[t, :, 1].T - y
-    twice = np.stack([ax[1] * ay[2] - ax[2] * ay[1], ax[2] * ay[0] - ax[0] * ay[2], ax[0] * ay[1] - ax[1] * ay[0]])
+    twice = np.stack(
+        [ax[1] * ay[2] - ax[2] * ay[1], ax[2] * ay[0] - ax[0] * ay[2], ax[0] * ay[1] - ax[1] * ay[0]]
+    )
     return (twice / _twice_area(corners)[t]).T

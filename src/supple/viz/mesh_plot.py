@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
-from matplotlib.transforms import Affine2D, ScaledTranslation, Transform
+from matplotlib.transforms import Affine2D, Affine2DBase, ScaledTranslation, Transform
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
@@ -31,7 +32,14 @@ from supple.viz.style import (
 Array = NDArray[np.float64]
 
 N_COLUMNS = 1260
-_ARROW = {"arrowstyle": "-|>", "mutation_scale": 6.0, "linewidth": 0.9, "color": INK, "shrinkA": 0.0, "shrinkB": 0.0}
+_ARROW = {
+    "arrowstyle": "-|>",
+    "mutation_scale": 6.0,
+    "linewidth": 0.9,
+    "color": INK,
+    "shrinkA": 0.0,
+    "shrinkB": 0.0,
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +126,9 @@ def draw_outline(axes: Axes, nodes: Array, skin: Skin, camera: Camera) -> None:
     """The rims and folds of a surface as pale lines."""
     plane, _ = camera.project(nodes)
     edges = feature_edges(nodes, skin.triangles)
-    axes.add_collection(LineCollection(list(plane[edges]), colors=PALE_INK, linewidths=0.5, zorder=1.0), autolim=False)
+    axes.add_collection(
+        LineCollection(list(plane[edges]), colors=PALE_INK, linewidths=0.5, zorder=1.0), autolim=False
+    )
 
 
 def draw_cross(axes: Axes, camera: Camera) -> None:
@@ -133,7 +143,7 @@ def draw_cross(axes: Axes, camera: Camera) -> None:
         # An axis that points at the viewer is a dot; its name would cover the others'.
         if np.hypot(*tip) > 0.15:
             cross.annotate("", tip, (0.0, 0.0), arrowprops=_ARROW)
-            cross.text(*(1.35 * tip), name, ha="center", va="center", fontsize=7.5)
+            cross.text(1.35 * tip[0], 1.35 * tip[1], name, ha="center", va="center", fontsize=7.5)
 
 
 def draw_length_bar(axes: Axes, page: Page, unit: str) -> None:
@@ -158,7 +168,8 @@ def _corner(axes: Axes, size: float) -> Transform:
     """A square of the given side in points, in the lower left corner of the axes."""
     figure = axes.get_figure(root=True)
     assert figure is not None
-    return Affine2D().scale(size / 72.0) + figure.dpi_scale_trans + ScaledTranslation(0.0, 0.0, axes.transAxes)
+    lower_left = ScaledTranslation(0.0, 0.0, cast(Affine2DBase, axes.transAxes))
+    return Affine2D().scale(size / 72.0) + figure.dpi_scale_trans + lower_left
 
 
 def _round_length(length: float) -> float:

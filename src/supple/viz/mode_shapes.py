@@ -31,7 +31,7 @@ def plot_mode_shapes(
     amplitude: float = 0.1,
     camera: Camera | None = None,
 ) -> Path:
-    """Draw modes in rows of n_columns, each coloured by its own amplitude over the outline of the body at rest.
+    """Draw modes in rows of n_columns, each coloured by its amplitude over the outline of the body at rest.
 
     Parameters
     ----------
@@ -49,8 +49,8 @@ def plot_mode_shapes(
     check_nodes(nodes, skin)
     if modes.ndim != 3 or not len(modes) or modes.shape[1:] != nodes.shape or len(frequencies) != len(modes):
         raise ModelError(
-            f"cannot draw modes of shape {modes.shape} with {len(frequencies)} frequencies over nodes of shape "
-            f"{nodes.shape}; give (m, N, 3) and (m,)"
+            f"cannot draw modes of shape {modes.shape} with {len(frequencies)} frequencies over nodes "
+            f"of shape {nodes.shape}; give (m, N, 3) and (m,)"
         )
     if n_columns < 1:
         raise ModelError(f"mode shapes: n_columns is {n_columns}; give at least one")
@@ -74,7 +74,12 @@ def plot_mode_shapes(
         grid = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
         for i, (axes, shape, frequency) in enumerate(zip(grid, shapes, frequencies, strict=False)):
             picture = render(
-                shape, skin, camera, page, values=length[i] / largest[i], colouring=lambda v: colours(v)[:, :3]
+                shape,
+                skin,
+                camera,
+                page,
+                values=length[i] / largest[i],
+                colouring=lambda v: colours(v)[:, :3],
             )
             draw_outline(axes, nodes, skin, camera)
             show(axes, picture, page)

@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.results.error_measures import MotionError
-from supple.viz.style import COLOURS, SOLID, Stroke, draw_curve, legend_above, new_figure, save_figure, textbook_style
+from supple.viz.style import (
+    COLOURS,
+    SOLID,
+    Stroke,
+    draw_curve,
+    legend_above,
+    new_figure,
+    save_figure,
+    textbook_style,
+)
 
 Bounds = Mapping[str, float]
 
@@ -79,7 +88,9 @@ def plot_error_over_parameter(
         axes = figure.subplots()
         for rank, (label, values) in enumerate(errors.items()):
             if len(values) != len(parameter):
-                raise ModelError(f"error '{label}': {len(values)} values for {len(parameter)} {parameter_label}")
+                raise ModelError(
+                    f"error '{label}': {len(values)} values for {len(parameter)} {parameter_label}"
+                )
             marked = Stroke(colour=SOLID.colour, marker="osD^vP"[rank % 6])
             draw_curve(axes, parameter, _positive(values, label), marked, rank, label)
         axes.set_yscale("log")

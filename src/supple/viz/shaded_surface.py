@@ -26,8 +26,8 @@ _LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])
 _AMBIENT = 0.58
 # Each pixel of the picture averages so many by so many.
 _SUPERSAMPLING = 2
-# Mesh lines of finer meshes would merge into a grey.
-_FINEST_LINED_TRIANGLE = 7.0
+# Mesh lines of triangles fewer pixels high would merge into a grey.
+_FINEST_LINED_TRIANGLE = 3.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class Page:
 
 
 def page_around(points: Array, n_columns: int, *, margin: float = 0.04, least_aspect: float = 0.12) -> Page:
-    """The page that shows all projected points (..., 2) with a margin, its height a given share of its width at least."""
+    """The page that shows all projected points (..., 2) with a margin, and no flatter than a given aspect."""
     flat = points.reshape(-1, 2)
     low, high = flat.min(axis=0), flat.max(axis=0)
     centre, half = 0.5 * (low + high), 0.5 * (high - low) + margin * (high - low).max()
@@ -72,10 +72,10 @@ def render(
     values: Array | None = None,
     colouring: Colouring | None = None,
 ) -> Array:
-    """Picture (rows, columns, 4) of a surface, red green blue alpha from the bottom row, clear where it is not.
+    """Picture (rows, columns, 4) of a surface, red green blue alpha from the bottom row, clear around it.
 
-    Both sides are lit alike, for a shell shows either. With nodal values (N,) and a colouring, colours are found
-    pixel by pixel from the interpolated value.
+    Both sides are lit alike, for a shell shows either. With nodal values (N,) and a colouring, colours are
+    found pixel by pixel from the interpolated value.
     """
     k, triangles = _SUPERSAMPLING, skin.triangles
     fine = Page(page.low, page.high, k * page.n_columns)
@@ -89,7 +89,7 @@ def render(
         base = colouring(np.einsum("pi,pi->p", seen.weights, values[triangles[seen.triangle]]))
     brightness, gloss = _lighting(np.concatenate([plane, nearness[..., None]], axis=-1))
     colour = base * brightness[seen.triangle, None] + gloss[seen.triangle, None]
-    colour *= 1.0 - 0.3 * _on_mesh_line(corners, skin.mesh_lines, seen.triangle, seen.weights)[:, None]
+    colour *= 1.0 - 0.25 * _on_mesh_line(corners, skin.mesh_lines, seen.triangle, seen.weights)[:, None]
 
     picture = np.zeros((shape[0] * shape[1], 4))
     picture[seen.pixel, :3] = np.clip(colour, 0.0, 1.0)
@@ -106,7 +106,7 @@ def show(axes: Axes, picture: Array, page: Page) -> AxesImage:
 
 
 def _lighting(corners: Array) -> tuple[Array, Array]:
-    """Brightness of the colour and white gloss of each triangle (T,), corners (T, 3, 3) seen by the camera."""
+    """Brightness of the colour and white gloss (T,) of triangles whose corners (T, 3, 3) the camera sees."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     normal *= np.where(normal[:, 2:] < 0.0, -1.0, 1.0) / np.where(length > 0.0, length, 1.0)
@@ -115,14 +115,14 @@ def _lighting(corners: Array) -> tuple[Array, Array]:
 
 
 def _on_mesh_line(corners: Array, lined: NDArray[np.bool_], triangle: IntArray, weights: Array) -> Array:
-    """1 at pixels within half a final pixel of a mesh line, 0 elsewhere, and everywhere on a fine mesh."""
+    """1 at pixels closer to a mesh line than half its width, 0 elsewhere, and everywhere on a fine mesh."""
     sides = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
     twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
     heights = twice_area[:, None] / np.maximum(np.linalg.norm(sides, axis=2), 1e-300)
     if np.median(heights.min(axis=1)) < _FINEST_LINED_TRIANGLE * _SUPERSAMPLING:
         return np.zeros(len(triangle))
     distance = np.where(lined[triangle], weights * heights[triangle], np.inf).min(axis=1)
-    return (distance < 0.25 * _SUPERSAMPLING).astype(float)
+    return (distance < 0.4 * _SUPERSAMPLING).astype(float)
 
 
 def _average(picture: Array, k: int) -> Array:

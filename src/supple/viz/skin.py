@@ -48,10 +48,13 @@ class Skin:
 
     def __post_init__(self) -> None:
         if self.triangles.ndim != 2 or self.triangles.shape[1] != 3 or not len(self.triangles):
-            raise ModelError(f"skin: triangles of shape {self.triangles.shape}; give (T, 3) with at least one")
+            raise ModelError(
+                f"skin: triangles of shape {self.triangles.shape}; give (T, 3) with at least one"
+            )
         if self.mesh_lines.shape != self.triangles.shape:
             raise ModelError(
-                f"skin: mesh lines of shape {self.mesh_lines.shape} for triangles of shape {self.triangles.shape}"
+                f"skin: mesh lines of shape {self.mesh_lines.shape} for triangles of shape "
+                f"{self.triangles.shape}"
             )
         for array in (self.triangles, self.mesh_lines):
             array.setflags(write=False)
@@ -62,11 +65,11 @@ class Skin:
         return cls(np.array(triangles), np.ones(np.shape(triangles), dtype=bool))
 
 
-def skin(mesh: Mesh) -> Skin:
+def skin_of(mesh: Mesh) -> Skin:
     """The skin of a mesh.
 
-    Faces that two solid cells share lie inside and are left out; faces with mid-edge nodes are cut at them, so that
-    a curved face looks curved.
+    Faces that two solid cells share lie inside and are left out; faces with mid-edge nodes are cut at them,
+    so that a curved face looks curved.
     """
     parts = [_cell_skin(kind, cells) for kind, cells in mesh.cells.items()]
     return Skin(np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts]))

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -23,7 +24,7 @@ COLOUR_MAP = "viridis"
 TEXT_WIDTH = 6.3
 """Width of a picture in inch: the text width of an A4 page."""
 
-_RC = {
+_RC: dict[Any, Any] = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
     "font.size": 9.0,
@@ -83,7 +84,9 @@ PUBLISHED = Stroke(colour="#000000", width=0.0, marker="o")
 @contextmanager
 def textbook_style() -> Iterator[None]:
     """Draw inside this block in the library's style, leaving matplotlib's settings as they were."""
-    with mpl.rc_context({**mpl.rcParamsDefault, **_RC, "backend": mpl.rcParams["backend"]}):
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_RC)
         yield
 
 
@@ -131,7 +134,9 @@ def save_figure(figure: Figure, path: Path | str) -> Path:
     picture_format = path.suffix.lstrip(".").lower()
     known = figure.canvas.get_supported_filetypes()
     if picture_format not in known:
-        raise ModelError(f"cannot draw {path}: no picture format '{path.suffix}'; use one of {', '.join(sorted(known))}")
+        raise ModelError(
+            f"cannot draw {path}: no picture format '{path.suffix}'; use one of {', '.join(sorted(known))}"
+        )
     # Without the date, the same data gives the same file.
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(picture_format)
     with replacing(path) as temporary:

@@ -47,7 +47,7 @@ class Panel:
 
 
 def plot_time_history(path: Path | str, panels: Sequence[Panel], *, time_label: str = "time (s)") -> Path:
-    """Draw panels of curves over a common time axis; the legend stands once where all panels share their labels.
+    """Draw panels of curves over a common time axis, with one legend where all panels share their labels.
 
     Raises
     ------

@@ -25,7 +25,7 @@ class Cylindrical(Joint):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """z along the joint's axis."""
+        """Z along the joint's axis."""
         return axes_along(self.axis)
 
     @staticmethod

@@ -36,7 +36,7 @@ class PrescribedRotation(Joint):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """z along the joint's axis."""
+        """Z along the joint's axis."""
         return axes_along(self.axis)
 
     @property

@@ -31,7 +31,7 @@ class Revolute(Joint):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """z along the joint's axis."""
+        """Z along the joint's axis."""
         return axes_along(self.axis)
 
     @staticmethod

@@ -27,7 +27,7 @@ class Universal(Joint):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """z along the first axis, x along the second."""
+        """Z along the first axis, x along the second."""
         return axes_along(self.first_axis, hint=self.second_axis)
 
     @staticmethod

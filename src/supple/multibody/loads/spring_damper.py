@@ -23,9 +23,7 @@ class SpringDamper(ForceElement):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_not_negative(
-            self, stiffness=self.stiffness, damping=self.damping, rest_length=self.rest_length
-        )
+        check_not_negative(self, stiffness=self.stiffness, damping=self.damping, rest_length=self.rest_length)
 
     @property
     def parameters(self) -> tuple[float, ...]:

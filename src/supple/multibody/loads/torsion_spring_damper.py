@@ -33,7 +33,7 @@ class TorsionSpringDamper(ForceElement):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """z along the axis."""
+        """Z along the axis."""
         return axes_along(self.axis)
 
     @property
