@@ -131,7 +131,8 @@ def first_times(solution, n):
     )
 
 
-def test_pictures_and_film_are_drawn(case_folder):
+def test_pictures_and_film_are_drawn(case_folder, monkeypatch):
+    monkeypatch.setattr("supple.cli.pictures.N_FRAMES", 4)
     case = case_folder / "strip.toml"
     case.write_text(
         re.sub(r"(pictures|animation) = false", r"\1 = true", case.read_text()).replace("0.4", "0.04")
@@ -150,7 +151,7 @@ def test_pictures_and_film_are_drawn(case_folder):
 
 def test_strict_stops_at_a_motion_beyond_the_shell_s_validity(case_folder):
     case = case_folder / "strip.toml"
-    case.write_text(case.read_text().replace("2.1e11", "2.1e9"))
+    case.write_text(case.read_text().replace("2.1e11", "5e8"))
     assert "warning: body 'strip' turns by" in call("run", case, "-o", case_folder / "out")
     assert "error: body 'strip' turns by" in call("run", case, "-o", case_folder / "out", "--strict", code=2)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,19 @@ from supple.body import MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterfac
 from supple.fem import HomogeneousWall, Isotropic, shell_model
 from supple.mesh import strip
 from supple.reduction import CompressedDerivatives, NormalModes, reduce
+
+# The systems here are small and run for moments: compile them quickly rather than well.
+os.environ.setdefault(
+    "XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+)
+
+
+def pytest_configure(config):
+    """Keep compiled systems between runs, where pytest keeps what it knows about the last one."""
+    import jax
+
+    jax.config.update("jax_compilation_cache_dir", str(config.cache.mkdir("jax")))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 
 
 def _turned(axis, angle):

@@ -315,7 +315,9 @@ class Adaptive(Table):
 
     first: Positive = Field(description="first step, s")
     largest: Positive = Field(description="largest step, s")
-    tolerance: Positive = Field(1e-4, description="local error allowed per step, relative")
+    tolerance: Positive = Field(
+        1e-6, description="local error allowed per step, relative to the system's size"
+    )
 
 
 class Simulation(Table):

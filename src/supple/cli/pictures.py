@@ -24,7 +24,7 @@ from supple.viz import (
     plot_mesh,
     plot_mode_shapes,
     plot_time_history,
-    skin,
+    skin_of,
 )
 
 ElasticBody = ReducedBody | FullBody
@@ -52,7 +52,7 @@ def draw_pictures(
     """
     pictures: list[Path] = []
     for body, mesh in _elastic_bodies(built):
-        surface = skin(mesh)
+        surface = skin_of(mesh)
         stem = folder / body.name
         pictures.append(
             plot_mesh(stem.with_name(f"{body.name}-mesh.png"), mesh.nodes, surface, title=body.name)
@@ -85,7 +85,7 @@ def draw_film(
         deflection = np.linalg.norm(deflections(body, motion), axis=2)
         positions.append(node_positions(body, motion))
         values.append(deflection)
-        surface = skin(mesh)
+        surface = skin_of(mesh)
         surfaces.append(Skin(surface.triangles + n_nodes, surface.mesh_lines.copy()))
         # The path of the node that moves most against its body tells how the body swings.
         traced.append(n_nodes + int(np.argmax(deflection.max(axis=0))))

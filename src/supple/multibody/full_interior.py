@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
+import jax
 import numpy as np
 from scipy.sparse import csc_array, csr_array, vstack
 
-from supple.algebra import factorize_general
+from supple.algebra.sparse_factor import SparseFactor, factorize_general
 from supple.algebra.rotation import rotation_right_jacobian
 from supple.multibody.full_body import FullBody
 from supple.multibody.full_inertia import FullInertia, FullMotion, cross_matrices, cross_matrix
 from supple.multibody.loads import DeadForce
 
 __all__ = ["FullInterior", "InteriorForces", "InteriorState", "prepare_interior"]
+
+
+_right_jacobian = jax.jit(rotation_right_jacobian)
 
 
 class InteriorState(NamedTuple):
@@ -134,6 +139,14 @@ class FullInterior:
         joint = np.concatenate([np.zeros(6), self.frame_rows.T @ state.frame_multipliers])
         return InteriorForces(inertia, internal, applied, joint, self.frame_rows @ state.coordinates)
 
+    def _matrix(self, data: np.ndarray) -> csc_array:
+        return csc_array((data, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape)
+
+    @cached_property
+    def _analysed(self) -> SparseFactor:
+        """A factor of the mass matrix on the pattern, whose symbolic analysis serves every tangent."""
+        return factorize_general(self._matrix(self.constant["mass"][0]))
+
     def _stiffness_data(self, coordinates: np.ndarray) -> np.ndarray:
         if self.full.body.model is None:
             return self.constant["stiffness"][0]
@@ -160,11 +173,9 @@ class FullInterior:
             data = data + position * self._stiffness_data(state.coordinates)
         for kind, factors in weights.items():
             data = data + factors @ self.constant[kind]
-        matrix = csc_array((data, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape)
-
         columns, rows, corner = self._border(motion, state, increment, velocity, position)
         right = np.column_stack([residual, self.interface_rows.T.toarray(), columns, self.frame_rows.T])
-        solved = -factorize_general(matrix).solve(right)
+        solved = -self._analysed.refactorize(self._matrix(data)).solve(right)
         p = self.interface_rows.shape[0]
         return Elimination(
             particular=solved[:, 0],
@@ -185,7 +196,7 @@ class FullInterior:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tangents with the frame: columns (n, 6), rows (6, n), corner (6, 6), the frame's force in global."""
         columns, rows, corner = self.inertia.border(motion, velocity, position)
-        turn = position * np.asarray(rotation_right_jacobian(increment))
+        turn = position * np.asarray(_right_jacobian(increment))
         frame_force = self.inertia.terms(motion).frame[:3]
         # a = A^T (Rddot - g) changes with the frame's rotation, da = a x dpsi, and so does the force A p.
         swing = cross_matrix(motion.frame_acceleration) @ turn

@@ -15,6 +15,7 @@ A Python loop over time steps is unavoidable here: each iteration is one sparse 
 from __future__ import annotations
 
 import time as clock
+from functools import cached_property
 from typing import NamedTuple
 
 import jax
@@ -236,7 +237,7 @@ class _FullOrderSystem:
         accelerations = self.model.length * np.max(abs(state.acceleration) / self.position_scale)
         return largest / position / (accelerations + floor / position)
 
-    @property
+    @cached_property
     def position_scale(self) -> np.ndarray:
         """What counts as a large change of each freedom, (n,)."""
         length = self.model.length

@@ -2,7 +2,7 @@
 
 Positions are corrected by the least motion in the mass norm until `g(q, t_0) = 0`, velocities likewise until
 `dg/dt = 0`; then accelerations and multipliers follow from the equations of motion together with
-`d2g/dt2 = 0`. Joints that constrain the same motion twice are found by a rank-revealing factorisation of
+`d2g/dt2 = 0`. Joints that constrain the same motion twice are found by orthogonalising the rows of
 `G M^{-1/2}` and named.
 """
 
@@ -33,7 +33,7 @@ from supple.multibody.time_step import State
 __all__ = ["consistent_start"]
 
 _REDUNDANT = 1e-9
-"""A constraint row whose new part is smaller than this, relative to the largest, adds nothing."""
+"""A constraint row of which those before it leave less than this part adds nothing."""
 _OPEN = 1e-3
 """A joint open by more than this part of the system's size is a mistake, not a rounding error."""
 
@@ -112,15 +112,15 @@ def check_joints_closed(system: System, model: Model, gaps: np.ndarray) -> None:
 
 
 def independent_constraints(system: System, jacobian: np.ndarray, mass: np.ndarray) -> tuple[int, ...]:
-    """Indices of a largest set of independent constraint equations; the others are named in a warning."""
+    """Indices of a largest set of independent constraint equations; the others are named in a warning.
+
+    Joints are taken in their order, so that a closed loop loses rows of the joint that closes it. (The best
+    conditioned rows of several joints may turn dependent as soon as the mechanism moves.)
+    """
     if not len(jacobian):
         return ()
     scaled = scipy.linalg.solve_triangular(np.linalg.cholesky(mass), jacobian.T, lower=True)
-    scaled = scaled / np.linalg.norm(scaled, axis=0)
-    _, upper, order = scipy.linalg.qr(scaled, mode="economic", pivoting=True)
-    diagonal = np.zeros(len(jacobian))
-    diagonal[: min(upper.shape)] = abs(np.diag(upper))
-    kept = np.sort(order[diagonal > _REDUNDANT * diagonal[0]])
+    kept = _independent_columns(scaled)
     if kept.size == len(jacobian):
         return tuple(range(len(jacobian)))
     labels = [f"'{joint.name}' ({row})" for joint in system.joints for row in joint.rows]
@@ -133,6 +133,20 @@ def independent_constraints(system: System, jacobian: np.ndarray, mass: np.ndarr
         stacklevel=3,
     )
     return tuple(int(i) for i in kept)
+
+
+def _independent_columns(columns: np.ndarray) -> np.ndarray:
+    """Indices of the columns that those before them do not span (Gram-Schmidt, orthogonalised twice)."""
+    basis = np.zeros((len(columns), 0))
+    kept = []
+    for index, column in enumerate(columns.T):
+        new = column - basis @ (basis.T @ column)
+        new = new - basis @ (basis.T @ new)
+        size = np.linalg.norm(new)
+        if size > _REDUNDANT * np.linalg.norm(column):
+            basis = np.column_stack([basis, new / size])
+            kept.append(index)
+    return np.array(kept, dtype=int)
 
 
 def _bordered_solve(

@@ -222,14 +222,22 @@ def initial_point(system: System, end: At) -> np.ndarray:
     return placed.position + placed.rotation @ position
 
 
+def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:
+    """Global positions of both ends at the start; the ground's is where the other one starts, unless given."""
+    own = [None if end == GROUND else initial_point(system, end) for end in (element.first, element.second)]
+    given = element.ground_point if isinstance(element, ForceElement) else None
+    on_ground = given if given is not None else next(point for point in own if point is not None)
+    first, second = (on_ground if point is None else point for point in own)
+    return first, second
+
+
 def joint_ends(system: System, element: Joint | ForceElement) -> tuple[End, End]:
-    """Both markers of a joint or force; a ground marker stands where the other one starts."""
-    moving = element.first if element.first != GROUND else element.second
-    ground_point = initial_point(system, moving)
+    """Both markers of a joint or force."""
+    first, second = initial_points(system, element)
     axes = element.initial_axes
     return (
-        _end(system, element.first, axes, ground_point),
-        _end(system, element.second, axes, ground_point),
+        _end(system, element.first, axes, first),
+        _end(system, element.second, axes, second),
     )
 
 
@@ -251,6 +259,14 @@ def _dead_force(system: System, load: DeadForce) -> DeadForceArrays:
         nodes = np.asarray(load.at, dtype=int)
         positions, basis = body.nodes[nodes], body.displacement_basis[nodes]
     return DeadForceArrays(body=index, law=load.law, positions=positions, basis=basis)
+
+
+def _check_apart(system: System, load: ForceElement) -> None:
+    first, second = initial_points(system, load)
+    if load.acts_along_line and np.array_equal(first, second):
+        raise ModelError(
+            f"{load.label}: both ends start at {first.tolist()}, so it has no direction: move an end or its anchor"
+        )
 
 
 def system_length(system: System) -> float:
@@ -282,6 +298,7 @@ def build_model(system: System, active: tuple[int, ...] | None = None) -> Model:
             if not is_nodal_load_on_full_body(system, load):
                 dead.append(_dead_force(system, load))
         else:
+            _check_apart(system, load)
             first, second = joint_ends(system, load)
             forces.append(ForceArrays(type(load).wrenches, load.law, load.parameters, first, second))
     n_equations = sum(joint.n_constraints for joint in system.joints)

@@ -16,8 +16,8 @@ from supple.errors import ModelError
 from supple.results.atomic_write import replacing
 from supple.viz.camera import Camera
 from supple.viz.mesh_plot import check_nodes, draw_cross, draw_length_bar
+from supple.viz.mesh_skin import Skin
 from supple.viz.shaded_surface import page_around, render, show
-from supple.viz.skin import Skin
 from supple.viz.style import COLOUR_MAP, COLOURS, textbook_style
 
 Array = NDArray[np.float64]

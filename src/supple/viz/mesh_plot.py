@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from supple.errors import ModelError
 from supple.viz.camera import Camera
 from supple.viz.feature_edges import feature_edges
+from supple.viz.mesh_skin import Skin
 from supple.viz.shaded_surface import Page, page_around, render, show
-from supple.viz.skin import Skin
 from supple.viz.style import (
     COLOUR_MAP,
     INK,

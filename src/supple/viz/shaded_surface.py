@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from supple.viz.camera import Camera
 from supple.viz.depth_buffer import visible_triangles
-from supple.viz.skin import Skin
+from supple.viz.mesh_skin import Skin
 from supple.viz.style import SURFACE_COLOUR
 
 Array = NDArray[np.float64]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,6 +23,9 @@ class ForceElement(ABC):
     first: At
     second: At = GROUND
 
+    acts_along_line: ClassVar[bool] = False
+    """True when the law needs a line between its ends, which must then stay apart."""
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "first", At(*self.first))
         object.__setattr__(self, "second", At(*self.second))
@@ -38,6 +41,11 @@ class ForceElement(ABC):
     def initial_axes(self) -> np.ndarray:
         """Axes of both markers in the initial configuration, global, as columns."""
         return np.eye(3)
+
+    @property
+    def ground_point(self) -> np.ndarray | None:
+        """Where the force takes hold of the ground (3,); None: where its other end starts."""
+        return None
 
     @property
     def law(self) -> TimeLaw | None:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import jax.numpy as jnp
+import numpy as np
 
+from supple.errors import ModelError
+from supple.multibody.joints.joint import GROUND
 from supple.multibody.loads.force_element import ForceElement, check_not_negative
 from supple.multibody.marker import Marker, Wrench, point, point_velocity
 
@@ -20,6 +23,10 @@ class SpringDamper(ForceElement):
     stiffness: float = 0.0
     damping: float = 0.0
     rest_length: float = 0.0
+    anchor: tuple[float, float, float] | None = None
+    """Global point of the end that is on the ground, where one is."""
+
+    acts_along_line: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -6,7 +6,7 @@ import pytest
 from supple.errors import ModelError
 from supple.mesh import CellType, block, box_beam, strip
 from supple.viz.feature_edges import feature_edges
-from supple.viz.skin import Skin, skin_of
+from supple.viz.mesh_skin import Skin, skin_of
 
 SOLIDS = [CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20]
 

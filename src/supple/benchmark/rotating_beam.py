@@ -1,0 +1,347 @@
+"""The rotating beam of [Wu2019] section 6.1: a strip of shells, spun up about its root, full and reduced.
+
+The beam (L = 10 m, EA = 2.8e7 N, EI = 1.4e4 N m^2, rho A = 1.2 kg/m) is a flat strip that turns about the
+width of its root section, so that it bends out of its plane. It lies along x and turns about -y, which
+lifts it towards +z; its tip lags. The full model and the reduced ones are run in both floating frames, and
+a geometrically exact beam, which knows no frame, judges the kinematics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.benchmark.beam_motion import spin_up_beam
+from supple.benchmark.planar_beam import ROTATING_BEAM
+from supple.benchmark.spin_up import SpinUp
+from supple.body import (
+    FlexibleBody,
+    Frame,
+    MeanAxisFrame,
+    NodalFixedFrame,
+    RigidInterface,
+    flexible_body,
+)
+from supple.errors import ConvergenceError
+from supple.fem import GREEN_LAGRANGE, VON_KARMAN, HomogeneousWall, Isotropic, MembraneKinematics, shell_model
+from supple.integrate import FixedStep, Solution, concatenate
+from supple.mesh import Mesh, strip
+from supple.multibody import GROUND, FullBody, Placed, PrescribedRotation, System, simulate
+from supple.reduction import (
+    AmplitudeProduct,
+    CompressedDerivatives,
+    CraigBampton,
+    DerivativeChoice,
+    LinearBasisRecipe,
+    NoDerivatives,
+    PickedDerivatives,
+    ReducedBody,
+    Rubin,
+    StaticLoad,
+    reduce,
+)
+from supple.results.error_measures import MotionError, motion_error
+from supple.results.recovery import displacement_from_axes, node_positions
+
+__all__ = [
+    "BeamRun",
+    "FullRun",
+    "ReducedRun",
+    "RotatingBeam",
+    "TipMotion",
+    "run_rotating_beam",
+    "spin_up_load",
+]
+
+Array = NDArray[np.float64]
+
+BODY = "beam"
+ROOT = "root"
+FRAMES: dict[str, Frame] = {"nodal-fixed": NodalFixedFrame(ROOT), "mean-axis": MeanAxisFrame()}
+KINEMATICS: dict[str, MembraneKinematics] = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
+
+
+@dataclass(frozen=True)
+class RotatingBeam:
+    """Size of the benchmark.
+
+    speeds : final speeds omega_s, rad/s        kinematics : names from KINEMATICS
+    n_length, n_width : cells of the strip      width : m, of a strip with Poisson's ratio zero
+    step, output_step, duration : s             steady_from : s, from when the extension is averaged
+    """
+
+    speeds: tuple[float, ...] = (6.0, 8.0, 10.0, 12.0)
+    kinematics: tuple[str, ...] = ("green-lagrange", "von-karman")
+    n_length: int = 20
+    n_width: int = 2
+    width: float = 0.5
+    step: float = 0.01
+    output_step: float = 0.02
+    duration: float = 20.0
+    steady_from: float = 16.0
+
+    @classmethod
+    def quick(cls) -> RotatingBeam:
+        """One speed, one kinematics and a coarse mesh: under a minute."""
+        return cls(speeds=(6.0,), kinematics=("green-lagrange",), n_length=10, step=0.02)
+
+    def mesh(self) -> Mesh:
+        """The strip."""
+        return strip(ROTATING_BEAM.length, self.width, self.n_length, self.n_width)
+
+    def body(self, kinematics: MembraneKinematics) -> FlexibleBody:
+        """The strip with its root section as a rigid interface; thickness and modulus follow from EA and EI."""
+        beam = ROTATING_BEAM
+        thickness = float(np.sqrt(12 * beam.bending_stiffness / beam.axial_stiffness))
+        area = self.width * thickness
+        material = Isotropic(beam.axial_stiffness / area, 0.0, beam.mass_per_length / area)
+        model = shell_model(self.mesh(), HomogeneousWall(material, thickness), kinematics=kinematics)
+        return flexible_body(BODY, model, [RigidInterface(ROOT, ROOT)])
+
+
+@dataclass(frozen=True)
+class TipMotion:
+    """Tip displacement seen from axes that turn with the root, (51): axial `u`, transverse `v`, (t,) each."""
+
+    times: Array
+    u: Array
+    v: Array
+
+    def peak(self) -> tuple[float, float]:
+        """Largest deflection and its time, from the parabola through the three samples about the extreme."""
+        i = int(np.clip(np.argmin(self.v), 1, len(self.v) - 2))
+        before, at, after = self.v[i - 1 : i + 2]
+        curvature = before - 2 * at + after
+        shift = 0.5 * (before - after) / curvature if curvature > 0 else 0.0
+        step = self.times[i + 1] - self.times[i]
+        return float(at - 0.25 * (before - after) * shift), float(self.times[i] + shift * step)
+
+    def mean_extension(self, after: float) -> float:
+        """Mean axial displacement from a time on."""
+        return float(self.u[self.times >= after].mean())
+
+
+@dataclass(frozen=True)
+class FullRun:
+    """One full-order simulation."""
+
+    frame: str
+    kinematics: str
+    omega: float
+    solution: Solution
+    body: FullBody
+    tip: TipMotion
+
+
+@dataclass(frozen=True)
+class ReducedRun:
+    """One reduced simulation beside its full one; `failed_at` is the time at which it broke off, or None."""
+
+    full: FullRun
+    basis: str
+    derivatives: str
+    body: ReducedBody
+    n_linear: int
+    n_added: int
+    solution: Solution
+    tip: TipMotion
+    error: MotionError
+    offline_seconds: float
+    failed_at: float | None
+
+
+@dataclass(frozen=True)
+class BeamRun:
+    """All runs, and the exact beam's tip motion by speed."""
+
+    problem: RotatingBeam
+    exact: dict[float, TipMotion]
+    full: tuple[FullRun, ...]
+    reduced: tuple[ReducedRun, ...]
+
+
+Announce = Callable[[str], Callable[[float], None]]
+"""Called with the name of a run about to start; gives the callback for its progress."""
+
+
+def run_rotating_beam(problem: RotatingBeam, announce: Announce) -> Iterator[BeamRun]:
+    """Run the benchmark; yields everything known after each simulation, so that nothing computed is lost."""
+    exact: dict[float, TipMotion] = {}
+    full: list[FullRun] = []
+    reduced: list[ReducedRun] = []
+    for speed in problem.speeds:
+        spin = SpinUp(speed)
+        progress = announce(f"exact beam, {speed:g} rad/s")
+        exact[speed] = _exact_tip(problem, spin)
+        progress(1.0)
+        for kinematics in problem.kinematics:
+            body = problem.body(KINEMATICS[kinematics])
+            for frame in FRAMES:
+                label = f"{frame}, {kinematics}, {speed:g} rad/s"
+                reference = _run_full(problem, spin, body, frame, kinematics, announce(f"full {label}"))
+                full.append(reference)
+                yield BeamRun(problem, exact, tuple(full), tuple(reduced))
+                for choice in _choices(body, frame, with_linear=speed == problem.speeds[0]):
+                    name = f"{choice.n_linear} + {choice.n_added} {choice.derivatives_name}"
+                    reduced.append(
+                        _run_reduced(problem, spin, body, reference, choice, announce(f"{name}, {label}"))
+                    )
+                    yield BeamRun(problem, exact, tuple(full), tuple(reduced))
+
+
+def _exact_tip(problem: RotatingBeam, spin: SpinUp) -> TipMotion:
+    motion = spin_up_beam(ROTATING_BEAM, spin, duration=problem.duration, step=0.5 * problem.step)
+    every = round(problem.output_step / (0.5 * problem.step))
+    return TipMotion(motion.times[::every], motion.tip_axial[::every], motion.tip_transverse[::every])
+
+
+@dataclass(frozen=True)
+class _Choice:
+    """A basis: recipe, derivatives and their names and numbers in the report."""
+
+    recipe: LinearBasisRecipe
+    basis_name: str
+    derivatives: DerivativeChoice
+    derivatives_name: str
+    n_linear: int
+    n_added: int
+
+
+def _choices(body: FlexibleBody, frame: str, *, with_linear: bool) -> list[_Choice]:
+    """The bases of [Wu2019] Table 1, with picked and with compressed derivatives."""
+    load = AmplitudeProduct(StaticLoad(spin_up_load(body)))
+
+    def linear(n_columns: int) -> tuple[LinearBasisRecipe, str]:
+        if frame == "nodal-fixed":
+            return CraigBampton(n_modes=n_columns), "craig-bampton"
+        return Rubin(n_columns=n_columns), "rubin"
+
+    enriched: list[tuple[DerivativeChoice, str]] = [
+        (PickedDerivatives(10, criterion=load), "picked"),
+        (CompressedDerivatives(10, weights=load), "compressed"),
+    ]
+    choices = [_Choice(*linear(10), choice, name, 10, 10) for choice, name in enriched]
+    if with_linear:
+        choices.append(_Choice(*linear(50), NoDerivatives(), "none", 50, 0))
+    return choices
+
+
+def spin_up_load(body: FlexibleBody) -> Array:
+    """Inertia force of a unit angular acceleration about the root's y axis, balanced at the root, (n_nodal,).
+
+    It tells which modes the spin-up bends, hence which derivatives matter: their pairs' weights p_j p_k.
+    """
+    root = body.interface(ROOT)
+    d = body.dofs_per_node
+    turning = np.zeros((len(body.nodes), d))
+    turning[:, :3] = np.cross([0.0, 1.0, 0.0], body.nodes - root.position)
+    turning[:, 4] = 1.0
+    load = (body.nodal_mass @ turning.ravel()).reshape(-1, d)
+    force = load[:, :3].sum(axis=0)
+    moment = np.cross(body.nodes - root.position, load[:, :3]).sum(axis=0) + load[:, 3:].sum(axis=0)
+    held = np.asarray(root.node_ids)
+    load[held, :3] -= force / len(held)
+    load[held, 3:] -= moment / len(held)
+    return load.ravel()
+
+
+def _system(body: FullBody | ReducedBody, spin: SpinUp) -> System:
+    hinge = PrescribedRotation(
+        name="hinge", first=GROUND, second=(BODY, ROOT), axis=(0.0, -1.0, 0.0), angle=spin
+    )
+    return System(bodies=(Placed(body),), joints=(hinge,))
+
+
+def _tip(problem: RotatingBeam, spin: SpinUp, body: FullBody | ReducedBody, solution: Solution) -> TipMotion:
+    node = problem.mesh().nodes_of("tip_centre")
+    positions = node_positions(body, solution.bodies[BODY], node)[:, 0]
+    angle = np.asarray(spin(solution.times))
+    cosine, sine, zero, one = np.cos(angle), np.sin(angle), 0 * angle, 1 + 0 * angle
+    # Columns: the root's axis, the width, and the normal towards which a positive rotation moves the beam.
+    axes = np.stack(
+        [
+            np.stack([cosine, zero, sine], axis=-1),
+            np.stack([zero, one, zero], axis=-1),
+            np.stack([-sine, zero, cosine], axis=-1),
+        ],
+        axis=-1,
+    )
+    seen = displacement_from_axes(positions, np.zeros(3), axes, body.nodes[node[0]])
+    return TipMotion(solution.times, seen[:, 0], seen[:, 2])
+
+
+def _run_full(
+    problem: RotatingBeam,
+    spin: SpinUp,
+    body: FlexibleBody,
+    frame: str,
+    kinematics: str,
+    progress: Callable[[float], None],
+) -> FullRun:
+    full = FullBody(body, FRAMES[frame])
+    solution = simulate(
+        _system(full, spin),
+        duration=problem.duration,
+        output_step=problem.output_step,
+        step=FixedStep(problem.step),
+        progress=progress,
+    )
+    return FullRun(frame, kinematics, spin.speed, solution, full, _tip(problem, spin, full, solution))
+
+
+def _run_reduced(
+    problem: RotatingBeam,
+    spin: SpinUp,
+    body: FlexibleBody,
+    full: FullRun,
+    choice: _Choice,
+    progress: Callable[[float], None],
+) -> ReducedRun:
+    began = perf_counter()
+    reduced = reduce(body, FRAMES[full.frame], choice.recipe, derivatives=choice.derivatives)
+    offline = perf_counter() - began
+    parts: list[Solution] = []
+    failed_at = None
+    try:
+        simulate(
+            _system(reduced, spin),
+            duration=problem.duration,
+            output_step=problem.output_step,
+            step=FixedStep(problem.step),
+            progress=progress,
+            record=parts.append,
+        )
+    except ConvergenceError:
+        # A basis without the derivatives it needs may well break down: a result of this benchmark.
+        failed_at = float(parts[-1].times[-1])
+        progress(1.0)
+    solution = concatenate(parts)
+    reference = _until(full.solution, len(solution.times))
+    return ReducedRun(
+        full=full,
+        basis=choice.basis_name,
+        derivatives=choice.derivatives_name,
+        body=reduced,
+        n_linear=choice.n_linear,
+        n_added=choice.n_added,
+        solution=solution,
+        tip=_tip(problem, spin, reduced, solution),
+        error=motion_error(reference, full.body, solution, reduced, body=BODY),
+        offline_seconds=offline,
+        failed_at=failed_at,
+    )
+
+
+def _until(solution: Solution, n_times: int) -> Solution:
+    """The first part of a solution."""
+    bodies: dict[str, Any] = {
+        name: type(motion)(**{key: value[:n_times] for key, value in vars(motion).items()})
+        for name, motion in solution.bodies.items()
+    }
+    forces = {name: values[:n_times] for name, values in solution.joint_forces.items()}
+    return Solution(solution.times[:n_times], bodies, forces, solution.statistics)

@@ -1,0 +1,211 @@
+"""The rotating beam's numbers: the JSON report, the tables beside the paper's, the figures redrawn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from supple.benchmark.machine import describe_machine
+from supple.benchmark.rotating_beam import BeamRun, FullRun, ReducedRun, TipMotion
+from supple.viz.rms_error import plot_error_over_parameter, plot_rms_error
+from supple.viz.time_history import Panel, Series, plot_time_history
+
+__all__ = ["PUBLISHED_PEAKS", "PUBLISHED_RMS", "draw_figures", "report", "tables"]
+
+PUBLISHED_PEAKS = {6.0: -0.576, 8.0: -0.726, 10.0: -0.858, 12.0: -0.972}
+"""m: largest transverse tip deflection by final speed; at 6 rad/s the literature spans -0.574 to -0.578."""
+PUBLISHED_EXTENSION = 5.14e-4
+"""m: steady axial extension at 6 rad/s, rho A omega^2 L^3 / (3 EA)."""
+PUBLISHED_RMS = {"nodal-fixed": 1.5e-4, "mean-axis": 2e-5}
+"""m: largest RMS error with 10 + 10 columns at 6 rad/s, [Wu2019] Fig. 7a."""
+
+
+def _frame_of_record(run: BeamRun, omega: float) -> FullRun:
+    """The full run that stands for the motion: the mean-axis Green-Lagrange one where there is one."""
+    candidates = [full for full in run.full if full.omega == omega]
+    return max(candidates, key=lambda full: (full.kinematics == "green-lagrange", full.frame == "mean-axis"))
+
+
+def _parting(tip: TipMotion, exact: TipMotion) -> dict[str, Any]:
+    """Where a tip motion leaves the exact beam's: largest difference, and when it first exceeds 1 % of the peak."""
+    n = min(len(tip.times), len(exact.times))
+    difference = np.hypot(tip.u[:n] - exact.u[:n], tip.v[:n] - exact.v[:n])
+    apart = difference > 0.01 * np.max(abs(exact.v))
+    return {
+        "max_difference_m": float(difference.max()),
+        "over_peak": float(difference.max() / np.max(abs(exact.v))),
+        "parts_by_1_percent_at_s": float(tip.times[np.argmax(apart)]) if apart.any() else None,
+    }
+
+
+def _tip_numbers(tip: TipMotion, steady_from: float) -> dict[str, float]:
+    peak, time = tip.peak()
+    return {
+        "v_peak": peak,
+        "v_peak_time": time,
+        "u_mean_after_16s": tip.mean_extension(steady_from),
+    }
+
+
+def report(run: BeamRun) -> dict[str, Any]:
+    """Everything measured, ready for JSON; the keys `tip`, `roms`, `full` and `machine` are a contract."""
+    steady = run.problem.steady_from
+    speeds = [omega for omega in run.problem.speeds if any(full.omega == omega for full in run.full)]
+    return {
+        "tip": {f"{omega:g}": _tip_numbers(_frame_of_record(run, omega).tip, steady) for omega in speeds},
+        "exact_beam": {f"{omega:g}": _tip_numbers(run.exact[omega], steady) for omega in speeds},
+        "full": [
+            {
+                "frame": full.frame,
+                "kinematics": full.kinematics,
+                "omega": full.omega,
+                "iterations": full.solution.statistics.iterations,
+                "steps": full.solution.statistics.steps,
+                "seconds": full.solution.statistics.seconds,
+                **_tip_numbers(full.tip, steady),
+                "against_exact_beam": _parting(full.tip, run.exact[full.omega]),
+            }
+            for full in run.full
+        ],
+        "roms": [_reduced_numbers(rom) for rom in run.reduced],
+        "problem": vars(run.problem),
+        "machine": describe_machine(),
+    }
+
+
+def _reduced_numbers(rom: ReducedRun) -> dict[str, Any]:
+    statistics = rom.solution.statistics
+    return {
+        "frame": rom.full.frame,
+        "basis": rom.basis,
+        "derivatives": rom.derivatives,
+        "kinematics": rom.full.kinematics,
+        "linear": rom.n_linear,
+        "added": rom.n_added,
+        "size": rom.body.r,
+        "omega": rom.full.omega,
+        "max_rms": rom.error.max_rms,
+        "re_percent": rom.error.relative_percent,
+        "iterations": statistics.iterations,
+        "seconds": statistics.seconds,
+        "compile_seconds": statistics.compile_seconds,
+        "offline_seconds": rom.offline_seconds,
+        "cuts": statistics.cuts,
+        "failed_at": rom.failed_at,
+    }
+
+
+def tables(run: BeamRun) -> list[tuple[str, list[str], list[list[str]]]]:
+    """The report's tables: title, column heads, rows."""
+    steady = run.problem.steady_from
+    motion = []
+    for omega, exact in run.exact.items():
+        rows: list[tuple[str, TipMotion]] = [("exact beam", exact)]
+        rows += [
+            (f"full, {full.frame}, {full.kinematics}", full.tip) for full in run.full if full.omega == omega
+        ]
+        for label, tip in rows:
+            peak, time = tip.peak()
+            published = PUBLISHED_PEAKS.get(omega)
+            parting = _parting(tip, exact)
+            motion.append(
+                [
+                    f"{omega:g}",
+                    label,
+                    f"{peak:.4f}",
+                    "" if published is None else f"{published:.3f}",
+                    f"{time:.2f}",
+                    f"{tip.mean_extension(steady):.4e}",
+                    f"{100 * parting['over_peak']:.2f}",
+                ]
+            )
+    errors = []
+    for rom in run.reduced:
+        statistics, reference = rom.solution.statistics, rom.full.solution.statistics
+        published = PUBLISHED_RMS[rom.full.frame] if rom.n_added and rom.full.omega == 6.0 else None
+        errors.append(
+            [
+                f"{rom.full.omega:g}",
+                f"{rom.full.frame}, {rom.full.kinematics}",
+                f"{rom.basis} {rom.n_linear} + {rom.n_added} {rom.derivatives}",
+                f"{rom.error.max_rms:.1e}"
+                + ("" if rom.failed_at is None else f" (to {rom.failed_at:.2f} s)"),
+                "" if published is None else f"{published:.1e}",
+                f"{rom.error.relative_percent:.1e}",
+                f"{statistics.seconds:.2f}",
+                f"{reference.seconds / statistics.seconds:.0f}",
+            ]
+        )
+    return [
+        (
+            "Tip motion in axes that turn with the root",
+            ["rad/s", "model", "peak v (m)", "published", "at (s)", "mean u (m)", "off exact (% of peak)"],
+            motion,
+        ),
+        (
+            "Reduced models against the full model in the same frame",
+            [
+                "rad/s",
+                "frame, kinematics",
+                "basis",
+                "max RMS (m)",
+                "[Wu2019]",
+                "RE (%)",
+                "seconds",
+                "speed-up",
+            ],
+            errors,
+        ),
+    ]
+
+
+def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
+    """Figures 6 and 7 of [Wu2019] redrawn; the pictures' paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    omega = run.problem.speeds[0]
+    kinematics = run.problem.kinematics[0]
+    full = [one for one in run.full if one.omega == omega and one.kinematics == kinematics]
+    roms = [one for one in run.reduced if one.full.omega == omega and one.full.kinematics == kinematics]
+    exact = run.exact[omega]
+    motions = [("exact beam", exact)]
+    motions += [(f"full, {one.frame}", one.tip) for one in full]
+    motions += [(_label(one), one.tip) for one in roms if one.derivatives != "picked"]
+    panels = [
+        Panel("v (m)", [Series(label, tip.times, tip.v) for label, tip in motions]),
+        Panel("u (m)", [Series(label, tip.times, tip.u) for label, tip in motions]),
+    ]
+    enriched = {_label(one): one.error for one in roms if one.n_added}
+    pictures = [
+        plot_time_history(folder / "figure_6_tip_motion.png", panels),
+        plot_rms_error(
+            folder / "figure_7a_rms_error.png",
+            enriched,
+            published={f"{frame}, [Wu2019]": bound for frame, bound in PUBLISHED_RMS.items()},
+        ),
+    ]
+    speeds = [speed for speed in run.problem.speeds if any(one.full.omega == speed for one in run.reduced)]
+    if len(speeds) > 1:
+        pictures.append(_draw_error_over_speed(run, kinematics, speeds, folder))
+    return pictures
+
+
+def _label(rom: ReducedRun) -> str:
+    return f"{rom.full.frame}, {rom.n_linear} + {rom.n_added} {rom.derivatives}".replace(
+        " + 0 none", " linear"
+    )
+
+
+def _draw_error_over_speed(run: BeamRun, kinematics: str, speeds: list[float], folder: Path) -> Path:
+    errors: dict[str, np.ndarray] = {}
+    for rom in run.reduced:
+        if rom.n_added and rom.full.kinematics == kinematics:
+            values = errors.setdefault(_label(rom), np.full(len(speeds), np.nan))
+            values[speeds.index(rom.full.omega)] = rom.error.relative_percent
+    return plot_error_over_parameter(
+        folder / "figure_7b_relative_error.png",
+        np.array(speeds),
+        errors,
+        parameter_label="final speed (rad/s)",
+    )
