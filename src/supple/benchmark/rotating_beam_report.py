@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from supple.benchmark.machine import describe_machine
 from supple.benchmark.rotating_beam import BeamRun, FullRun, ReducedRun, TipMotion
 from supple.viz.rms_error import plot_error_over_parameter, plot_rms_error
+from supple.viz.style import REFERENCE, SOLID
 from supple.viz.time_history import Panel, Series, plot_time_history
 
 __all__ = ["PUBLISHED_PEAKS", "PUBLISHED_RMS", "draw_figures", "report", "tables"]
@@ -102,23 +104,24 @@ def tables(run: BeamRun) -> list[tuple[str, list[str], list[list[str]]]]:
     steady = run.problem.steady_from
     motion = []
     for omega, exact in run.exact.items():
-        rows: list[tuple[str, TipMotion]] = [("exact beam", exact)]
+        rows = [("exact beam", "", exact)]
         rows += [
-            (f"full, {full.frame}, {full.kinematics}", full.tip) for full in run.full if full.omega == omega
+            (full.frame, _STRAINS[full.kinematics], full.tip) for full in run.full if full.omega == omega
         ]
-        for label, tip in rows:
+        for frame, strains, tip in rows:
             peak, time = tip.peak()
             published = PUBLISHED_PEAKS.get(omega)
-            parting = _parting(tip, exact)
+            off = 100 * _parting(tip, exact)["over_peak"]
             motion.append(
                 [
                     f"{omega:g}",
-                    label,
+                    frame,
+                    strains,
                     f"{peak:.4f}",
                     "" if published is None else f"{published:.3f}",
                     f"{time:.2f}",
-                    f"{tip.mean_extension(steady):.4e}",
-                    f"{100 * parting['over_peak']:.2f}",
+                    f"{tip.mean_extension(steady):.3e}",
+                    f"{off:.2f}",
                 ]
             )
     errors = []
@@ -128,37 +131,37 @@ def tables(run: BeamRun) -> list[tuple[str, list[str], list[list[str]]]]:
         errors.append(
             [
                 f"{rom.full.omega:g}",
-                f"{rom.full.frame}, {rom.full.kinematics}",
-                f"{rom.basis} {rom.n_linear} + {rom.n_added} {rom.derivatives}",
-                f"{rom.error.max_rms:.1e}"
-                + ("" if rom.failed_at is None else f" (to {rom.failed_at:.2f} s)"),
+                rom.full.frame,
+                _STRAINS[rom.full.kinematics],
+                _columns(rom),
+                f"{rom.error.max_rms:.1e}" + ("" if rom.failed_at is None else "*"),
                 "" if published is None else f"{published:.1e}",
                 f"{rom.error.relative_percent:.1e}",
                 f"{statistics.seconds:.2f}",
                 f"{reference.seconds / statistics.seconds:.0f}",
             ]
         )
+    broken = [rom for rom in run.reduced if rom.failed_at is not None]
+    note = "; * broke off at " + ", ".join(f"{rom.failed_at:.2f} s" for rom in broken) if broken else ""
     return [
         (
-            "Tip motion in axes that turn with the root",
-            ["rad/s", "model", "peak v (m)", "published", "at (s)", "mean u (m)", "off exact (% of peak)"],
+            "Tip motion in axes that turn with the root (GL: Green-Lagrange, vK: von Karman)",
+            ["rad/s", "model", "strains", "peak v, m", "paper", "at, s", "mean u, m", "off exact, %"],
             motion,
         ),
         (
-            "Reduced models against the full model in the same frame",
-            [
-                "rad/s",
-                "frame, kinematics",
-                "basis",
-                "max RMS (m)",
-                "[Wu2019]",
-                "RE (%)",
-                "seconds",
-                "speed-up",
-            ],
+            "Largest RMS error against the full model in the same frame" + note,
+            ["rad/s", "frame", "strains", "columns", "RMS, m", "paper", "RE, %", "s", "faster"],
             errors,
         ),
     ]
+
+
+_STRAINS = {"green-lagrange": "GL", "von-karman": "vK"}
+
+
+def _columns(rom: ReducedRun) -> str:
+    return f"{rom.n_linear}+{rom.n_added} {rom.derivatives}" if rom.n_added else f"{rom.n_linear} linear"
 
 
 def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
@@ -172,10 +175,15 @@ def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
     motions = [("exact beam", exact)]
     motions += [(f"full, {one.frame}", one.tip) for one in full]
     motions += [(_label(one), one.tip) for one in roms if one.derivatives != "picked"]
-    panels = [
-        Panel("v (m)", [Series(label, tip.times, tip.v) for label, tip in motions]),
-        Panel("u (m)", [Series(label, tip.times, tip.u) for label, tip in motions]),
-    ]
+    strokes = [REFERENCE] + [SOLID] * (len(motions) - 1)
+
+    def curves(values: Callable[[TipMotion], np.ndarray]) -> list[Series]:
+        return [
+            Series(label, tip.times, values(tip), stroke)
+            for (label, tip), stroke in zip(motions, strokes, strict=True)
+        ]
+
+    panels = [Panel("v (m)", curves(lambda tip: tip.v)), Panel("u (m)", curves(lambda tip: tip.u))]
     enriched = {_label(one): one.error for one in roms if one.n_added}
     pictures = [
         plot_time_history(folder / "figure_6_tip_motion.png", panels),
@@ -192,9 +200,7 @@ def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
 
 
 def _label(rom: ReducedRun) -> str:
-    return f"{rom.full.frame}, {rom.n_linear} + {rom.n_added} {rom.derivatives}".replace(
-        " + 0 none", " linear"
-    )
+    return f"{rom.full.frame}, {_columns(rom)}"
 
 
 def _draw_error_over_speed(run: BeamRun, kinematics: str, speeds: list[float], folder: Path) -> Path:

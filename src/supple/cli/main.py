@@ -70,3 +70,22 @@ def info(
 
     with reported_errors(debug=debug), reported_warnings():
         print_info(path)
+
+
+@benchmark_app.command("rotating-beam")
+def rotating_beam(
+    quick: Annotated[bool, typer.Option("--quick", help="One speed, coarse mesh: under a minute.")] = False,
+    json: Annotated[
+        Path | None, typer.Option("--json", help="Report file; default: in the output folder.")
+    ] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures.")] = Path(
+        "results/rotating-beam"
+    ),
+    debug: Debug = False,
+) -> None:
+    """Spin up the beam of [Wu2019] section 6.1, full and reduced, and set our numbers beside the paper's."""
+    from supple.benchmark.rotating_beam import RotatingBeam
+    from supple.cli.benchmark_rotating_beam import benchmark_rotating_beam
+
+    with reported_errors(debug=debug), reported_warnings():
+        benchmark_rotating_beam(RotatingBeam.quick() if quick else RotatingBeam(), json, output)

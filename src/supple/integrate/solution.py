@@ -56,7 +56,8 @@ class Solution:
     """(t,) output times."""
     bodies: Mapping[str, BodyMotion]
     joint_forces: Mapping[str, np.ndarray]
-    """Joint name to (t, m) Lagrange multipliers, in the order of the joint's constraint equations."""
+    """Joint name to (t, m) Lagrange multipliers, in the order of the joint's constraint equations: forces and
+    moments of the joint on its first end, along the first end's joint axes (z is the joint's axis)."""
     statistics: Statistics
 
 

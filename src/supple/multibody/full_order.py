@@ -61,6 +61,7 @@ from supple.multibody.simulate import (
     failure_message,
 )
 from supple.multibody.system import System, n_coordinates
+from supple.multibody.time_step import next_step
 
 __all__ = ["simulate_full_order"]
 
@@ -567,16 +568,14 @@ def _to_output(
         h = remaining / max(np.ceil(remaining / march.h * (1 - 1e-9)), 1.0)
         new, imbalance, iterations, converged = prepared.step(state, h, method, tolerances)
         error = prepared.local_error(state, new, h, method) if converged else np.inf
-        ratio = control.tolerance / error if error > 0 else np.inf
-        grown = float(np.clip(0.9 * ratio ** (1 / 3), 0.2, 2.0)) if converged else 0.5
+        proposed = next_step(h, march.h, error, control.tolerance, control.largest) if converged else h / 2
         if converged and error <= control.tolerance:
             if h >= remaining * (1 - 1e-9):
                 new = new._replace(time=end)
             state = new
-            h_next = min(max(h, march.h) * grown, control.largest)
-            march = _March(h_next, march.steps + 1, march.iterations + iterations, march.cuts)
+            march = _March(float(proposed), march.steps + 1, march.iterations + iterations, march.cuts)
         else:
-            march = _March(h * grown, march.steps, march.iterations + iterations, march.cuts + 1)
+            march = _March(float(proposed), march.steps, march.iterations + iterations, march.cuts + 1)
             if march.h < control.smallest:
                 return state, march, imbalance
     return state, march, None

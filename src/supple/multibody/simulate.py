@@ -119,11 +119,16 @@ def simulate(
     -----
     ValidityWarning, StepCutWarning, RedundantConstraintWarning
     """
+    times = output_times(duration, output_step)
     step = step or FixedStep(output_step)
     method = method or GeneralizedAlpha()
     tolerances = tolerances or Tolerances()
-    times = output_times(duration, output_step)
     check_laws_cover(system, times[-1])
+    if resume is not None and resume.solution.times[-1] >= times[-1] * (1 - 1e-12):
+        raise ValueError(
+            f"nothing is left to simulate: the recorded part ends at t = {resume.solution.times[-1]:g} and the "
+            f"run at t = {times[-1]:g}"
+        )
     limits = watch(system, validity or Validity())
     peaks: dict[str, Peaks] = {}
 
@@ -176,7 +181,6 @@ def _simulate_compiled(
     else:
         model, state, times = _resumed(system, times, step, resume)
     settings = controls(step, method, tolerances)
-    # Chunks of one length share one compilation; a shorter last one costs a second.
     size = max(1, int(np.ceil(len(times) / CHUNKS)))
     compiled = march.lower(model, settings, state, jnp.asarray(times[:size])).compile()
     ready = clock.perf_counter()
@@ -190,10 +194,11 @@ def _simulate_compiled(
     n_done = 0
     while n_done < len(times):
         chunk = times[n_done : n_done + size]
-        runner = compiled if len(chunk) == size else march
         before = state
-        state, states = runner(model, settings, state, jnp.asarray(chunk))
-        states = jax.device_get(states)
+        # A short last chunk repeats its end, where nothing is left to do: all chunks share one compilation.
+        padded = np.pad(chunk, (0, size - len(chunk)), mode="edge")
+        state, states = compiled(model, settings, state, jnp.asarray(padded))
+        states = jax.device_get(jax.tree.map(lambda leaf, n=len(chunk): leaf[:n], states))
         good = int(np.sum(~states.failed))
         mark = clock.perf_counter()
         statistics = Statistics(

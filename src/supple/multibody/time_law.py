@@ -41,7 +41,7 @@ class Table:
     values: Any
 
     def __post_init__(self) -> None:
-        if not isinstance(self.times, (np.ndarray, list, tuple)):
+        if not all(isinstance(item, (np.ndarray, list, tuple)) for item in (self.times, self.values)):
             return  # inside a JAX transformation the leaves are tracers (or placeholders): nothing to check
         times = np.asarray(self.times, dtype=float)
         values = np.asarray(self.values, dtype=float)

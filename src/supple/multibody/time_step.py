@@ -32,7 +32,7 @@ from supple.multibody.equations import (
 )
 from supple.multibody.model import Model
 
-__all__ = ["Controls", "State", "march"]
+__all__ = ["Controls", "State", "march", "next_step"]
 
 _ROUNDING = 1e-13
 """Relative size of a change of position that floating-point arithmetic cannot tell from none."""
@@ -258,6 +258,26 @@ def _local_error(model: Model, rule: StepRule, start: State, trial: _Trial) -> j
     return jnp.max(jnp.abs(error))
 
 
+def next_step(
+    h: jax.Array | float,
+    intended: jax.Array | float,
+    error: jax.Array | float,
+    tolerance: jax.Array | float,
+    largest: jax.Array | float,
+) -> jax.Array:
+    """Step size after a converged step of size `h` whose local error, of third order, was `error`.
+
+    Every change of the step excites the integrator's spurious roots, which look like errors: the step grows
+    only when it can by half. And a step shortened to meet an output time is no reason to go on with short
+    ones: it is measured against the step that was `intended`.
+    """
+    ratio = jnp.where(error > 0, tolerance / jnp.where(error > 0, error, 1.0), jnp.inf)
+    best = 0.9 * h * ratio ** (1 / 3)
+    steady = (error <= tolerance) & (best < 1.5 * intended)
+    best = jnp.where(steady, jnp.minimum(best, intended), best)
+    return jnp.clip(best, 0.2 * h, jnp.minimum(2 * jnp.maximum(h, intended), largest))
+
+
 def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> State:
     """Try one step towards `end`: accept it, or cut it."""
     remaining = end - start.time
@@ -268,18 +288,13 @@ def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> 
     converged = trial.converged & jnp.isfinite(error)
     accepted = converged & (error <= controls.error_tolerance)
 
-    ratio = jnp.where(error > 0, controls.error_tolerance / jnp.where(error > 0, error, 1.0), jnp.inf)
-    grown = jnp.clip(0.9 * ratio ** (1 / 3), 0.2, 2.0)
-    next_step = jnp.where(
-        converged,
-        jnp.minimum(jnp.where(accepted, jnp.maximum(h, start.step), h) * grown, controls.largest),
-        h / 2,
-    )
-    failed = ~accepted & (next_step < controls.smallest)
+    proposed = next_step(h, start.step, error, controls.error_tolerance, controls.largest)
+    proposed = jnp.where(converged, proposed, h / 2)
+    failed = ~accepted & (proposed < controls.smallest)
     last = h >= remaining * (1 - 1e-9)
     after = State(
         time=jnp.where(last, end, start.time + h),
-        step=next_step,
+        step=proposed,
         configuration=trial.configuration,
         velocity=trial.velocity,
         acceleration=trial.acceleration,
@@ -292,7 +307,7 @@ def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> 
         imbalance=trial.imbalance,
     )
     before = start._replace(
-        step=next_step,
+        step=proposed,
         iterations=start.iterations + trial.iterations,
         cuts=start.cuts + 1,
         failed=failed,

@@ -112,11 +112,18 @@ def draw_curve(axes: Axes, x, y, stroke: Stroke, rank: int, label: str) -> None:
 
 
 def legend_above(axes: Axes, n_curves: int) -> None:
-    """A legend over the axes, where it covers no curve."""
+    """A legend over the axes, where it covers no curve, in as many columns as its longest entry leaves room for."""
+    labels = axes.get_legend_handles_labels()[1]
+    longest = max((len(label) for label in labels), default=0)
+    # Inches: the line with its gaps, and a character of the legend's type.
+    column_width = 0.5 + 0.075 * longest
+    fitting = max(1, int((TEXT_WIDTH - 0.8) / column_width))
+    # The fewest columns that need no more rows leave the last row full.
+    rows = -(-n_curves // min(fitting, n_curves))
     axes.legend(
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=min(n_curves, 4 if n_curves != 5 else 3),
+        ncols=-(-n_curves // rows),
         borderaxespad=0.2,
         columnspacing=1.6,
     )

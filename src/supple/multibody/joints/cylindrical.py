@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import jax
 import numpy as np
 
-from supple.multibody.joints.joint import Joint, JointFrame, axes_along, closing, stack
+from supple.multibody.joints.joint import Joint, JointFrame, axes_along, closing, stack, tilt
 
 __all__ = ["Cylindrical"]
 
@@ -21,7 +21,7 @@ class Cylindrical(Joint):
     """Direction of the axis in the initial configuration, global."""
 
     n_constraints: ClassVar[int] = 4
-    rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "tilt about y", "tilt about x")
+    rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "tilt about x", "tilt about y")
 
     @property
     def initial_axes(self) -> np.ndarray:
@@ -31,4 +31,4 @@ class Cylindrical(Joint):
     @staticmethod
     def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
         """Offset from the axis and tilt, (4,)."""
-        return stack(closing(first, second)[:2], (first.axes.T @ second.axes[:, 2])[:2])
+        return stack(closing(first, second)[:2], tilt(first, second))

@@ -19,7 +19,7 @@ from supple.algebra.rotation import unskew
 from supple.errors import ModelError
 from supple.multibody.time_law import TimeLaw
 
-__all__ = ["GROUND", "At", "Joint", "JointFrame", "axes_along", "relative_turn"]
+__all__ = ["GROUND", "At", "Joint", "JointFrame", "axes_along", "closing", "relative_turn", "stack", "tilt"]
 
 
 class At(NamedTuple):
@@ -46,6 +46,12 @@ class JointFrame(NamedTuple):
 def relative_turn(first: JointFrame, second: JointFrame) -> jax.Array:
     """`sin(angle) axis` of the rotation from the first to the second frame, in the first's axes, (3,)."""
     return unskew(first.axes.T @ second.axes)
+
+
+def tilt(first: JointFrame, second: JointFrame) -> jax.Array:
+    """`z_1 x z_2`: by what the second z axis is tilted about the first's x and y axes, (2,)."""
+    x, y, _ = first.axes.T @ second.axes[:, 2]
+    return jnp.stack([-y, x])
 
 
 def axes_along(axis: Any, hint: Any = None) -> np.ndarray:

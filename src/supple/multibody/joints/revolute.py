@@ -8,14 +8,14 @@ from typing import Any, ClassVar
 import jax
 import numpy as np
 
-from supple.multibody.joints.joint import Joint, JointFrame, axes_along, closing, stack
+from supple.multibody.joints.joint import Joint, JointFrame, axes_along, closing, stack, tilt
 
 __all__ = ["Revolute"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Revolute(Joint):
-    """Ball joint with `x_1 . z_2 = y_1 . z_2 = 0`: rotation about the axis is free."""
+    """Ball joint with `z_1 x z_2 = 0`: rotation about the axis is free."""
 
     axis: tuple[float, float, float]
     """Direction of the axis in the initial configuration, global."""
@@ -25,8 +25,8 @@ class Revolute(Joint):
         "position x",
         "position y",
         "position z",
-        "tilt about y",
         "tilt about x",
+        "tilt about y",
     )
 
     @property
@@ -37,4 +37,4 @@ class Revolute(Joint):
     @staticmethod
     def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
         """The gap and the tilt of the second axis, (5,)."""
-        return stack(closing(first, second), (first.axes.T @ second.axes[:, 2])[:2])
+        return stack(closing(first, second), tilt(first, second))

@@ -1,0 +1,50 @@
+"""`supple benchmark rotating-beam`: run, print the tables, write the report and the figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from rich.box import SIMPLE_HEAD
+from rich.progress import Progress, TaskID
+from rich.table import Table
+
+from supple.benchmark.rotating_beam import BeamRun, RotatingBeam, run_rotating_beam
+from supple.benchmark.rotating_beam_report import draw_figures, report, tables
+from supple.cli.console import console, progress_bars
+from supple.results.json_report import write_json
+
+__all__ = ["benchmark_rotating_beam"]
+
+
+def benchmark_rotating_beam(problem: RotatingBeam, json: Path | None, folder: Path) -> None:
+    """Run the benchmark; the report is rewritten after every simulation, so that a stop loses none."""
+    target = json or folder / "rotating-beam.json"
+    target.parent.mkdir(parents=True, exist_ok=True)
+    run: BeamRun | None = None
+    with progress_bars() as bars:
+        for run in run_rotating_beam(problem, lambda label: _bar(bars, label)):
+            write_json(target, report(run))
+    if run is None:
+        return
+    for title, heads, rows in tables(run):
+        console.print(_table(title, heads, rows))
+    pictures = draw_figures(run, folder)
+    console.print(f"report   {target}", highlight=False, soft_wrap=True)
+    for picture in pictures:
+        console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
+
+
+def _bar(bars: Progress, label: str) -> Callable[[float], None]:
+    task: TaskID = bars.add_task(label, total=1.0)
+    return lambda fraction: bars.update(task, completed=fraction)
+
+
+def _table(title: str, heads: list[str], rows: list[list[str]]) -> Table:
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    for head in heads:
+        words = head in ("model", "frame", "strains", "columns")
+        table.add_column(head, justify="left" if words else "right", no_wrap=True)
+    for row in rows:
+        table.add_row(*row)
+    return table
