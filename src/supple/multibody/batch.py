@@ -134,9 +134,9 @@ def simulate_batch(
         raise ModelError("a batch takes rigid and reduced bodies: reduce the full ones first")
     if chunk < 1:
         raise ValueError(f"chunk must be at least 1, got {chunk}")
+    times = output_times(duration, output_step)
     step = step or FixedStep(output_step)
     settings = controls(step, method or GeneralizedAlpha(), tolerances or Tolerances())
-    times = output_times(duration, output_step)
     limits = watch(cases[0], validity or Validity())
     peaks: dict[str, Peaks] = {}
     solutions: list[Solution] = []

@@ -15,17 +15,18 @@ import jax.numpy as jnp
 
 from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, skew
 from supple.multibody.floating_inertia import FloatingMotion, floating_mass, inertia_force, inertia_tangent
-from supple.multibody.joints.joint import JointFrame
+from supple.multibody.joint_linearization import (
+    JointLinearization,
+    geometric_stiffness,
+    joint_equations,
+    linearize_joint,
+)
 from supple.multibody.marker import (
     N_LOCAL,
     Marker,
     displaced,
-    frame_motion,
     generalized_force,
-    orientation,
-    point,
     with_rates,
-    wrench_stiffness,
 )
 from supple.multibody.model import DeadForceArrays, End, ForceArrays, JointArrays, Model
 from supple.multibody.polynomial_force import polynomial_force
@@ -33,11 +34,13 @@ from supple.multibody.polynomial_force import polynomial_force
 __all__ = [
     "Balance",
     "Configuration",
+    "Joints",
     "Motion",
     "advance",
     "balance",
     "constraint_jacobian",
     "constraints",
+    "linearize_joints",
     "mass_matrix",
     "tangent",
 ]
@@ -128,75 +131,12 @@ def marker(model: Model, end: End, configuration: Configuration, velocity: jax.A
     )
 
 
+Joints = tuple[JointLinearization, ...]
+"""Every joint of a model at one configuration."""
+
+
 def _law_value(law: Any, time: jax.Array) -> Any:
     return None if law is None else law(time)
-
-
-def _frame(state: Marker) -> JointFrame:
-    return JointFrame(point(state), orientation(state))
-
-
-class _JointLinearization(NamedTuple):
-    """A joint at one configuration: equations, their derivatives for the joint frames and local freedoms."""
-
-    equations: jax.Array
-    """(m,)"""
-    by_frame: jax.Array
-    """(m, 12): for `(dr, dphi)` of both joint frames"""
-    motions: tuple[jax.Array, jax.Array]
-    """(6, 12) each: joint frame from local freedoms"""
-
-    @property
-    def by_end(self) -> tuple[jax.Array, jax.Array]:
-        """Derivative of the equations for the local freedoms of both ends, (m, 12) each."""
-        return self.by_frame[:, :6] @ self.motions[0], self.by_frame[:, 6:] @ self.motions[1]
-
-
-def _nudged(frame: JointFrame, variation: jax.Array) -> JointFrame:
-    """The frame after a small motion `(dr, dphi)`: exact to first order, which is all that is differentiated."""
-    turned = frame.axes + jnp.cross(frame.axes, variation[3:][None, :])
-    return JointFrame(frame.point + variation[:3], turned)
-
-
-def _frame_equations(
-    joint: JointArrays, first: JointFrame, second: JointFrame, value: Any, variation: jax.Array
-) -> jax.Array:
-    return joint.constraint(_nudged(first, variation[:6]), _nudged(second, variation[6:]), value)
-
-
-def _frame_jacobian(joint: JointArrays, first: JointFrame, second: JointFrame, value: Any) -> jax.Array:
-    """Derivative of the joint's equations for small motions of its frames, (m, 12)."""
-    return jax.jacfwd(lambda small: _frame_equations(joint, first, second, value, small))(jnp.zeros(12))
-
-
-def _linearize(joint: JointArrays, first: Marker, second: Marker, time: jax.Array) -> _JointLinearization:
-    frames = _frame(first), _frame(second)
-    value = _law_value(joint.law, time)
-    return _JointLinearization(
-        equations=joint.constraint(*frames, value),
-        by_frame=_frame_jacobian(joint, *frames, value),
-        motions=(frame_motion(first), frame_motion(second)),
-    )
-
-
-def _geometric_stiffness(
-    joint: JointArrays, first: Marker, second: Marker, time: jax.Array, multipliers: jax.Array
-) -> jax.Array:
-    """Change of the joint's generalised forces with the local freedoms at constant multipliers, (24, 24)."""
-    frames = _frame(first), _frame(second)
-    value = _law_value(joint.law, time)
-
-    def wrenches(small: jax.Array) -> jax.Array:
-        nudged = _nudged(frames[0], small[:6]), _nudged(frames[1], small[6:])
-        return _frame_jacobian(joint, *nudged, value).T @ multipliers
-
-    by_frame = jax.jacfwd(wrenches)(jnp.zeros(12))
-    wrench = wrenches(jnp.zeros(12))
-    motion = jax.scipy.linalg.block_diag(frame_motion(first), frame_motion(second))
-    own = jax.scipy.linalg.block_diag(
-        wrench_stiffness(first, wrench[:6]), wrench_stiffness(second, wrench[6:])
-    )
-    return motion.T @ by_frame @ motion + own
 
 
 def _markers(model: Model, element: JointArrays | ForceArrays, motion: Motion) -> tuple[Marker, Marker]:
@@ -240,31 +180,47 @@ def _active_rows(model: Model, rows: list[jax.Array]) -> jax.Array:
     return jnp.concatenate(rows)[jnp.array(model.active, dtype=int)]
 
 
-def constraints(model: Model, time: jax.Array, configuration: Configuration) -> jax.Array:
-    """Active constraint equations `g(q, t)`, (m,)."""
+def linearize_joints(model: Model, time: jax.Array, configuration: Configuration) -> Joints:
+    """Equations and derivatives of every joint, once for all that need them."""
+    return tuple(
+        linearize_joint(joint, *_ends_at(model, joint, configuration), time) for joint in model.joints
+    )
+
+
+def constraints(
+    model: Model, time: jax.Array, configuration: Configuration, joints: Joints | None = None
+) -> jax.Array:
+    """Active constraint equations `g(q, t)`, (m,); `joints` where they are linearised already."""
     if not model.joints:
         return jnp.zeros(0)
-    equations = []
-    for joint in model.joints:
-        first, second = _ends_at(model, joint, configuration)
-        equations.append(joint.constraint(_frame(first), _frame(second), _law_value(joint.law, time)))
-    return _active_rows(model, equations)
+    if joints is not None:
+        return _active_rows(model, [at.equations for at in joints])
+    return _active_rows(
+        model,
+        [joint_equations(joint, *_ends_at(model, joint, configuration), time) for joint in model.joints],
+    )
 
 
 def constraint_jacobian(
-    model: Model, time: jax.Array, configuration: Configuration, increments: jax.Array | None = None
+    model: Model,
+    time: jax.Array,
+    configuration: Configuration,
+    increments: jax.Array | None = None,
+    joints: Joints | None = None,
 ) -> jax.Array:
     """Derivative `G` of the active equations for the velocities, (m, n).
 
     With `increments` (n,), for the increments that led here instead: `dpsi = T(increment) dincrement`.
+    `joints` where they are linearised already.
     """
     if not model.joints:
         return jnp.zeros((0, model.n_velocities))
     rows = []
-    for joint in model.joints:
-        linearized = _linearize(joint, *_ends_at(model, joint, configuration), time)
+    for joint, at in zip(
+        model.joints, joints or linearize_joints(model, time, configuration), strict=True
+    ):
         row = jnp.zeros((joint.n_constraints, model.n_velocities))
-        for end, part in zip((joint.first, joint.second), linearized.by_end, strict=True):
+        for end, part in zip((joint.first, joint.second), at.by_end, strict=True):
             if end.body >= 0:
                 moves = _selection_by_increment(model, end, increments)
                 row = row.at[:, model.slices[end.body]].add(part @ moves)
@@ -309,8 +265,8 @@ def _point_forces(model: Model, load: DeadForceArrays, motion: Motion) -> _Point
     return _PointForces(arms, forces @ configuration.rotations[load.body])
 
 
-def balance(model: Model, motion: Motion) -> Balance:
-    """All terms of the equations of motion."""
+def balance(model: Model, motion: Motion, joints: Joints | None = None) -> Balance:
+    """All terms of the equations of motion; `joints` where they are linearised already."""
     zero = jnp.zeros(model.n_velocities)
     inertia, internal, stiffness = [], [], []
     for index, body in enumerate(model.bodies):
@@ -338,9 +294,9 @@ def balance(model: Model, motion: Motion) -> Balance:
         applied = _scatter(model, force, -local, applied)
     joint_forces = zero
     multipliers = _all_multipliers(model, motion.multipliers)
-    for joint, rows in zip(model.joints, _joint_parts(model), strict=True):
-        by_end = _linearize(joint, *_markers(model, joint, motion), motion.time).by_end
-        local = jnp.concatenate([part.T @ multipliers[rows] for part in by_end])
+    joints = joints or linearize_joints(model, motion.time, motion.configuration)
+    for joint, at, rows in zip(model.joints, joints, _joint_parts(model), strict=True):
+        local = jnp.concatenate([part.T @ multipliers[rows] for part in at.by_end])
         joint_forces = _scatter(model, joint, local, joint_forces)
     return Balance(
         jnp.concatenate(inertia), jnp.concatenate(internal), applied, joint_forces, tuple(stiffness)
@@ -365,11 +321,12 @@ def tangent(
     increments: jax.Array,
     velocity: jax.Array,
     position: jax.Array,
+    joints: Joints | None = None,
 ) -> jax.Array:
     """Derivative of the residual for the new accelerations, (n, n).
 
     The velocities follow the accelerations with the factor `velocity`, the increments of the configuration
-    with the factor `position` (`StepRule`).
+    with the factor `position` (`StepRule`); `joints` where they are linearised already.
     """
     matrix = jnp.zeros((model.n_velocities, model.n_velocities))
     for index in range(len(model.bodies)):
@@ -391,9 +348,10 @@ def tangent(
             model, force, -position * by_position, -velocity * by_rate, increments, matrix
         )
     multipliers = _all_multipliers(model, motion.multipliers)
-    for joint, rows in zip(model.joints, _joint_parts(model), strict=True):
+    joints = joints or linearize_joints(model, motion.time, motion.configuration)
+    for joint, at, rows in zip(model.joints, joints, _joint_parts(model), strict=True):
         first, second = _markers(model, joint, motion)
-        geometric = _geometric_stiffness(joint, first, second, motion.time, multipliers[rows])
+        geometric = geometric_stiffness(joint, at, first, second, motion.time, multipliers[rows])
         matrix = _scatter_matrix(model, joint, position * geometric, None, increments, matrix)
     return matrix
 

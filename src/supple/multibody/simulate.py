@@ -198,7 +198,7 @@ def _simulate_compiled(
         # A short last chunk repeats its end, where nothing is left to do: all chunks share one compilation.
         padded = np.pad(chunk, (0, size - len(chunk)), mode="edge")
         state, states = compiled(model, settings, state, jnp.asarray(padded))
-        states = jax.device_get(jax.tree.map(lambda leaf, n=len(chunk): leaf[:n], states))
+        states = jax.tree.map(lambda leaf, n=len(chunk): leaf[:n], jax.device_get(states))
         good = int(np.sum(~states.failed))
         mark = clock.perf_counter()
         statistics = Statistics(

@@ -23,11 +23,13 @@ from supple.integrate import Coefficients, StepRule
 from supple.multibody.equations import (
     Balance,
     Configuration,
+    Joints,
     Motion,
     advance,
     balance,
     constraint_jacobian,
     constraints,
+    linearize_joints,
     tangent,
 )
 from supple.multibody.model import Model
@@ -83,6 +85,7 @@ class _Trial(NamedTuple):
     residual: jax.Array
     gap: jax.Array
     stiffness: tuple[jax.Array, ...]
+    joints: Joints
     imbalance: jax.Array
     iterations: jax.Array
     converged: jax.Array
@@ -162,8 +165,9 @@ def _evaluate(
     configuration = advance(model, start.configuration, increments)
     velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
     time = start.time + rule.h
-    terms = balance(model, Motion(time, configuration, velocity, acceleration, multipliers))
-    gap = constraints(model, time, configuration)
+    joints = linearize_joints(model, time, configuration)
+    terms = balance(model, Motion(time, configuration, velocity, acceleration, multipliers), joints)
+    gap = constraints(model, time, configuration, joints)
     imbalance = _imbalance(model, terms, gap, acceleration, rule.position)
     return _Trial(
         acceleration,
@@ -175,6 +179,7 @@ def _evaluate(
         terms.residual,
         gap,
         terms.stiffness,
+        joints,
         imbalance,
         iterations,
         jnp.all(imbalance <= tolerance),
@@ -187,12 +192,16 @@ def _newton_correction(
     motion = Motion(
         start.time + rule.h, trial.configuration, trial.velocity, trial.acceleration, trial.multipliers
     )
-    matrix = tangent(model, motion, trial.stiffness, trial.increments, rule.velocity, rule.position)
+    matrix = tangent(
+        model, motion, trial.stiffness, trial.increments, rule.velocity, rule.position, trial.joints
+    )
     n, m = model.n_velocities, trial.multipliers.shape[0]
     if m == 0:
         return -jnp.linalg.solve(matrix, trial.residual), jnp.zeros_like(trial.multipliers)
-    rows = constraint_jacobian(model, motion.time, trial.configuration)
-    rows_by_increment = constraint_jacobian(model, motion.time, trial.configuration, trial.increments)
+    rows = constraint_jacobian(model, motion.time, trial.configuration, joints=trial.joints)
+    rows_by_increment = constraint_jacobian(
+        model, motion.time, trial.configuration, trial.increments, trial.joints
+    )
     bordered = jnp.block([[matrix, model.mass * rows.T], [model.mass * rows_by_increment, jnp.zeros((m, m))]])
     right = jnp.concatenate([trial.residual, model.mass * trial.gap / rule.position])
     correction = -jnp.linalg.solve(bordered, right)
@@ -245,6 +254,9 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         residual=jnp.zeros_like(start.velocity),
         gap=jnp.zeros_like(start.multipliers),
         stiffness=tuple(jnp.zeros_like(jnp.asarray(body.stiffness)) for body in model.bodies),
+        joints=jax.tree.map(
+            jnp.zeros_like, linearize_joints(model, start.time, start.configuration)
+        ),
         imbalance=jnp.zeros(4),
         iterations=jnp.asarray(-1),
         converged=jnp.zeros((), dtype=bool),

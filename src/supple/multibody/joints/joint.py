@@ -89,6 +89,8 @@ class Joint(ABC):
             object.__setattr__(self, "name", f"{type(self).__name__.lower()} {self.first} - {self.second}")
         if GROUND == self.first == self.second:
             raise ModelError(f"joint '{self.name}' joins the ground to itself: name a body's interface")
+        if self.first == self.second:
+            raise ModelError(f"joint '{self.name}' joins '{self.first}' to itself: name another interface")
 
     @property
     def initial_axes(self) -> np.ndarray:

@@ -1,0 +1,87 @@
+"""CSV tables: named columns of numbers and words, checked for what is missing, unknown or no number."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.resources.abc import Traversable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ImportFormatError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CsvTable:
+    """Columns of a comma-separated file with one line of headings; words as written."""
+
+    path: Path | Traversable
+    columns: dict[str, tuple[str, ...]]
+    lines: tuple[int, ...]
+    """Line of each row in the file."""
+
+    def __contains__(self, column: str) -> bool:
+        return column in self.columns
+
+    def words(self, column: str) -> tuple[str, ...]:
+        """A column as written."""
+        return self.columns[column]
+
+    def numbers(self, column: str) -> FloatArray:
+        """A column of numbers; ImportFormatError names the line of what is none."""
+        values = np.empty(len(self.lines))
+        for row, word in enumerate(self.columns[column]):
+            try:
+                values[row] = float(word)
+            except ValueError as error:
+                raise ImportFormatError(
+                    f"{self.path}, line {self.lines[row]}: {column} is '{word}'; write a number"
+                ) from error
+        return values
+
+
+def read_csv_table(
+    path: str | Path | Traversable, *, required: Iterable[str], optional: Iterable[str] = ()
+) -> CsvTable:
+    """Table of a CSV file; lines that are empty or start with '#' are passed over.
+
+    Parameters
+    ----------
+    path : str, Path or package resource
+    required, optional : names of columns; others are refused, so that a misspelt one cannot pass unseen
+    Returns
+    -------
+    CsvTable
+    Raises
+    ------
+    ImportFormatError   missing file, missing, unknown or repeated columns, rows of another length
+    """
+    path = Path(path) if isinstance(path, str) else path
+    if not path.is_file():
+        raise ImportFormatError(f"{path}: no such file; check its name and folder")
+    text = path.read_text(encoding="utf-8-sig").splitlines()
+    kept = [(number, line) for number, line in enumerate(text, 1) if line.strip() and not line.startswith("#")]
+    if not kept:
+        raise ImportFormatError(f"{path}: empty; the first line holds the names of the columns")
+    rows = [tuple(word.strip() for word in row) for row in csv.reader(line for _, line in kept)]
+    headings, required = rows[0], tuple(required)
+    known = (*required, *optional)
+    missing = [name for name in required if name not in headings]
+    if missing:
+        raise ImportFormatError(f"{path}: no column {', '.join(missing)}; its columns are {', '.join(headings)}")
+    for place, name in enumerate(headings):
+        if name not in known or name in headings[:place]:
+            what = "a second column" if name in known else "unknown column"
+            raise ImportFormatError(f"{path}: {what} '{name}'; known columns are {', '.join(known)}, each once")
+    for (number, _), row in zip(kept, rows, strict=True):
+        if len(row) != len(headings):
+            raise ImportFormatError(f"{path}, line {number}: {len(row)} values for {len(headings)} columns")
+    body = list(zip(*rows[1:], strict=True)) or [()] * len(headings)
+    return CsvTable(
+        path, dict(zip(headings, body, strict=True)), tuple(number for number, _ in kept[1:])
+    )

@@ -1,0 +1,83 @@
+"""Station tables (.csv): the outer shape of a blade, with one file for each section it names."""
+
+from __future__ import annotations
+
+from importlib.resources.abc import Traversable
+from pathlib import Path
+
+import numpy as np
+
+from supple.errors import ImportFormatError, MeshError
+from supple.importers.csv_table import CsvTable, read_csv_table
+from supple.mesh import AirfoilSection, BladeStations, TrailingEdge
+
+_TRAILING_EDGES = {
+    "round": TrailingEdge.ROUND,
+    "flat": TrailingEdge.AIRFOIL,
+    "sharp": TrailingEdge.AIRFOIL,
+}
+
+
+def read_stations(path: str | Path | Traversable, *, sections: str | Path | Traversable) -> BladeStations:
+    """Blade stations of a table and of a folder of section outlines.
+
+    Columns of the table: span_m, section, chord_m, twist_deg, pitch_axis_x_over_c and, if wanted,
+    trailing_edge (round, flat or sharp; else the closing of airfoils), prebend_m, sweep_m. Section `name` is
+    the file `name.csv` of the folder, with columns x_over_c, y_over_c.
+
+    Parameters
+    ----------
+    path : str, Path or package resource
+    sections : folder
+    Returns
+    -------
+    BladeStations   angles in rad
+    Raises
+    ------
+    ImportFormatError   missing files or columns, unknown sections or trailing edges, words for numbers
+    MeshError           a section or table that describes no blade (out of order, crossing itself, ...)
+    """
+    table = read_csv_table(
+        path,
+        required=("span_m", "section", "chord_m", "twist_deg", "pitch_axis_x_over_c"),
+        optional=("trailing_edge", "prebend_m", "sweep_m"),
+    )
+    folder = Path(sections) if isinstance(sections, str) else sections
+    names = table.words("section")
+    edges = table.words("trailing_edge") if "trailing_edge" in table else ("sharp",) * len(names)
+    known = {
+        (name, edge): _read_section(table, row, folder)
+        for row, (name, edge) in reversed(list(enumerate(zip(names, edges, strict=True))))
+    }
+    try:
+        return BladeStations(
+            span=table.numbers("span_m"),
+            sections=tuple(known[pair] for pair in zip(names, edges, strict=True)),
+            chord=table.numbers("chord_m"),
+            twist=np.radians(table.numbers("twist_deg")),
+            pitch_axis=table.numbers("pitch_axis_x_over_c"),
+            prebend=table.numbers("prebend_m") if "prebend_m" in table else 0.0,
+            sweep=table.numbers("sweep_m") if "sweep_m" in table else 0.0,
+        )
+    except MeshError as error:
+        raise MeshError(f"{table.path}: {error}") from error
+
+
+def _read_section(table: CsvTable, row: int, folder: Path | Traversable) -> AirfoilSection:
+    name = table.words("section")[row]
+    edge = table.words("trailing_edge")[row] if "trailing_edge" in table else "sharp"
+    if edge not in _TRAILING_EDGES:
+        raise ImportFormatError(
+            f"{table.path}, line {table.lines[row]}: trailing edge '{edge}'; write one of "
+            f"{', '.join(_TRAILING_EDGES)}"
+        )
+    file = folder / f"{name}.csv"
+    if not file.is_file():
+        there = sorted(entry.name[:-4] for entry in folder.iterdir() if entry.name.endswith(".csv"))
+        raise ImportFormatError(
+            f"{table.path}, line {table.lines[row]}: unknown section '{name}'; {folder} has "
+            f"{', '.join(there) or 'no .csv files'}"
+        )
+    outline = read_csv_table(file, required=("x_over_c", "y_over_c"))
+    points = np.column_stack([outline.numbers("x_over_c"), outline.numbers("y_over_c")])
+    return AirfoilSection(name, points, _TRAILING_EDGES[edge])

@@ -1,0 +1,127 @@
+"""Airfoil section: the outline of a blade's cross-section, in parts of its chord."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.algebra.read_only import read_only
+from supple.errors import MeshError
+
+FloatArray = NDArray[np.float64]
+
+FEWEST_POINTS = 5
+# How far an outline may miss x/c = 0 and 1 before it is taken to be in another unit than its chord.
+CHORD_TOLERANCE = 0.02
+
+
+class TrailingEdge(Enum):
+    """What kind of trailing edge an outline has; the value is the part of the chord over which it is closed.
+
+    An airfoil ends in a thin base, which a shell without thickness closes gently over the last tenth of the
+    chord. A round section (the root, and what leads from it to the first airfoil) must stay round to its end.
+    """
+
+    AIRFOIL = 0.1
+    ROUND = 0.001
+
+
+@dataclass(frozen=True, eq=False)
+class AirfoilSection:
+    """Outline of a cross-section: x/c from the leading edge (0) to the trailing edge (1), y/c to the upper side.
+
+    Parameters
+    ----------
+    name : str
+    outline : float array (p, 2)    x/c, y/c from the trailing edge around the leading edge and back, whichever
+                                    side first; each side must be a function of x/c
+    trailing_edge : TrailingEdge    over what part of the chord the two ends are brought together
+    Raises
+    ------
+    MeshError   wrong shape, too few points, NaN, not in parts of the chord, crossing itself, folding back
+    """
+
+    name: str
+    outline: FloatArray
+    trailing_edge: TrailingEdge = TrailingEdge.AIRFOIL
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "outline", read_only(self.outline))
+        _check_outline(self.name, self.outline)
+
+    def heights(self, x: ArrayLike) -> FloatArray:
+        """Heights y/c (2, len(x)) of the lower and the upper side at x/c, meeting at the trailing edge.
+
+        A side that ends short of x/c = 1 goes on at its last height. The gap between the sides is closed
+        linearly over the last part of the chord: y -> y - ramp(x) (y(1) - mean of both y(1)).
+        """
+        x = np.asarray(x, dtype=np.float64)
+        first, second = _sides(self.outline)
+        # The point nearest the leading edge comes first of those with the same x/c: the end of a blunt base
+        # is the corner, not the middle that some outlines list, too.
+        both = np.array([_interpolate(side, x) for side in (first, second)])
+        ends = np.array([_interpolate(side, np.ones(1)) for side in (first, second)])
+        ramp = np.clip(1 - (1 - x) / self.trailing_edge.value, 0, 1)
+        closed = both - ramp * (ends - ends.mean())
+        return closed if closed[0].sum() <= closed[1].sum() else closed[::-1]
+
+
+def _sides(outline: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Both sides, from the leading edge to the trailing edge."""
+    leading = int(np.argmin(outline[:, 0]))
+    return outline[leading::-1], outline[leading:]
+
+
+def _interpolate(side: FloatArray, x: FloatArray) -> FloatArray:
+    places, first = np.unique(side[:, 0], return_index=True)
+    return np.interp(x, places, side[first, 1])
+
+
+def _check_outline(name: str, outline: FloatArray) -> None:
+    if outline.ndim != 2 or outline.shape[1] != 2:
+        raise MeshError(f"section '{name}': outline of shape {outline.shape}; expected (p, 2), rows x/c, y/c")
+    if len(outline) < FEWEST_POINTS:
+        raise MeshError(
+            f"section '{name}': too few points ({len(outline)}); an outline has at least {FEWEST_POINTS}, from "
+            "the trailing edge around the leading edge and back"
+        )
+    bad = np.flatnonzero(~np.isfinite(outline).all(axis=1))
+    if bad.size:
+        raise MeshError(f"section '{name}': point {bad[0]} is {outline[bad[0]].tolist()}; give numbers")
+    low, high = outline[:, 0].min(), outline[:, 0].max()
+    if abs(low) > CHORD_TOLERANCE or abs(high - 1) > CHORD_TOLERANCE:
+        raise MeshError(
+            f"section '{name}': x/c runs from {low:g} to {high:g}, not from 0 to 1; shift the outline to its "
+            "leading edge and divide it by its chord"
+        )
+    _check_crossing(name, outline)
+    for side in _sides(outline):
+        back = np.flatnonzero(np.diff(side[:, 0]) < 0)
+        if back.size or len(side) < 2:
+            where = side[back[0]].tolist() if back.size else side[0].tolist()
+            raise MeshError(
+                f"section '{name}': a side folds back in x/c near {where}; list the points in order from the "
+                "trailing edge around the leading edge and back"
+            )
+
+
+def _check_crossing(name: str, outline: FloatArray) -> None:
+    """Two segments p q and r s cross when each has the other's ends strictly on its two sides."""
+    p, q = outline[:-1], outline[1:]
+    ends_about_line = _turn(p[:, None], q[:, None], outline[None])
+    split = ends_about_line[:, :-1] * ends_about_line[:, 1:] < 0
+    crossing = np.argwhere(split & split.T)
+    if crossing.size:
+        one, other = crossing[0]
+        raise MeshError(
+            f"section '{name}': the outline crosses itself between points {one}-{one + 1} and "
+            f"{other}-{other + 1}, near ({outline[one, 0]:g}, {outline[one, 1]:g}); correct or reorder these points"
+        )
+
+
+def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+    """Twice the area of the triangle a b c, positive when it turns left."""
+    return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])

@@ -1,0 +1,216 @@
+"""Blade loft: a shell mesh of skin and two shear webs through the stations of a blade."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from math import isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import MeshError
+from supple.mesh.blade_stations import SHAPE_POINTS, BladeStations
+from supple.mesh.cell_type import CellType
+from supple.mesh.mesh import Mesh
+from supple.mesh.shape_arguments import check_counts
+from supple.mesh.structured_grid import alternating_triangles, grid_quads
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShearWebs:
+    """Two webs between the skins, at constant distances from the pitch axis along the chord.
+
+    start, end : m, along the span; fore, aft : m from the pitch axis, positive towards the trailing edge.
+    """
+
+    start: float
+    end: float
+    fore: float = -0.3
+    aft: float = 0.3
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if not isfinite(getattr(self, field.name)):
+                raise MeshError(f"webs: {field.name} is {getattr(self, field.name)}; give a number")
+        if self.start >= self.end:
+            raise MeshError(f"webs run from {self.start:g} to {self.end:g}; the end lies beyond the start")
+        if self.fore >= self.aft:
+            raise MeshError(f"webs at {self.fore:g} (fore) and {self.aft:g} (aft); fore is nearer the nose")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BladeGrid:
+    """Numbers of cells: around each side (nose panel, cap, aft panel), over the webs' depth, and along the span.
+
+    `centre_splits` names quadrilaterals (segment from the root, panel from the trailing edge over the lower
+    side) that are cut into four triangles about their centre, instead of two: one node and two triangles more
+    each.
+    """
+
+    nose_panel: int = 4
+    cap: int = 2
+    aft_panel: int = 8
+    web_depth: int = 3
+    root_segments: int = 2
+    web_segments: int = 120
+    tip_segments: int = 2
+    centre_splits: tuple[tuple[int, int], ...] = ()
+
+    def __post_init__(self) -> None:
+        check_counts(**{name: value for name, value in vars(self).items() if name != "centre_splits"})
+        for segment, panel in self.centre_splits:
+            if not (0 <= segment < self.n_segments and 0 <= panel < self.n_around):
+                raise MeshError(
+                    f"centre split ({segment}, {panel}) lies outside the grid of {self.n_segments} segments and "
+                    f"{self.n_around} panels, both counted from 0"
+                )
+
+    @property
+    def n_around(self) -> int:
+        """Nodes of a ring."""
+        return 2 * (self.nose_panel + self.cap + self.aft_panel)
+
+    @property
+    def n_segments(self) -> int:
+        """Segments along the span."""
+        return self.root_segments + self.web_segments + self.tip_segments
+
+    @property
+    def nose(self) -> int:
+        """Place of the leading edge in a ring; the trailing edge is at 0, the lower side lies between."""
+        return self.n_around // 2
+
+
+def loft_blade(stations: BladeStations, webs: ShearWebs, grid: BladeGrid = BladeGrid()) -> Mesh:  # noqa: B008
+    """Mid-surface of skin and two webs, of triangles, open at root and tip; the skin's normals point outward.
+
+    Rings of nodes stand at equal steps of span from the root to the webs' start, to their end, and to the tip.
+    Around a ring they stand at equal arcs between trailing edge, aft web, fore web and leading edge. The webs
+    are straight between the skins. With `s` segments, `n` nodes around, webs of `w` segments and `d` cells
+    depth there are
+        N = n (s + 1) + 2 (w + 1)(d - 1) nodes,   F = 2 n s + 4 w d triangles.
+
+    Parameters
+    ----------
+    stations : BladeStations
+    webs : ShearWebs
+    grid : BladeGrid
+    Returns
+    -------
+    Mesh   node sets root, tip (rings), leading_edge, trailing_edge (root to tip); cell sets skin, web_fore,
+           web_aft; axes as `BladeStations` says
+    Raises
+    ------
+    MeshError   webs beyond root or tip, or outside the section at some span; unusable cells
+    """
+    span = _ring_spans(stations, webs, grid)
+    skin_nodes = _rings(stations, webs, grid, span)
+    rings = np.arange(len(skin_nodes)).reshape(span.size, grid.n_around)
+    fore, aft = grid.aft_panel + grid.cap, grid.aft_panel
+    webbed = slice(grid.root_segments, grid.root_segments + grid.web_segments + 1)
+
+    parts, web_grids, n_nodes = [skin_nodes], [], len(skin_nodes)
+    for place in (fore, aft):
+        lower, upper = rings[webbed, place], rings[webbed, grid.n_around - place]
+        depth = np.linspace(0, 1, grid.web_depth + 1)[1:-1, None]
+        inner = skin_nodes[lower][:, None] * (1 - depth) + skin_nodes[upper][:, None] * depth
+        numbers = n_nodes + np.arange(inner.shape[0] * inner.shape[1]).reshape(inner.shape[:2])
+        web_grids.append(np.column_stack([lower, numbers, upper]))
+        parts.append(inner.reshape(-1, 3))
+        n_nodes += numbers.size
+
+    skin, centres = _split_skin(np.column_stack([rings, rings[:, 0]]).T, grid, n_nodes)
+    parts.append(skin_nodes[centres].mean(axis=1))
+    cells = [skin, *(alternating_triangles(web.T) for web in web_grids)]
+    ends = np.cumsum([len(part) for part in cells])
+    node_sets = {"root": rings[0], "tip": rings[-1], "leading_edge": rings[:, grid.nose]}
+    return Mesh(
+        np.vstack(parts),
+        {CellType.TRIANGLE3: np.vstack(cells)},
+        node_sets | {"trailing_edge": rings[:, 0]},
+        {
+            name: {CellType.TRIANGLE3: np.arange(end - len(part), end)}
+            for name, part, end in zip(("skin", "web_fore", "web_aft"), cells, ends, strict=True)
+        },
+    )
+
+
+def _ring_spans(stations: BladeStations, webs: ShearWebs, grid: BladeGrid) -> FloatArray:
+    root, tip = stations.span[0], stations.span[-1]
+    if not root < webs.start < webs.end < tip:
+        raise MeshError(
+            f"webs from {webs.start:g} to {webs.end:g} reach beyond the blade, which runs from {root:g} to "
+            f"{tip:g}; keep them strictly between root and tip"
+        )
+    return np.concatenate(
+        [
+            np.linspace(root, webs.start, grid.root_segments + 1),
+            np.linspace(webs.start, webs.end, grid.web_segments + 1)[1:],
+            np.linspace(webs.end, tip, grid.tip_segments + 1)[1:],
+        ]
+    )
+
+
+def _rings(stations: BladeStations, webs: ShearWebs, grid: BladeGrid, span: FloatArray) -> FloatArray:
+    """Skin nodes (k * n, 3), ring by ring, from the trailing edge over the lower side to the leading edge."""
+    chord, twist, axis, prebend, sweep = stations.curves(span)
+    fore, aft = axis + webs.fore / chord, axis + webs.aft / chord
+    outside = np.flatnonzero((fore <= 0) | (aft >= 1))
+    if outside.size:
+        k = outside[0]
+        raise MeshError(
+            f"webs outside the section at span {span[k]:g}: x/c = {fore[k]:.3f} (fore) and {aft[k]:.3f} (aft) on "
+            f"a chord of {chord[k]:g}; move the webs nearer to the pitch axis (their places hold from root to "
+            "tip, with or without webs)"
+        )
+    y = stations.shapes(span)
+    x = np.broadcast_to(SHAPE_POINTS, y.shape)
+    steps = np.hypot(np.diff(x), np.diff(y))
+    arc = np.concatenate([np.zeros((*y.shape[:-1], 1)), np.cumsum(steps, axis=-1)], axis=-1)
+    marks = _interpolate_rows(x, arc, np.broadcast_to(np.stack([fore, aft], axis=-1)[:, None], (*y.shape[:2], 2)))
+    at_fore, at_aft = marks[..., :1], marks[..., 1:]
+    places = np.concatenate(
+        [
+            at_fore * _parts(grid.nose_panel),
+            at_fore + (at_aft - at_fore) * _parts(grid.cap),
+            at_aft + (arc[..., -1:] - at_aft) * _parts(grid.aft_panel),
+            arc[..., -1:],
+        ],
+        axis=-1,
+    )
+    side_x, side_y = _interpolate_rows(arc, x, places), _interpolate_rows(arc, y, places)
+    ring_x = np.concatenate([side_x[:, 0, ::-1], side_x[:, 1, 1:-1]], axis=1)
+    ring_y = np.concatenate([side_y[:, 0, ::-1], side_y[:, 1, 1:-1]], axis=1)
+
+    xi, eta = (ring_x - axis[:, None]) * chord[:, None], ring_y * chord[:, None]
+    sin, cos = np.sin(twist)[:, None], np.cos(twist)[:, None]
+    X, Y = xi * sin + eta * cos + prebend[:, None], xi * cos - eta * sin + sweep[:, None]
+    return np.stack([X, Y, np.broadcast_to(span[:, None], X.shape)], axis=-1).reshape(-1, 3)
+
+
+def _parts(n_cells: int) -> FloatArray:
+    """Places of the cells' first nodes in 0 .. 1."""
+    return np.arange(n_cells) / n_cells
+
+
+def _interpolate_rows(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArray:
+    """Linear interpolation along the last axis, each row with its own ascending x: at (..., k) -> (..., k)."""
+    upper = np.clip((x[..., None, :] <= at[..., None]).sum(axis=-1), 1, x.shape[-1] - 1)
+    x0, x1 = (np.take_along_axis(x, place, axis=-1) for place in (upper - 1, upper))
+    y0, y1 = (np.take_along_axis(y, place, axis=-1) for place in (upper - 1, upper))
+    return y0 + (y1 - y0) * (at - x0) / (x1 - x0)
+
+
+def _split_skin(around: IntArray, grid: BladeGrid, n_nodes: int) -> tuple[IntArray, IntArray]:
+    """Skin triangles, and the corners (c, 4) of quadrilaterals that get a node, from `n_nodes` on, in their centre."""
+    halves = alternating_triangles(around)
+    segment, panel = np.array(grid.centre_splits, dtype=np.int64).reshape(-1, 2).T
+    cut = panel * grid.n_segments + segment
+    corners = grid_quads(around)[cut]
+    centre = np.broadcast_to(n_nodes + np.arange(cut.size)[:, None], corners.shape)
+    quarters = np.stack([corners, np.roll(corners, -1, axis=1), centre], axis=-1).reshape(-1, 3)
+    kept = np.delete(halves.reshape(-1, 2, 3), cut, axis=0).reshape(-1, 3)
+    return np.vstack([kept, quarters]), corners
