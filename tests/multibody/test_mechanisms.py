@@ -67,7 +67,7 @@ def crank_rocker(rod):
     duration = np.sqrt(4 * np.pi)
     with pytest.warns(RedundantConstraintWarning) as warned:
         solution = simulate(
-            four_bar(rod), duration=duration, output_step=duration / 40, step=FixedStep(5e-3), tolerances=TIGHT
+            four_bar(rod), duration=duration, output_step=duration / 200, step=FixedStep(5e-3), tolerances=TIGHT
         )
     return solution, str(warned[0].message)
 
@@ -110,7 +110,7 @@ def test_motor_does_the_work(crank_rocker, rod):
         kinetic += (motion.velocity**2).sum(axis=1) / 2 + length**2 / 24 * motion.angular_velocity[:, 2] ** 2
     power = -solution.joint_forces["motor"][:, 5] * 2 * t
     work = np.concatenate([[0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(t))])
-    assert np.abs(work - kinetic).max() < 0.05 * kinetic.max()
+    assert np.abs(work - kinetic).max() < 5e-3 * kinetic.max()
 
 
 BEND = 0.6
@@ -145,9 +145,9 @@ def shafts(rod, turned):
 
 
 def test_universal_joint_turns_unevenly(shafts):
-    """tan(driven) = tan(driving) / cos(bend) when the driving arm starts in the plane of the shafts."""
+    """tan(driven) = tan(driving) / cos(bend), as the driving arm starts in the plane of the shafts."""
     driving = 2.0 * shafts.times**2
-    driven = np.arctan2(np.sin(driving) * 1.0, np.cos(driving) * np.cos(BEND))
+    driven = np.arctan2(np.sin(driving), np.cos(driving) * np.cos(BEND))
     rotation = shafts.bodies["driven"].rotation
     np.testing.assert_allclose(
         rotation[:, 1:, 1], np.column_stack([np.cos(driven), np.sin(driven)]), atol=1e-9
@@ -156,7 +156,7 @@ def test_universal_joint_turns_unevenly(shafts):
 
 
 def test_universal_joint_speed_ratio(shafts):
-    """w_2 / w_1 = cos b / (1 - sin^2 b sin^2 theta), theta from the plane of the shafts."""
+    """w_2 / w_1 = cos b / (1 - sin^2 b cos^2 theta), theta from the plane of the shafts."""
     driving = 2.0 * shafts.times**2
     ratio = np.cos(BEND) / (1 - np.sin(BEND) ** 2 * np.cos(driving) ** 2)
     assert ratio.max() / ratio.min() > 1.4

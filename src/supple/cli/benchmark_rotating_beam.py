@@ -10,9 +10,9 @@ from rich.progress import Progress, TaskID
 from rich.table import Table
 
 from supple.benchmark.rotating_beam import BeamRun, RotatingBeam, run_rotating_beam
-from supple.benchmark.rotating_beam_report import draw_figures, report, tables
+from supple.benchmark.rotating_beam_report import draw_figures, film, report, tables
 from supple.cli.console import console, progress_bars
-from supple.results.json_report import write_json
+from supple.results import write_json, write_solution
 
 __all__ = ["benchmark_rotating_beam"]
 
@@ -25,14 +25,32 @@ def benchmark_rotating_beam(problem: RotatingBeam, json: Path | None, folder: Pa
     with progress_bars() as bars:
         for run in run_rotating_beam(problem, lambda label: _bar(bars, label)):
             write_json(target, report(run))
-    if run is None:
-        return
+            _store_latest(run, folder)
+        if run is None:
+            return
+        pictures = draw_figures(run, folder)
+        pictures.append(film(run, folder / "beam.gif", _bar(bars, "film of the beam")))
     for title, heads, rows in tables(run):
         console.print(_table(title, heads, rows))
-    pictures = draw_figures(run, folder)
-    console.print(f"report   {target}", highlight=False, soft_wrap=True)
+    console.print(f"report    {target}", highlight=False, soft_wrap=True)
+    console.print(f"motions   {folder / 'motions'}", highlight=False, soft_wrap=True)
     for picture in pictures:
-        console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
+        console.print(f"picture   {picture}", highlight=False, soft_wrap=True)
+
+
+def _store_latest(run: BeamRun, folder: Path) -> None:
+    """Keep the motion that has just been computed: the last reduced one, or a full one not yet reduced."""
+    full = run.full[-1]
+    reduced = [one for one in run.reduced if one.full is full]
+    label = f"{full.frame}_{full.kinematics}_{full.omega:g}"
+    solution = full.solution
+    if reduced:
+        latest = reduced[-1]
+        label += f"_{latest.n_linear}+{latest.n_added}_{latest.derivatives}"
+        solution = latest.solution
+    motions = folder / "motions"
+    motions.mkdir(parents=True, exist_ok=True)
+    write_solution(motions / f"{label}.h5", solution, case=f"rotating beam {label}")
 
 
 def _bar(bars: Progress, label: str) -> Callable[[float], None]:
@@ -43,7 +61,7 @@ def _bar(bars: Progress, label: str) -> Callable[[float], None]:
 def _table(title: str, heads: list[str], rows: list[list[str]]) -> Table:
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
     for head in heads:
-        words = head in ("model", "frame", "strains", "columns")
+        words = head in ("model", "columns")
         table.add_column(head, justify="left" if words else "right", no_wrap=True)
     for row in rows:
         table.add_row(*row)

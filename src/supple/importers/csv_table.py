@@ -65,7 +65,9 @@ def read_csv_table(
     if not path.is_file():
         raise ImportFormatError(f"{path}: no such file; check its name and folder")
     text = path.read_text(encoding="utf-8-sig").splitlines()
-    kept = [(number, line) for number, line in enumerate(text, 1) if line.strip() and not line.startswith("#")]
+    kept = [
+        (number, line) for number, line in enumerate(text, 1) if line.strip() and not line.startswith("#")
+    ]
     if not kept:
         raise ImportFormatError(f"{path}: empty; the first line holds the names of the columns")
     rows = [tuple(word.strip() for word in row) for row in csv.reader(line for _, line in kept)]
@@ -73,15 +75,17 @@ def read_csv_table(
     known = (*required, *optional)
     missing = [name for name in required if name not in headings]
     if missing:
-        raise ImportFormatError(f"{path}: no column {', '.join(missing)}; its columns are {', '.join(headings)}")
+        raise ImportFormatError(
+            f"{path}: no column {', '.join(missing)}; its columns are {', '.join(headings)}"
+        )
     for place, name in enumerate(headings):
         if name not in known or name in headings[:place]:
             what = "a second column" if name in known else "unknown column"
-            raise ImportFormatError(f"{path}: {what} '{name}'; known columns are {', '.join(known)}, each once")
+            raise ImportFormatError(
+                f"{path}: {what} '{name}'; known columns are {', '.join(known)}, each once"
+            )
     for (number, _), row in zip(kept, rows, strict=True):
         if len(row) != len(headings):
             raise ImportFormatError(f"{path}, line {number}: {len(row)} values for {len(headings)} columns")
     body = list(zip(*rows[1:], strict=True)) or [()] * len(headings)
-    return CsvTable(
-        path, dict(zip(headings, body, strict=True)), tuple(number for number, _ in kept[1:])
-    )
+    return CsvTable(path, dict(zip(headings, body, strict=True)), tuple(number for number, _ in kept[1:]))

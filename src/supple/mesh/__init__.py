@@ -1,5 +1,8 @@
 """Meshes: nodes, cells and named sets, checked on entry; parametric shapes."""
 
+from supple.mesh.airfoil_section import AirfoilSection, TrailingEdge
+from supple.mesh.blade_loft import BladeGrid, ShearWebs, loft_blade
+from supple.mesh.blade_stations import BladeStations
 from supple.mesh.block import block
 from supple.mesh.box_beam import box_beam
 from supple.mesh.cell_type import CellType
@@ -11,12 +14,18 @@ from supple.mesh.quadratic import to_quadratic
 from supple.mesh.strip import strip
 
 __all__ = [
+    "AirfoilSection",
+    "BladeGrid",
+    "BladeStations",
     "CellType",
     "Mesh",
+    "ShearWebs",
+    "TrailingEdge",
     "block",
     "box_beam",
     "cylinder",
     "cylinder_shell",
+    "loft_blade",
     "plate",
     "strip",
     "to_quadratic",

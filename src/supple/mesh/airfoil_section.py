@@ -124,4 +124,6 @@ def _check_crossing(name: str, outline: FloatArray) -> None:
 
 def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
     """Twice the area of the triangle a b c, positive when it turns left."""
-    return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])
+    return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (
+        c[..., 0] - a[..., 0]
+    )

@@ -170,7 +170,9 @@ def _rings(stations: BladeStations, webs: ShearWebs, grid: BladeGrid, span: Floa
     x = np.broadcast_to(SHAPE_POINTS, y.shape)
     steps = np.hypot(np.diff(x), np.diff(y))
     arc = np.concatenate([np.zeros((*y.shape[:-1], 1)), np.cumsum(steps, axis=-1)], axis=-1)
-    marks = _interpolate_rows(x, arc, np.broadcast_to(np.stack([fore, aft], axis=-1)[:, None], (*y.shape[:2], 2)))
+    marks = _interpolate_rows(
+        x, arc, np.broadcast_to(np.stack([fore, aft], axis=-1)[:, None], (*y.shape[:2], 2))
+    )
     at_fore, at_aft = marks[..., :1], marks[..., 1:]
     places = np.concatenate(
         [

@@ -62,7 +62,9 @@ class BladeStations:
             values = np.asarray(getattr(self, name), dtype=np.float64)
             values = np.full(span.shape, values) if values.ndim == 0 else values
             if values.shape != span.shape:
-                raise MeshError(f"{name} has shape {values.shape} for {span.size} stations; give one a station")
+                raise MeshError(
+                    f"{name} has shape {values.shape} for {span.size} stations; give one a station"
+                )
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
                 raise MeshError(f"station {bad[0]}: {name} is {values[bad[0]]}; give a number")

@@ -14,6 +14,7 @@ from supple.errors import ModelError
 from supple.multibody.full_body import FullBody
 from supple.multibody.joints import GROUND, At, Joint
 from supple.multibody.loads import DeadForce, ForceElement
+from supple.multibody.time_law import check_law_shape
 from supple.reduction import ReducedBody
 
 __all__ = ["Body", "Placed", "System"]
@@ -101,7 +102,8 @@ class System:
     joints : Joint, names unique
     loads : DeadForce | ForceElement
     gravity : (3,) global, e.g. (0, 0, -9.81)
-    Raises ModelError: no body, a name used twice, a joint or load on a body or interface that is not there.
+    Raises ModelError: no body, a name used twice, a joint or load on a body or interface that is not there, a
+        quantity over time of the wrong shape.
     """
 
     bodies: tuple[Placed, ...]
@@ -127,12 +129,16 @@ class System:
         for joint in self.joints:
             self._check_end(f"joint '{joint.name}'", joint.first)
             self._check_end(f"joint '{joint.name}'", joint.second)
+            if joint.law is not None:
+                check_law_shape(f"joint '{joint.name}'", joint.law, ())
         for load in self.loads:
             if isinstance(load, DeadForce):
                 self._check_dead_force(load)
             else:
                 self._check_end(load.label, load.first)
                 self._check_end(load.label, load.second)
+                if load.law is not None:
+                    check_law_shape(load.label, load.law, load.value_shape)
 
     def _check_end(self, what: str, end: At) -> None:
         if end == GROUND:
@@ -149,6 +155,7 @@ class System:
         body = self.bodies[self.body_index(load.body, load.label)].body
         if isinstance(load.at, str):
             self._check_end(load.label, At(load.body, load.at))
+            check_law_shape(load.label, load.law, (3,))
             return
         if isinstance(body, RigidBody):
             raise ModelError(f"{load.label}: a rigid body has no nodes; name one of its interfaces")
@@ -160,6 +167,7 @@ class System:
                 f"{load.label}: node indices run from {nodes.min()} to {nodes.max()}, "
                 f"but the body has nodes 0 to {len(body.nodes) - 1}"
             )
+        check_law_shape(load.label, load.law, (3,), (nodes.size, 3))
 
     def body_index(self, name: str, what: str = "lookup") -> int:
         """Position of the body of that name among `bodies`."""

@@ -13,7 +13,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-__all__ = ["Constant", "Table", "TimeFunction", "TimeLaw", "as_time_law"]
+from supple.errors import ModelError
+
+__all__ = ["Constant", "Table", "TimeFunction", "TimeLaw", "as_time_law", "check_law_shape"]
 
 
 @jax.tree_util.register_dataclass
@@ -101,3 +103,14 @@ def as_time_law(value: Any) -> TimeLaw:
     if not np.isfinite(array).all():
         raise ValueError(f"a constant quantity holds NaN or infinite entries: {array}")
     return Constant(array)
+
+
+def check_law_shape(what: str, law: TimeLaw, *shapes: tuple[int, ...]) -> None:
+    """Raise ModelError unless the law's values have one of the shapes, and JAX can trace it."""
+    try:
+        shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
+    except jax.errors.TracerArrayConversionError as error:
+        raise ModelError(f"{what}: its function of time must be written with jax.numpy, not numpy") from error
+    if shape not in shapes:
+        wanted = " or ".join(map(str, shapes))
+        raise ModelError(f"{what}: its values over time have shape {shape}; they must have {wanted}")

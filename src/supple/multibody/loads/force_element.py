@@ -23,6 +23,8 @@ class ForceElement(ABC):
     first: At
     second: At = GROUND
 
+    value_shape: ClassVar[tuple[int, ...]] = ()
+    """Shape of what the law gives, where there is one."""
     acts_along_line: ClassVar[bool] = False
     """True when the law needs a line between its ends, which must then stay apart."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import jax.numpy as jnp
 
@@ -25,6 +25,8 @@ class FollowerForce(ForceElement):
     force: Any
     """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
 
+    value_shape: ClassVar[tuple[int, ...]] = (3,)
+
     @property
     def law(self) -> TimeLaw:
         """The force over time."""
@@ -43,6 +45,8 @@ class FollowerTorque(ForceElement):
     torque: Any
     """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
 
+    value_shape: ClassVar[tuple[int, ...]] = (3,)
+
     @property
     def law(self) -> TimeLaw:
         """The torque over time."""
@@ -60,6 +64,8 @@ class DeadTorque(ForceElement):
 
     torque: Any
     """(3,) global components."""
+
+    value_shape: ClassVar[tuple[int, ...]] = (3,)
 
     @property
     def law(self) -> TimeLaw:

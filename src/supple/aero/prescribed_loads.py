@@ -1,0 +1,114 @@
+"""Prescribed loads: air loads per length, lumped on nodes of a blade over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isfinite
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.algebra.read_only import read_only
+from supple.aero.blade_element_momentum import Operation, air_loads
+from supple.aero.rotor import Rotor
+from supple.aero.wind import Wind
+from supple.errors import ModelError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CosineRamp:
+    """A smooth start: (1 - cos(pi t / duration)) / 2, and 1 from `duration` (s) on."""
+
+    duration: float
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.duration) and self.duration > 0):
+            raise ModelError(f"ramp of {self.duration} s; its duration is finite and above zero")
+
+    def at(self, times: ArrayLike) -> FloatArray:
+        """Factor (t,) at the times (t,)."""
+        part = np.clip(np.asarray(times, dtype=np.float64) / self.duration, 0, 1)
+        return (1 - np.cos(np.pi * part)) / 2
+
+
+@dataclass(frozen=True, eq=False)
+class NodalForces:
+    """Forces (t, k, 3), N, on k nodes at times (t,), s, in the axes of the blade's root."""
+
+    times: FloatArray
+    forces: FloatArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", read_only(self.times))
+        object.__setattr__(self, "forces", read_only(self.forces))
+
+    def turned(self, azimuth: ArrayLike) -> NodalForces:
+        """The same forces on a blade that has turned about x by the azimuth (t,), rad, in axes that have not."""
+        cos, sin = np.cos(azimuth)[:, None], np.sin(azimuth)[:, None]
+        x, y, z = np.moveaxis(self.forces, -1, 0)
+        return replace(self, forces=np.stack([x, cos * y - sin * z, sin * y + cos * z], axis=-1))
+
+
+def lumped_forces(span: ArrayLike, normal: ArrayLike, tangential: ArrayLike) -> FloatArray:
+    """Forces (..., k, 3) on nodes at the spans (k,): F_N along +x, F_T along -y, each over its share of span.
+
+    A node's share is half the way to each of its neighbours, so that the shares add up to the length.
+
+    Parameters
+    ----------
+    span : float array (k,)                  m, increasing, k >= 2
+    normal, tangential : float array (..., k)   N/m at the nodes
+    Raises
+    ------
+    ModelError   span not increasing
+    """
+    span = np.asarray(span, dtype=np.float64)
+    if span.ndim != 1 or span.size < 2 or (np.diff(span) <= 0).any():
+        raise ModelError("nodes to be loaded are given from root to tip, at least two, each at its own span")
+    share = np.diff(span, prepend=span[0], append=span[-1])
+    share = (share[:-1] + share[1:]) / 2
+    normal, tangential = np.asarray(normal) * share, np.asarray(tangential) * share
+    return np.stack([normal, -tangential, np.zeros_like(normal)], axis=-1)
+
+
+def prescribed_forces(
+    rotor: Rotor,
+    operation: Operation,
+    wind: Wind,
+    *,
+    span: ArrayLike,
+    hub_radius: float,
+    times: ArrayLike,
+    ramp: CosineRamp | None = None,
+) -> NodalForces:
+    """Forces on nodes of a blade over time, for a rotor that turns at constant speed from upright.
+
+    The blade is rigid as far as the air is concerned: the loads are prescribed. Axes: x downwind, y towards the
+    trailing edge, z along the span from the root, at radius = span + hub_radius.
+
+    Parameters
+    ----------
+    rotor : Rotor
+    operation : Operation
+    wind : Wind
+    span : float array (k,)     m, of the nodes from root to tip: the leading edge, say
+    hub_radius : float          m
+    times : float array (t,)    s
+    ramp : CosineRamp or None   a smooth start; None loads fully from the first time
+    Returns
+    -------
+    NodalForces   (t, k, 3)
+    Raises
+    ------
+    ModelError, ConvergenceError   as `air_loads`
+    """
+    times, radius = np.asarray(times, dtype=np.float64), np.asarray(span, dtype=np.float64) + hub_radius
+    azimuth = operation.angular_speed * times
+    loads = air_loads(
+        rotor, operation, radius=radius, wind=wind.along_blade(times, radius=radius, azimuth=azimuth)
+    )
+    forces = lumped_forces(span, loads.normal, loads.tangential)
+    start = np.ones_like(times) if ramp is None else ramp.at(times)
+    return NodalForces(times, start[:, None, None] * forces)

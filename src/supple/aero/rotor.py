@@ -1,0 +1,85 @@
+"""Rotor: chord, twist and polars of its blades along the radius."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.algebra.read_only import read_only
+from supple.aero.polar import BlendedPolars, Polar, blend_polars
+from supple.errors import ModelError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rotor:
+    """Equal blades given at stations; chord, twist and coefficients vary linearly in between.
+
+    Parameters
+    ----------
+    radius : float array (n,)    m from the rotor axis, increasing, n >= 2; the tip is the last
+    chord : float array (n,)     m, above zero
+    twist : float array (n,)     rad, positive turns the nose into the wind
+    polars : Polar (n,)
+    n_blades : int
+    Raises
+    ------
+    ModelError   unequal lengths, NaN, radii out of order or not above zero, chord not above zero, no blades
+    """
+
+    radius: FloatArray
+    chord: FloatArray
+    twist: FloatArray
+    polars: tuple[Polar, ...]
+    n_blades: int
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "polars", tuple(self.polars))
+        for name in ("radius", "chord", "twist"):
+            values = read_only(getattr(self, name))
+            object.__setattr__(self, name, values)
+            if values.shape != self.radius.shape or values.ndim != 1 or values.size < 2:
+                raise ModelError(
+                    f"rotor: {name} has shape {values.shape}; give one value a station, at least two stations"
+                )
+            bad = np.flatnonzero(~np.isfinite(values))
+            if bad.size:
+                raise ModelError(f"rotor: {name} of station {bad[0]} is {values[bad[0]]}; give a number")
+        if len(self.polars) != self.radius.size:
+            raise ModelError(
+                f"rotor: {len(self.polars)} polars for {self.radius.size} stations; give one a station"
+            )
+        back = np.flatnonzero(np.diff(self.radius, prepend=0.0) <= 0)
+        if back.size:
+            raise ModelError(
+                f"rotor: radius {self.radius[back[0]]:g} of station {back[0]} is out of order; list the stations "
+                "outward, all off the axis"
+            )
+        bad = np.flatnonzero(self.chord <= 0)
+        if bad.size:
+            raise ModelError(
+                f"rotor: chord {self.chord[bad[0]]:g} of station {bad[0]}; a chord is above zero"
+            )
+        if self.n_blades != int(self.n_blades) or self.n_blades < 1:
+            raise ModelError(f"rotor: {self.n_blades} blades; give a whole number, at least one")
+
+    @property
+    def tip_radius(self) -> float:
+        """Radius of the tip, m."""
+        return float(self.radius[-1])
+
+    def polars_at(self, radius: ArrayLike) -> BlendedPolars:
+        """Polars at the radii (k,), those of the neighbouring stations blended linearly; ModelError beyond the blade."""
+        radius = np.asarray(radius, dtype=np.float64)
+        outside = np.flatnonzero(~((radius >= self.radius[0]) & (radius <= self.radius[-1])))
+        if outside.size:
+            raise ModelError(
+                f"radius {radius[outside[0]]:g} lies off the blade, which runs from {self.radius[0]:g} to "
+                f"{self.radius[-1]:g}; radius is span plus hub radius"
+            )
+        inner = np.clip(np.searchsorted(self.radius, radius, side="right") - 1, 0, self.radius.size - 2)
+        part = (radius - self.radius[inner]) / (self.radius[inner + 1] - self.radius[inner])
+        return blend_polars(self.polars, inner, part)
