@@ -57,7 +57,7 @@ def rod():
 @pytest.fixture(scope="session")
 def blade():
     """A flat elastic strip along x, 1 m long, held at neither end."""
-    wall = HomogeneousWall(Isotropic(1e7, 0.3, 1000.0), 0.01)
+    wall = HomogeneousWall(Isotropic(1e7, 0.3, 1000.0), 0.02)
     model = shell_model(strip(1.0, 0.1, 6, 2), wall)
     return flexible_body("blade", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
 

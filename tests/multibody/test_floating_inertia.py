@@ -117,7 +117,7 @@ def test_steady_spin_pulls_the_frame_origin_outwards(floating_blade):
     r = floating_blade.r
     spin = np.array([0.2, -0.4, 1.5])
     still = FloatingMotion(np.zeros(r), spin, np.zeros(r), np.zeros(3), np.zeros(3), np.zeros(r))
-    mass, centre = 1.0 * 0.1 * 0.01 * 1000.0, np.array([0.5, 0.0, 0.0])
+    mass, centre = 1.0 * 0.1 * 0.02 * 1000.0, np.array([0.5, 0.0, 0.0])
     force = np.asarray(inertia_force(floating_blade.gram, still))[:3]
     np.testing.assert_allclose(force, mass * np.cross(spin, np.cross(spin, centre)), atol=1e-12)
     turning = np.asarray(skew(spin)) @ np.asarray(skew(spin)) @ centre * mass

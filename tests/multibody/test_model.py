@@ -27,9 +27,9 @@ def test_rigid_gram_is_that_of_point_masses():
 
 
 def test_mass_of_every_kind_of_body(rod, blade, floating_blade):
-    """1 m x 0.1 m x 0.01 m of density 1000."""
-    for body in (rod("rod", 2.0, mass=1.0), floating_blade, FullBody(blade, MeanAxisFrame())):
-        np.testing.assert_allclose(body_mass(Placed(body)), 1.0, rtol=1e-12)
+    """1 m x 0.1 m x 0.02 m of density 1000."""
+    for body in (rod("rod", 2.0, mass=2.0), floating_blade, FullBody(blade, MeanAxisFrame())):
+        np.testing.assert_allclose(body_mass(Placed(body)), 2.0, rtol=1e-12)
 
 
 def test_size_of_a_system_is_the_span_of_its_points(rod, turned):

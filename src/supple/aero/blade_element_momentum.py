@@ -1,4 +1,4 @@
-"""Blade-element momentum: the air loads along a blade, from the balance of momentum in annular stream tubes."""
+"""Blade-element momentum: air loads along a blade from the balance of momentum in annular stream tubes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ INFLOW_TOLERANCE = 1e-11
 
 @dataclass(frozen=True, kw_only=True)
 class Operation:
-    """How a rotor runs: angular speed, rad/s; collective pitch, rad (nose into the wind); air density, kg/m^3."""
+    """How a rotor runs: angular speed, rad/s; pitch, rad, nose into the wind; density of the air, kg/m^3."""
 
     angular_speed: float
     pitch: float
@@ -65,8 +65,8 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
     4 F (a_c^2 + (1 - 2 a_c) a), that is, 1/(1 - a) = ((b^2 + 4 k d^2)^(1/2) + b) / (2 d^2), b = 1 - 2 a_c,
     d = 1 - a_c. The angle is the root of
         sin phi / (1 - a) omega r - cos phi / (1 + a') V = 0
-    in (0, pi/2], bracketed (fixed-point iteration diverges at high speed ratios). In this form the function is
-    finite and continuous in between, and negative next to 0 for any section with drag. Then
+    in (0, pi/2], bracketed (fixed-point iteration diverges at high speed ratios). In this form the function
+    is finite and continuous in between, and negative next to 0 for any section with drag. Then
         F_N = rho/2 W^2 c C_n,   F_T = rho/2 W^2 c C_t,   W^2 = (V (1 - a))^2 + (omega r (1 + a'))^2.
 
     Parameters
@@ -80,7 +80,7 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
     AirLoads   (..., k)
     Raises
     ------
-    ModelError         radius off the blade, wind not above zero, an angle of attack that a polar does not cover
+    ModelError         radius off the blade, wind not above zero, angle of attack that a polar does not cover
     ConvergenceError   no inflow angle in (0, pi/2] balances the momentum (the rotor drives the air)
     Source: [Hansen2015], chapter 6; residual without singular points after [Ning2014].
     """
@@ -162,9 +162,9 @@ class _Sections:
         if bad.size:
             at = tuple(bad[0])
             raise ModelError(
-                f"angle of attack {np.degrees(angle[at]):.2f} deg at {_where(bad[0], self.radius)} is not covered: "
-                f"the polars there run from {np.degrees(lowest[at]):.2f} to {np.degrees(highest[at]):.2f} deg; "
-                "extend them"
+                f"angle of attack {np.degrees(angle[at]):.2f} deg at {_where(bad[0], self.radius)} is not "
+                f"covered: the polars there run from {np.degrees(lowest[at]):.2f} to "
+                f"{np.degrees(highest[at]):.2f} deg; extend them"
             )
 
 
@@ -177,9 +177,10 @@ def rotor_power(rotor: Rotor, operation: Operation, *, radius: ArrayLike, loads:
     """Power P = B omega int F_T r dr (...), W, of loads at radii that span the blade (trapezoidal rule)."""
     radius = np.asarray(radius, dtype=np.float64)
     torque = np.trapezoid(loads.tangential * radius, radius, axis=-1)
-    return rotor.n_blades * operation.angular_speed * torque
+    return np.asarray(rotor.n_blades * operation.angular_speed * torque)
 
 
 def rotor_thrust(rotor: Rotor, *, radius: ArrayLike, loads: AirLoads) -> FloatArray:
     """Thrust T = B int F_N dr (...), N, of loads at radii that span the blade (trapezoidal rule)."""
-    return rotor.n_blades * np.trapezoid(loads.normal, np.asarray(radius, dtype=np.float64), axis=-1)
+    radius = np.asarray(radius, dtype=np.float64)
+    return np.asarray(rotor.n_blades * np.trapezoid(loads.normal, radius, axis=-1))

@@ -41,8 +41,8 @@ class Polar:
             raise ModelError(f"polar '{self.name}': angles of shape {self.angle.shape}; give at least two")
         if not self.angle.shape == self.lift.shape == self.drag.shape:
             raise ModelError(
-                f"polar '{self.name}': {self.angle.size} angles, {self.lift.size} lift and {self.drag.size} drag "
-                "coefficients; give one of each an angle"
+                f"polar '{self.name}': {self.angle.size} angles, {self.lift.size} lift and {self.drag.size} "
+                "drag coefficients; give one of each an angle"
             )
         bad = np.flatnonzero(~np.isfinite(np.column_stack([self.angle, self.lift, self.drag])).all(axis=1))
         if bad.size:
@@ -69,7 +69,7 @@ class BlendedPolars:
     highest: FloatArray
 
     def coefficients(self, section: ArrayLike, angle: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Lift and drag of the section numbers at the angles, of one shape; held constant beyond the last angle."""
+        """Lift and drag of the section numbers at the angles, of one shape; held beyond the last angle."""
         section, angle = np.asarray(section, dtype=np.int64), np.asarray(angle)
         upper = np.clip(np.searchsorted(self.angle, angle, side="right"), 1, self.angle.size - 1)
         low, high = self.angle[upper - 1], self.angle[upper]

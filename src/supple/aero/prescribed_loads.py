@@ -8,10 +8,10 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.algebra.read_only import read_only
 from supple.aero.blade_element_momentum import Operation, air_loads
 from supple.aero.rotor import Rotor
 from supple.aero.wind import Wind
+from supple.algebra.read_only import read_only
 from supple.errors import ModelError
 
 FloatArray = NDArray[np.float64]
@@ -45,7 +45,7 @@ class NodalForces:
         object.__setattr__(self, "forces", read_only(self.forces))
 
     def turned(self, azimuth: ArrayLike) -> NodalForces:
-        """The same forces on a blade that has turned about x by the azimuth (t,), rad, in axes that have not."""
+        """Forces on a blade that has turned about x by the azimuth (t,), rad, in axes that have not."""
         cos, sin = np.cos(azimuth)[:, None], np.sin(azimuth)[:, None]
         x, y, z = np.moveaxis(self.forces, -1, 0)
         return replace(self, forces=np.stack([x, cos * y - sin * z, sin * y + cos * z], axis=-1))
@@ -85,8 +85,8 @@ def prescribed_forces(
 ) -> NodalForces:
     """Forces on nodes of a blade over time, for a rotor that turns at constant speed from upright.
 
-    The blade is rigid as far as the air is concerned: the loads are prescribed. Axes: x downwind, y towards the
-    trailing edge, z along the span from the root, at radius = span + hub_radius.
+    The blade is rigid as far as the air is concerned: the loads are prescribed. Axes: x downwind, y towards
+    the trailing edge, z along the span from the root, at radius = span + hub_radius.
 
     Parameters
     ----------

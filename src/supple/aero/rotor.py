@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.algebra.read_only import read_only
 from supple.aero.polar import BlendedPolars, Polar, blend_polars
+from supple.algebra.read_only import read_only
 from supple.errors import ModelError
 
 FloatArray = NDArray[np.float64]
@@ -55,8 +55,8 @@ class Rotor:
         back = np.flatnonzero(np.diff(self.radius, prepend=0.0) <= 0)
         if back.size:
             raise ModelError(
-                f"rotor: radius {self.radius[back[0]]:g} of station {back[0]} is out of order; list the stations "
-                "outward, all off the axis"
+                f"rotor: radius {self.radius[back[0]]:g} of station {back[0]} is out of order; list the "
+                "stations outward, all off the axis"
             )
         bad = np.flatnonzero(self.chord <= 0)
         if bad.size:
@@ -72,7 +72,7 @@ class Rotor:
         return float(self.radius[-1])
 
     def polars_at(self, radius: ArrayLike) -> BlendedPolars:
-        """Polars at the radii (k,), those of the neighbouring stations blended linearly; ModelError beyond the blade."""
+        """Polars at radii (k,), blended linearly between neighbouring stations; ModelError off the blade."""
         radius = np.asarray(radius, dtype=np.float64)
         outside = np.flatnonzero(~((radius >= self.radius[0]) & (radius <= self.radius[-1])))
         if outside.size:

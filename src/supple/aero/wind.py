@@ -26,8 +26,8 @@ class PowerLawShear:
     def __post_init__(self) -> None:
         if not (isfinite(self.hub_height) and self.hub_height > 0 and isfinite(self.exponent)):
             raise ModelError(
-                f"shear with hub height {self.hub_height} m and exponent {self.exponent}; both are finite, the "
-                "height above zero"
+                f"shear with hub height {self.hub_height} m and exponent {self.exponent}; both are finite, "
+                "the height above zero"
             )
 
     def factor(self, height: ArrayLike) -> FloatArray:
@@ -56,7 +56,7 @@ class HarmonicSeries:
                 )
 
     def at(self, times: ArrayLike) -> FloatArray:
-        """u (t,) at the times (t,)."""
+        """Speed u (t,) at the times (t,)."""
         angle = 2 * np.pi * np.multiply.outer(np.asarray(times, dtype=np.float64), self.frequency)
         return np.cos(angle + self.phase) @ self.amplitude
 
@@ -96,14 +96,14 @@ def kaimal_series(
         if not (isfinite(value) and value > 0):
             raise ModelError(f"turbulence: {name} = {value}; it is finite and above zero")
     phase = np.asarray(phase, dtype=np.float64)
-    frequency = frequency_step * np.arange(1, phase.size + 1)
+    frequency = frequency_step * np.arange(1, phase.size + 1, dtype=np.float64)
     time_scale = length_scale / mean_speed
     spectrum = 4 * deviation**2 * time_scale / (1 + 6 * frequency * time_scale) ** (5 / 3)
     return HarmonicSeries(frequency=frequency, amplitude=np.sqrt(2 * spectrum * frequency_step), phase=phase)
 
 
 def golden_phases(n: int) -> FloatArray:
-    """Phases 2 pi frac(0.618034 k^2), k = 1 .. n: spread without random numbers, the same on every machine."""
+    """Phases 2 pi frac(0.618034 k^2), k = 1 .. n: spread out without random numbers."""
     return 2 * np.pi * np.mod(GOLDEN_RATIO_PART * np.arange(1, n + 1) ** 2, 1)
 
 
@@ -114,7 +114,7 @@ def random_phases(n: int, *, seed: int) -> FloatArray:
 
 @dataclass(frozen=True, kw_only=True)
 class Wind:
-    """Axial wind V = (mean_speed + u(t)) times the shear's factor at each point's height; no turbulence if None."""
+    """Axial wind V = (mean_speed + u(t)) shear.factor(height); without turbulence u = 0."""
 
     mean_speed: float
     shear: PowerLawShear
@@ -125,7 +125,7 @@ class Wind:
             raise ModelError(f"mean wind speed {self.mean_speed} m/s; it is finite and above zero")
 
     def along_blade(self, times: ArrayLike, *, radius: ArrayLike, azimuth: ArrayLike) -> FloatArray:
-        """Wind (t, k) on a blade at azimuths (t,) from upright, at radii (k,): height = hub + r cos(azimuth)."""
+        """V (t, k) at radii (k,) of a blade at azimuths (t,) from upright: height = hub + r cos(azimuth)."""
         height = self.shear.hub_height + np.multiply.outer(
             np.cos(azimuth), np.asarray(radius, dtype=np.float64)
         )

@@ -78,8 +78,8 @@ class RotatingBeam:
     speeds: tuple[float, ...] = (6.0, 8.0, 10.0, 12.0)
     kinematics: tuple[str, ...] = ("green-lagrange", "von-karman")
     n_length: int = 20
-    n_width: int = 2
-    width: float = 0.5
+    n_width: int = 4
+    width: float = 1.0
     step: float = 0.01
     output_step: float = 0.02
     duration: float = 20.0
@@ -88,7 +88,7 @@ class RotatingBeam:
     @classmethod
     def quick(cls) -> RotatingBeam:
         """One speed, one kinematics and a coarse mesh: under a minute."""
-        return cls(speeds=(6.0,), kinematics=("green-lagrange",), n_length=10, step=0.02)
+        return cls(speeds=(6.0,), kinematics=("green-lagrange",), n_length=10, n_width=2, step=0.02)
 
     def mesh(self) -> Mesh:
         """The strip."""

@@ -54,8 +54,10 @@ def run(
 ) -> None:
     """Simulate a case file; write results (HDF5, JSON), pictures (PNG) and an animation (GIF)."""
     # Imported here: the solvers take seconds to load, which help and version need not wait for.
+    from supple.cli.compilation_cache import keep_compiled_programs
     from supple.cli.run_case import run_case
 
+    keep_compiled_programs()
     with reported_errors(debug=debug), reported_warnings():
         run_case(case, output or Path("results") / case.stem, resume=resume, strict=strict)
 
@@ -86,6 +88,8 @@ def rotating_beam(
     """Spin up the beam of [Wu2019] section 6.1, full and reduced, and set our numbers beside the paper's."""
     from supple.benchmark.rotating_beam import RotatingBeam
     from supple.cli.benchmark_rotating_beam import benchmark_rotating_beam
+    from supple.cli.compilation_cache import keep_compiled_programs
 
+    keep_compiled_programs()
     with reported_errors(debug=debug), reported_warnings():
         benchmark_rotating_beam(RotatingBeam.quick() if quick else RotatingBeam(), json, output)

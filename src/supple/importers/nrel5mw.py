@@ -22,8 +22,8 @@ NREL5MW_WEBS = ShearWebs(start=1.3667, end=60.1333, fore=-0.3, aft=0.3)
 WU2019_GRID = BladeGrid(centre_splits=((20, 3), (23, 3), (26, 3), (29, 3), (32, 3)))
 """3989 nodes and 8394 triangles, the size of the blade of [Wu2019].
 
-A plain grid of 28 nodes around and 124 segments has 3984 and 8384; five quadrilaterals near the largest chord,
-cut about their centres, add the rest.
+A plain grid of 28 nodes around and 124 segments has 3984 and 8384; five quadrilaterals near the largest
+chord, cut about their centres, add the rest.
 """
 
 
@@ -33,5 +33,5 @@ def nrel5mw_stations() -> BladeStations:
 
 
 def nrel5mw_rotor() -> Rotor:
-    """The 19 aerodynamic stations of the three-bladed rotor of 126 m diameter. Source: [Jonkman2009], AeroDyn files."""
+    """The three-bladed rotor of 126 m diameter, 19 stations. Source: [Jonkman2009], its AeroDyn files."""
     return read_rotor(_FOLDER / "rotor_stations.csv", polars=_FOLDER / "polars", n_blades=3)

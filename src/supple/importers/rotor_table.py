@@ -15,8 +15,8 @@ from supple.importers.csv_table import read_csv_table
 def read_rotor(path: str | Path | Traversable, *, polars: str | Path | Traversable, n_blades: int) -> Rotor:
     """Rotor of a table with columns radius_m, chord_m, twist_deg, polar, and of a folder of polars.
 
-    Polar `name` is the file `name.csv` of the folder, with columns alpha_deg, cl, cd and, unused, cm. The tip is
-    the last radius.
+    Polar `name` is the file `name.csv` of the folder, with columns alpha_deg, cl, cd and, unused, cm. The tip
+    is the last radius.
 
     Parameters
     ----------

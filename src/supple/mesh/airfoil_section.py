@@ -16,6 +16,8 @@ FloatArray = NDArray[np.float64]
 FEWEST_POINTS = 5
 # How far an outline may miss x/c = 0 and 1 before it is taken to be in another unit than its chord.
 CHORD_TOLERANCE = 0.02
+# Rounded coordinates near a thin edge may cross by this much.
+CROSSING_TOLERANCE = 1e-5
 
 
 class TrailingEdge(Enum):
@@ -31,12 +33,12 @@ class TrailingEdge(Enum):
 
 @dataclass(frozen=True, eq=False)
 class AirfoilSection:
-    """Outline of a cross-section: x/c from the leading edge (0) to the trailing edge (1), y/c to the upper side.
+    """Outline of a cross-section: x/c from the leading (0) to the trailing edge (1), y/c to the upper side.
 
     Parameters
     ----------
     name : str
-    outline : float array (p, 2)    x/c, y/c from the trailing edge around the leading edge and back, whichever
+    outline : float array (p, 2)    x/c, y/c from the trailing edge around the leading edge and back, either
                                     side first; each side must be a function of x/c
     trailing_edge : TrailingEdge    over what part of the chord the two ends are brought together
     Raises
@@ -85,8 +87,8 @@ def _check_outline(name: str, outline: FloatArray) -> None:
         raise MeshError(f"section '{name}': outline of shape {outline.shape}; expected (p, 2), rows x/c, y/c")
     if len(outline) < FEWEST_POINTS:
         raise MeshError(
-            f"section '{name}': too few points ({len(outline)}); an outline has at least {FEWEST_POINTS}, from "
-            "the trailing edge around the leading edge and back"
+            f"section '{name}': too few points ({len(outline)}); an outline has at least {FEWEST_POINTS}, "
+            "from the trailing edge around the leading edge and back"
         )
     bad = np.flatnonzero(~np.isfinite(outline).all(axis=1))
     if bad.size:
@@ -97,33 +99,26 @@ def _check_outline(name: str, outline: FloatArray) -> None:
             f"section '{name}': x/c runs from {low:g} to {high:g}, not from 0 to 1; shift the outline to its "
             "leading edge and divide it by its chord"
         )
-    _check_crossing(name, outline)
     for side in _sides(outline):
         back = np.flatnonzero(np.diff(side[:, 0]) < 0)
         if back.size or len(side) < 2:
-            where = side[back[0]].tolist() if back.size else side[0].tolist()
+            where = side[back[0]] if back.size else side[0]
             raise MeshError(
-                f"section '{name}': a side folds back in x/c near {where}; list the points in order from the "
-                "trailing edge around the leading edge and back"
+                f"section '{name}': a side folds back in x/c near ({where[0]:g}, {where[1]:g}); list the "
+                "points in order from the trailing edge around the leading edge and back"
             )
+    _check_crossing(name, outline)
 
 
 def _check_crossing(name: str, outline: FloatArray) -> None:
-    """Two segments p q and r s cross when each has the other's ends strictly on its two sides."""
-    p, q = outline[:-1], outline[1:]
-    ends_about_line = _turn(p[:, None], q[:, None], outline[None])
-    split = ends_about_line[:, :-1] * ends_about_line[:, 1:] < 0
-    crossing = np.argwhere(split & split.T)
-    if crossing.size:
-        one, other = crossing[0]
+    """Both sides are functions of x/c by now, so they cross where their difference changes its sign."""
+    x = np.unique(outline[:, 0])
+    first, second = (_interpolate(side, x) for side in _sides(outline))
+    apart = np.abs(second - first) > CROSSING_TOLERANCE
+    x, upper_first = x[apart], (second < first)[apart]
+    crossed = np.flatnonzero(upper_first[1:] != upper_first[:-1])
+    if crossed.size:
         raise MeshError(
-            f"section '{name}': the outline crosses itself between points {one}-{one + 1} and "
-            f"{other}-{other + 1}, near ({outline[one, 0]:g}, {outline[one, 1]:g}); correct or reorder these points"
+            f"section '{name}': the outline crosses itself between x/c = {x[crossed[0]]:g} and "
+            f"{x[crossed[0] + 1]:g}; correct the points there, or reorder them"
         )
-
-
-def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
-    """Twice the area of the triangle a b c, positive when it turns left."""
-    return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (
-        c[..., 0] - a[..., 0]
-    )

@@ -43,7 +43,7 @@ class ShearWebs:
 
 @dataclass(frozen=True, kw_only=True)
 class BladeGrid:
-    """Numbers of cells: around each side (nose panel, cap, aft panel), over the webs' depth, and along the span.
+    """Numbers of cells around each side (nose panel, cap, aft panel), over the webs' depth, along the span.
 
     `centre_splits` names quadrilaterals (segment from the root, panel from the trailing edge over the lower
     side) that are cut into four triangles about their centre, instead of two: one node and two triangles more
@@ -64,8 +64,8 @@ class BladeGrid:
         for segment, panel in self.centre_splits:
             if not (0 <= segment < self.n_segments and 0 <= panel < self.n_around):
                 raise MeshError(
-                    f"centre split ({segment}, {panel}) lies outside the grid of {self.n_segments} segments and "
-                    f"{self.n_around} panels, both counted from 0"
+                    f"centre split ({segment}, {panel}) lies outside the grid of {self.n_segments} segments "
+                    f"and {self.n_around} panels, both counted from 0"
                 )
 
     @property
@@ -84,10 +84,10 @@ class BladeGrid:
         return self.n_around // 2
 
 
-def loft_blade(stations: BladeStations, webs: ShearWebs, grid: BladeGrid = BladeGrid()) -> Mesh:  # noqa: B008
-    """Mid-surface of skin and two webs, of triangles, open at root and tip; the skin's normals point outward.
+def loft_blade(stations: BladeStations, webs: ShearWebs, grid: BladeGrid = BladeGrid()) -> Mesh:
+    """Mid-surface of skin and two webs, of triangles, open at both ends; normals of the skin point outward.
 
-    Rings of nodes stand at equal steps of span from the root to the webs' start, to their end, and to the tip.
+    Rings of nodes stand at equal steps of span from the root to the webs' start, to their end, to the tip.
     Around a ring they stand at equal arcs between trailing edge, aft web, fore web and leading edge. The webs
     are straight between the skins. With `s` segments, `n` nodes around, webs of `w` segments and `d` cells
     depth there are
@@ -162,9 +162,9 @@ def _rings(stations: BladeStations, webs: ShearWebs, grid: BladeGrid, span: Floa
     if outside.size:
         k = outside[0]
         raise MeshError(
-            f"webs outside the section at span {span[k]:g}: x/c = {fore[k]:.3f} (fore) and {aft[k]:.3f} (aft) on "
-            f"a chord of {chord[k]:g}; move the webs nearer to the pitch axis (their places hold from root to "
-            "tip, with or without webs)"
+            f"webs outside the section at span {span[k]:g}: x/c = {fore[k]:.3f} (fore) and {aft[k]:.3f} "
+            f"(aft) on a chord of {chord[k]:g}; move the webs nearer to the pitch axis (the skin's "
+            "panels follow their places from root to tip)"
         )
     y = stations.shapes(span)
     x = np.broadcast_to(SHAPE_POINTS, y.shape)
@@ -199,7 +199,7 @@ def _parts(n_cells: int) -> FloatArray:
 
 
 def _interpolate_rows(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArray:
-    """Linear interpolation along the last axis, each row with its own ascending x: at (..., k) -> (..., k)."""
+    """Linear interpolation along the last axis, each row with its own ascending x, at (..., k)."""
     upper = np.clip((x[..., None, :] <= at[..., None]).sum(axis=-1), 1, x.shape[-1] - 1)
     x0, x1 = (np.take_along_axis(x, place, axis=-1) for place in (upper - 1, upper))
     y0, y1 = (np.take_along_axis(y, place, axis=-1) for place in (upper - 1, upper))
@@ -207,7 +207,7 @@ def _interpolate_rows(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArra
 
 
 def _split_skin(around: IntArray, grid: BladeGrid, n_nodes: int) -> tuple[IntArray, IntArray]:
-    """Skin triangles, and the corners (c, 4) of quadrilaterals that get a node, from `n_nodes` on, in their centre."""
+    """Skin triangles, and corners (c, 4) of the quadrilaterals cut about new nodes, numbered from n_nodes."""
     halves = alternating_triangles(around)
     segment, panel = np.array(grid.centre_splits, dtype=np.int64).reshape(-1, 2).T
     cut = panel * grid.n_segments + segment

@@ -24,10 +24,11 @@ SHAPE_POINTS = read_only((1 - np.cos(np.linspace(0, np.pi, N_SHAPE_POINTS))) / 2
 class BladeStations:
     """The outer shape of a blade at stations along its span; between them monotone cubics (PCHIP).
 
-    The pitch axis is z, from the root; x points to the upper (suction, downwind) side, y to the trailing edge.
+    The pitch axis is z, from the root; x points to the upper (suction, downwind) side, y to the trailing
+    edge.
     A section's point (x/c, y/c) lies at
-        X = xi sin(twist) + eta cos(twist) + prebend,   Y = xi cos(twist) - eta sin(twist) + sweep,   Z = span,
-        xi = (x/c - pitch_axis) chord,   eta = (y/c) chord:
+        X = xi sin(twist) + eta cos(twist) + prebend,   xi = (x/c - pitch_axis) chord,
+        Y = xi cos(twist) - eta sin(twist) + sweep,     eta = (y/c) chord,     Z = span:
     positive twist turns the nose to -x, into the wind. Sections stay normal to z, also where the axis bends.
 
     Parameters
@@ -89,6 +90,6 @@ class BladeStations:
         return tuple(self._curves(span).T)
 
     def shapes(self, span: ArrayLike) -> FloatArray:
-        """Heights y/c (k, 2, N_SHAPE_POINTS) of the lower and upper sides at SHAPE_POINTS, at the spans (k,)."""
+        """Heights y/c (k, 2, N_SHAPE_POINTS) of lower and upper side at SHAPE_POINTS, at the spans (k,)."""
         heights = np.array([section.heights(SHAPE_POINTS) for section in self.sections])
         return PchipInterpolator(self.span, heights)(span)

@@ -26,6 +26,14 @@ from supple.multibody.loads import (
     SpringDamper,
     TorsionSpringDamper,
 )
+from supple.multibody.residual_correction import ResidualCorrections, residual_corrections
+from supple.multibody.self_correction import (
+    Round,
+    SelfCorrected,
+    SelfCorrection,
+    SelfCorrectionError,
+    self_correct,
+)
 from supple.multibody.simulate import Checkpoint, simulate
 from supple.multibody.system import Placed, System
 from supple.multibody.time_law import Constant, Table, TimeFunction, TimeLaw
@@ -53,7 +61,12 @@ __all__ = [
     "PrescribedRotation",
     "PrescribedTranslation",
     "Prismatic",
+    "ResidualCorrections",
     "Revolute",
+    "Round",
+    "SelfCorrected",
+    "SelfCorrection",
+    "SelfCorrectionError",
     "SpringDamper",
     "System",
     "Table",
@@ -63,6 +76,8 @@ __all__ = [
     "Universal",
     "Validity",
     "balances",
+    "residual_corrections",
+    "self_correct",
     "simulate",
     "simulate_batch",
 ]

@@ -63,7 +63,7 @@ from supple.multibody.simulate import (
 from supple.multibody.system import System, n_coordinates
 from supple.multibody.time_step import next_step
 
-__all__ = ["simulate_full_order"]
+__all__ = ["FullOrderSystem", "FullState", "simulate_full_order"]
 
 _ROUNDING = 1e-13
 
@@ -124,10 +124,13 @@ class _Evaluation(NamedTuple):
     imbalance: np.ndarray
 
 
-class _FullOrderSystem:
-    """A system with at least one full body, ready for stepping. Holds no state of the motion."""
+class FullOrderSystem:
+    """A system with at least one full body, ready for stepping. Holds no state of the motion.
 
-    def __init__(self, system: System) -> None:
+    active : the constraint equations to keep, redundant ones left out; all of them until `start` finds out
+    """
+
+    def __init__(self, system: System, active: tuple[int, ...] | None = None) -> None:
         self.system = system
         sizes = [6 + n_coordinates(placed.body) for placed in system.bodies]
         ends = np.cumsum([0, *sizes])
@@ -138,7 +141,7 @@ class _FullOrderSystem:
             for index, placed in enumerate(system.bodies)
             if isinstance(placed.body, FullBody)
         )
-        self.model = build_model(system)
+        self.model = build_model(system, active)
         self.interior_of = {interior.index: interior for interior in self.interiors}
 
     def _nodal_loads(self, full: FullBody) -> tuple[DeadForce, ...]:
@@ -505,7 +508,7 @@ def simulate_full_order(
 ) -> Solution:
     """`simulate` for systems with full bodies; see there."""
     began = clock.perf_counter()
-    prepared = _FullOrderSystem(system)
+    prepared = FullOrderSystem(system)
     state = prepared.start(float(times[0]))
     parts: list[Solution] = []
     if resume is None:
@@ -553,7 +556,7 @@ class _March(NamedTuple):
 
 
 def _to_output(
-    prepared: _FullOrderSystem,
+    prepared: FullOrderSystem,
     state: FullState,
     end: float,
     march: _March,
@@ -581,7 +584,7 @@ def _to_output(
     return state, march, None
 
 
-def _as_solution(prepared: _FullOrderSystem, states: list[FullState], statistics: Statistics) -> Solution:
+def _as_solution(prepared: FullOrderSystem, states: list[FullState], statistics: Statistics) -> Solution:
     configuration = Configuration(
         origins=np.array([s.configuration.origins for s in states]),
         rotations=np.array([s.configuration.rotations for s in states]),
@@ -610,7 +613,7 @@ def _as_solution(prepared: _FullOrderSystem, states: list[FullState], statistics
     )
 
 
-def _resumed(prepared: _FullOrderSystem, start: FullState, done: Solution) -> FullState:
+def _resumed(prepared: FullOrderSystem, start: FullState, done: Solution) -> FullState:
     """State at the end of a recorded part; the frame multipliers are found again by the first iteration."""
     names = [placed.body.name for placed in prepared.system.bodies]
     if set(names) != set(done.bodies):

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from supple.algebra import mass_orthonormalize
 from supple.body import FlexibleBody, Frame
 from supple.reduction.derivative_columns import DerivativeColumns, check_derivative_count
+from supple.reduction.leading_directions import leading_directions
 from supple.reduction.linear_basis import LinearBasis
 from supple.reduction.modal_derivatives import ModalDerivatives, modal_derivatives
 from supple.reduction.pair_weights import AmplitudeProduct
@@ -44,21 +44,13 @@ def compress(
 
     They are the n columns that miss least of Z, in the sum of squares sum_(i>n) s_i^2.
     """
-    weighted = derivatives.vectors * weights
-    references = derivatives.reference_norms(body) * weights
-    outside = weighted - basis.vectors @ (basis.vectors.T @ (body.mass @ weighted))
-    n_linear = len(basis.frequencies)
-    together = mass_orthonormalize(
-        np.hstack([basis.vectors, outside]),
-        body.mass,
-        reference_norms=np.concatenate([np.ones(n_linear), references]),
+    directions = leading_directions(
+        derivatives.vectors * weights, basis.vectors, body.mass, derivatives.reference_norms(body) * weights
     )
-    Q = together.vectors[:, n_linear:]
-    U, singular_values, _ = np.linalg.svd(Q.T @ (body.mass @ outside), full_matrices=False)
-    relative = singular_values / singular_values.max(initial=np.finfo(float).tiny)
+    relative = directions.lengths / directions.lengths.max(initial=np.finfo(float).tiny)
     n_kept = min(n, int(np.count_nonzero(relative > ROUND_OFF)))
     return DerivativeColumns(
-        Q @ U[:, :n_kept],
+        directions.vectors[:, :n_kept],
         labels=tuple(f"compressed derivative {i + 1}" for i in range(n_kept)),
         singular_values_kept=relative[:n_kept],
         singular_values_dropped=relative[n_kept:],

@@ -42,6 +42,7 @@ class ReductionReport:
 
     linear : labels of the linear columns (modes and static columns) that span the linear subspace
     derivatives : labels of the columns added for the quadratic motion
+    corrections : labels of the columns added because a run of the reduced body missed them
     dropped : labels of the columns left out because others, or the frame, already hold their motion
     singular_values_kept, singular_values_dropped : of the weighted derivatives, relative to the first
         (both empty unless the derivatives were compressed)
@@ -50,6 +51,7 @@ class ReductionReport:
 
     linear: tuple[str, ...]
     derivatives: tuple[str, ...] = ()
+    corrections: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()
     singular_values_kept: np.ndarray = field(default_factory=lambda: np.empty(0))
     singular_values_dropped: np.ndarray = field(default_factory=lambda: np.empty(0))

@@ -1,0 +1,167 @@
+"""windIO turbine files (.yaml): the outer shape of a blade, schema versions 1 and 2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import PchipInterpolator
+
+from supple.errors import ImportFormatError, MeshError
+from supple.mesh import AirfoilSection, BladeStations
+from supple.mesh.blade_stations import SHAPE_POINTS
+
+FloatArray = NDArray[np.float64]
+
+
+def read_windio_blade(path: str | Path) -> BladeStations:
+    """Blade stations of a turbine file such as those of the IEA 3.4, 10, 15 and 22 MW reference turbines.
+
+    The stations are all positions at which the file gives a chord or an airfoil. Between its airfoils, shapes
+    are blended by monotone cubics (PCHIP): over the relative thickness where the file gives that along the
+    span (`rthick`), else over the position. Prebend and sweep are those of the reference axis. Sections stay
+    normal to z, where windIO turns them with the axis.
+
+    Parameters
+    ----------
+    path : str or Path
+    Returns
+    -------
+    BladeStations   span from the first point of the reference axis, m; angles in rad
+    Raises
+    ------
+    ImportFormatError   missing file, no YAML, missing entries, unknown airfoils, entries that are no numbers
+    MeshError           airfoils or distributions that describe no blade
+    Source: windIO turbine schema, versions 1 (`outer_shape_bem`) and 2 (`outer_shape`).
+    """
+    file = _WindioFile(Path(path), _parsed(Path(path)))
+    blade = file.entry("components", "blade")
+    second = "outer_shape" in blade
+    shape = ("components", "blade", "outer_shape" if second else "outer_shape_bem")
+    axis = ("components", "blade", "reference_axis") if second else (*shape, "reference_axis")
+
+    names, places = file.airfoil_positions(shape, second)
+    grid = np.union1d(file.entry(*shape, "chord", "grid"), places)
+    chord = file.distribution(*shape, "chord")(grid)
+    twist = file.distribution(*shape, "twist")(grid)
+    x, y, z = (file.distribution(*axis, name)(grid) for name in "xyz")
+    twist = np.radians(twist) if second else twist
+    if second:
+        pitch_axis = file.distribution(*shape, "section_offset_y")(grid) / chord
+        if "section_offset_x" in file.entry(*shape):
+            offset = file.distribution(*shape, "section_offset_x")(grid)
+            x, y = x + offset * np.cos(twist), y - offset * np.sin(twist)
+    else:
+        pitch_axis = file.distribution(*shape, "pitch_axis")(grid)
+    try:
+        return BladeStations(
+            span=z - z[0],
+            sections=file.sections(shape, names, places, grid),
+            chord=chord,
+            twist=twist,
+            pitch_axis=pitch_axis,
+            prebend=x,
+            sweep=y,
+        )
+    except MeshError as error:
+        raise MeshError(f"{path}: {error}") from error
+
+
+def _parsed(path: Path) -> Any:
+    if not path.is_file():
+        raise ImportFormatError(f"{path}: no such file; check its name and folder")
+    try:
+        return yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ImportFormatError(f"{path}: not readable as YAML ({error})") from error
+
+
+@dataclass(frozen=True)
+class _WindioFile:
+    path: Path
+    tree: Any
+
+    def entry(self, *keys: str) -> Any:
+        """The value under nested keys."""
+        value = self.tree
+        for depth, key in enumerate(keys):
+            if not isinstance(value, dict) or key not in value:
+                there = ", ".join(map(str, value)) if isinstance(value, dict) else "no keys"
+                raise ImportFormatError(
+                    f"{self.path}: no entry {'.'.join(keys[: depth + 1])}; there are {there}; is this a windIO "
+                    "turbine file, version 1 or 2?"
+                )
+            value = value[key]
+        return value
+
+    def numbers(self, *keys: str) -> FloatArray:
+        """A list of numbers under nested keys."""
+        return self._as_numbers(self.entry(*keys), ".".join(keys))
+
+    def distribution(self, *keys: str) -> PchipInterpolator:
+        """A quantity over the position 0 .. 1, from its grid and values; held at its ends."""
+        grid, values = self.numbers(*keys, "grid"), self.numbers(*keys, "values")
+        if grid.size != values.size or grid.size < 2 or (np.diff(grid) <= 0).any():
+            raise ImportFormatError(
+                f"{self.path}: {'.'.join(keys)} has {grid.size} grid points and {values.size} values; give as "
+                "many of both, at least two, the grid ascending"
+            )
+        return PchipInterpolator(grid, values, extrapolate=False)
+
+    def airfoil_positions(self, shape: tuple[str, ...], second: bool) -> tuple[list[str], FloatArray]:
+        """Names of the airfoils along the blade and their positions 0 .. 1."""
+        if not second:
+            return self.entry(*shape, "airfoil_position", "labels"), self.numbers(
+                *shape, "airfoil_position", "grid"
+            )
+        listed = [_WindioFile(self.path, airfoil) for airfoil in self.entry(*shape, "airfoils")]
+        names = [airfoil.entry("name") for airfoil in listed]
+        places = [airfoil.entry("spanwise_position") for airfoil in listed]
+        return names, self._as_numbers(places, ".".join((*shape, "airfoils", "spanwise_position")))
+
+    def sections(
+        self, shape: tuple[str, ...], names: list[str], places: FloatArray, grid: FloatArray
+    ) -> tuple[AirfoilSection, ...]:
+        """Sections at the positions `grid`, blended between the airfoils."""
+        airfoils = {airfoil["name"]: _WindioFile(self.path, airfoil) for airfoil in self.entry("airfoils")}
+        unknown = [name for name in names if name not in airfoils]
+        if unknown:
+            raise ImportFormatError(
+                f"{self.path}: unknown airfoil '{unknown[0]}'; it has {', '.join(airfoils)}"
+            )
+        heights = np.array([airfoils[name].heights(name) for name in names])
+        at = grid
+        if "rthick" in self.entry(*shape):
+            places = np.array([airfoils[name].relative_thickness() for name in names])
+            at = self.distribution(*shape, "rthick")(grid).clip(places.min(), places.max())
+        places, first = np.unique(places, return_index=True)
+        if places.size < 2:
+            raise ImportFormatError(f"{self.path}: {'.'.join(shape)} has fewer than two different airfoils")
+        blended = PchipInterpolator(places, heights[first])(at.clip(places[0], places[-1]))
+        outlines = np.concatenate([blended[:, 0, ::-1], blended[:, 1, 1:]], axis=1)
+        x = np.concatenate([SHAPE_POINTS[::-1], SHAPE_POINTS[1:]])
+        return tuple(
+            AirfoilSection(f"position {place:.4f}", np.column_stack([x, outline]))
+            for place, outline in zip(grid, outlines, strict=True)
+        )
+
+    def heights(self, name: str) -> FloatArray:
+        """Heights of one airfoil (this file's tree is its entry)."""
+        x, y = self.numbers("coordinates", "x"), self.numbers("coordinates", "y")
+        if x.size != y.size:
+            raise ImportFormatError(f"{self.path}: airfoil '{name}' has {x.size} x and {y.size} y")
+        return AirfoilSection(name, np.column_stack([x, y])).heights(SHAPE_POINTS)
+
+    def relative_thickness(self) -> float:
+        """Nominal thickness of one airfoil, named after the version of the schema."""
+        return self.entry("rthick" if "rthick" in self.tree else "relative_thickness")
+
+    def _as_numbers(self, values: ArrayLike, what: str) -> FloatArray:
+        try:
+            return np.asarray(values, dtype=np.float64).reshape(-1)
+        except (ValueError, TypeError) as error:
+            raise ImportFormatError(f"{self.path}: {what} holds entries that are no numbers") from error

@@ -1,0 +1,49 @@
+"""Enriching a basis with displacement fields that it misses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.algebra import mass_orthonormalize
+from supple.body import FlexibleBody, frame_projector
+from supple.errors import ModelError
+from supple.reduction.leading_directions import leading_directions
+from supple.reduction.reduction_basis import ReductionBasis, check_frame_motion
+
+
+class Enrichment(NamedTuple):
+    """A basis with more columns, and what they were chosen from."""
+
+    basis: ReductionBasis
+    singular_values: np.ndarray
+    """Of the fields outside the old basis, in the M-norm, the unit of length times root mass; descending."""
+
+
+def enrich(body: FlexibleBody, basis: ReductionBasis, fields: np.ndarray, n: int) -> Enrichment:
+    """Append the n directions that fields take most outside a basis; fewer where they span less.
+
+    body : FlexibleBody
+    fields : (n, m)     displacement fields on the body's coordinates, for example those a basis misses
+    Raises ModelError: n below one; fields of the wrong size.
+    """
+    if n < 1:
+        raise ModelError(f"a basis is enriched with at least one direction, not {n}")
+    if fields.ndim != 2 or fields.shape[0] != body.n:
+        raise ModelError(
+            f"fields to enrich the basis of body '{body.name}' have shape {fields.shape}: "
+            f"its {body.n} coordinates need ({body.n}, m)"
+        )
+    seen = frame_projector(body, basis.frame)(fields)
+    norms = np.sqrt(np.sum(seen * (body.mass @ seen), axis=0))
+    directions = leading_directions(seen, basis.vectors, body.mass, norms)
+    added = directions.vectors[:, :n]
+    # Once more after scaling, as directions of small fields carry the round-off of large ones.
+    V = mass_orthonormalize(np.hstack([basis.vectors, added]), body.mass).vectors
+    check_frame_motion(body, basis.frame, V)
+    before = basis.report.corrections
+    labels = tuple(f"correction {len(before) + i + 1}" for i in range(V.shape[1] - basis.r))
+    report = replace(basis.report, corrections=before + labels)
+    return Enrichment(ReductionBasis(basis.frame, V, report), directions.lengths)

@@ -1,0 +1,42 @@
+"""The directions that a set of displacement fields takes most outside a basis."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+
+from supple.algebra import mass_orthonormalize
+
+
+class LeadingDirections(NamedTuple):
+    """Directions by decreasing length."""
+
+    vectors: np.ndarray
+    """(n, k), M-orthonormal to each other and to the basis"""
+    lengths: np.ndarray
+    """(k,) singular values: the root of the sum of squares of the fields along each direction"""
+
+
+def leading_directions(
+    fields: np.ndarray, basis: np.ndarray, mass: sparse.csc_array, reference_norms: np.ndarray
+) -> LeadingDirections:
+    """Left singular vectors, in the M-norm, of fields outside a basis.
+
+        Z = (I - X X^T M) fields = Q R,   Q^T M Q = I,   R = U diag(s) W^T,   directions Q U
+
+    The first k of them miss least of Z among all sets of k: sum_(i>k) s_i^2 in the sum of squares.
+
+    fields : (n, m)
+    basis : (n, r)              X, M-orthonormal
+    reference_norms : (m,)      M-norms against which what is left of a field counts as round-off
+    """
+    outside = fields - basis @ (basis.T @ (mass @ fields))
+    r = basis.shape[1]
+    together = mass_orthonormalize(
+        np.hstack([basis, outside]), mass, reference_norms=np.concatenate([np.ones(r), reference_norms])
+    )
+    Q = together.vectors[:, r:]
+    U, lengths, _ = np.linalg.svd(Q.T @ (mass @ outside), full_matrices=False)
+    return LeadingDirections(Q @ U, lengths)

@@ -1,0 +1,78 @@
+"""The basis of a reduction: orthonormal columns that span the motion a body keeps, and their origin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.algebra import mass_orthonormalize, read_only
+from supple.body import FlexibleBody, Frame
+from supple.errors import AccuracyError
+from supple.reduction.compression import CompressedDerivatives
+from supple.reduction.derivative_columns import DerivativeChoice
+from supple.reduction.linear_basis import LinearBasisRecipe, vibrating_basis
+from supple.reduction.reduced_body import ReductionReport
+from supple.reduction.stopwatch import timed
+
+LARGEST_FRAME_MOTION = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class ReductionBasis:
+    """Columns V of q = V gamma: V^T M V = I, D V = 0.
+
+    frame : the frame that gamma is relative to
+    vectors : (n, r)
+    report : ReductionReport     what the columns are
+    """
+
+    frame: Frame
+    vectors: np.ndarray
+    report: ReductionReport
+
+    def __post_init__(self):
+        object.__setattr__(self, "vectors", read_only(self.vectors))
+
+    @property
+    def r(self) -> int:
+        """Number of columns."""
+        return self.vectors.shape[1]
+
+
+def reduction_basis(
+    body: FlexibleBody,
+    frame: Frame,
+    basis: LinearBasisRecipe,
+    *,
+    derivatives: DerivativeChoice = CompressedDerivatives(10),  # noqa: B008 (it is immutable)
+) -> ReductionBasis:
+    """The basis that `reduce` projects on: linear columns, then derivatives; all as there."""
+    seconds: dict[str, float] = {}
+    with timed(seconds, "linear basis"):
+        linear = vibrating_basis(body, frame, basis.build(body, frame))
+    with timed(seconds, "derivatives"):
+        added = derivatives.columns(body, frame, linear)
+        V, _, _ = mass_orthonormalize(np.hstack([linear.vectors, added.vectors]), body.mass)
+        check_frame_motion(body, frame, V)
+    report = ReductionReport(
+        linear=linear.labels,
+        derivatives=added.labels,
+        dropped=linear.dropped + added.dropped,
+        singular_values_kept=added.singular_values_kept,
+        singular_values_dropped=added.singular_values_dropped,
+        seconds=seconds,
+    )
+    return ReductionBasis(frame, V, report)
+
+
+def check_frame_motion(body: FlexibleBody, frame: Frame, V: np.ndarray) -> None:
+    """D V = 0, each entry relative to the lengths of its row and column; AccuracyError otherwise."""
+    D = frame.constraint(body)
+    lengths = np.linalg.norm(D, axis=1)[:, None] * np.linalg.norm(V, axis=0)
+    error = float(np.max(np.abs(D @ V) / lengths, initial=0.0))
+    if not error < LARGEST_FRAME_MOTION:
+        raise AccuracyError(
+            f"the basis of body '{body.name}' moves against its frame by {error:.1e} "
+            f"(allowed {LARGEST_FRAME_MOTION:.0e})"
+        )
