@@ -53,7 +53,9 @@ def test_exponential_is_that_of_the_matrix(vectors):
 
 def test_exponential_is_orthogonal_to_rounding(vectors):
     rotations = np.asarray(jax.vmap(rotation_exp)(10 * vectors))
-    np.testing.assert_allclose(rotations @ rotations.swapaxes(1, 2), np.tile(np.eye(3), (len(vectors), 1, 1)), atol=1e-14)
+    np.testing.assert_allclose(
+        rotations @ rotations.swapaxes(1, 2), np.tile(np.eye(3), (len(vectors), 1, 1)), atol=1e-14
+    )
 
 
 def test_right_jacobian_is_the_derivative_of_the_exponential(vectors):

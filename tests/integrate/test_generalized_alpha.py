@@ -24,7 +24,9 @@ def one_step(rule, q, v, vdot, a):
     stiffness, damping = OMEGA**2, 2 * RATIO * OMEGA
     guess = rule.auxiliary(0.0, vdot, a)
     q_guess, v_guess = q + rule.increment(v, a, guess), rule.new_velocity(v, a, guess)
-    new = -(stiffness * q_guess + damping * v_guess) / (1 + stiffness * rule.position + damping * rule.velocity)
+    new = -(stiffness * q_guess + damping * v_guess) / (
+        1 + stiffness * rule.position + damping * rule.velocity
+    )
     a_new = rule.auxiliary(new, vdot, a)
     return q + rule.increment(v, a, a_new), rule.new_velocity(v, a, a_new), new, a_new
 

@@ -12,10 +12,13 @@ from supple.integrate import BodyMotion, Solution, Statistics, concatenate
 
 def chunk(times):
     """A body whose every array holds the time, with two coordinates and a joint of one equation."""
-    shapes = {"rotation": (3, 3), "coordinates": (2,), "coordinate_rates": (2,), "coordinate_accelerations": (2,)}
-    motion = {
-        f.name: np.multiply.outer(times, np.ones(shapes.get(f.name, (3,)))) for f in fields(BodyMotion)
+    shapes = {
+        "rotation": (3, 3),
+        "coordinates": (2,),
+        "coordinate_rates": (2,),
+        "coordinate_accelerations": (2,),
     }
+    motion = {f.name: np.multiply.outer(times, np.ones(shapes.get(f.name, (3,)))) for f in fields(BodyMotion)}
     return Solution(
         np.asarray(times),
         {"link": BodyMotion(**motion)},

@@ -148,12 +148,23 @@ def test_edges_of_the_published_blade_run_from_root_to_tip(blade):
         np.testing.assert_allclose(span[[0, -1]], [0, 61.5])
 
 
+def test_a_tip_may_be_narrower_than_the_webs_are_apart():
+    section = tube().sections[0]
+    slender = BladeStations(
+        span=[0, 18, 20], sections=(section,) * 3, chord=[3, 2, 0.4], twist=0.0, pitch_axis=0.5
+    )
+    mesh = loft_blade(slender, WEBS, COARSE)
+    tip = mesh.nodes[mesh.nodes_of("tip")]
+    np.testing.assert_allclose(np.linalg.norm(tip[:, :2], axis=1), 0.2, rtol=1e-4)
+    np.testing.assert_allclose(tip[[3, 4], 1], [0.45 * 0.4, -0.45 * 0.4], rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("webs", "message"),
     [
         (ShearWebs(start=0.0, end=18.0), "beyond the blade"),
         (ShearWebs(start=2.0, end=20.5), "beyond the blade, which runs from 0 to 20"),
-        (ShearWebs(start=2.0, end=18.0, fore=-1.6), r"outside the section at span 0: x/c = -0\.033"),
+        (ShearWebs(start=2.0, end=18.0, fore=-1.6), r"outside the section at span 2: x/c = -0\.033"),
         (ShearWebs(start=2.0, end=18.0, aft=1.5), "outside the section"),
     ],
 )

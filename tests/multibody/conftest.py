@@ -13,9 +13,7 @@ from supple.mesh import strip
 from supple.reduction import CompressedDerivatives, NormalModes, reduce
 
 # The systems here are small and run for moments: compile them quickly rather than well.
-os.environ.setdefault(
-    "XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
-)
+os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false")
 
 
 def pytest_configure(config):

@@ -35,6 +35,7 @@ from supple.multibody.equations import (
     advance,
     balance,
     constraint_jacobian,
+    constraint_rows,
     constraints,
     mass_matrix,
     tangent,
@@ -48,7 +49,9 @@ STEP = 0.3
 @pytest.fixture(scope="module")
 def everything(floating_blade):
     """A flexible and a rigid body, every joint and every load; joints stand open, as within an iteration."""
-    lump = RigidBody("lump", 2.0, [0.1, -0.2, 0.05], np.diag([0.3, 0.4, 0.5]), {"a": [0.3, 0, 0], "b": [0, 0.2, 0.1]})
+    lump = RigidBody(
+        "lump", 2.0, [0.1, -0.2, 0.05], np.diag([0.3, 0.4, 0.5]), {"a": [0.3, 0, 0], "b": [0, 0.2, 0.1]}
+    )
     tip, root = At("blade", "tip"), At("blade", "root")
     a, b = At("lump", "a"), At("lump", "b")
     axis = (0.3, -0.5, 0.8)
@@ -97,7 +100,9 @@ def start(everything, model):
     )
     n = model.n_velocities
     velocity, acceleration = rng.standard_normal((2, n))
-    return Motion(jnp.asarray(0.7), configuration, velocity, acceleration, rng.standard_normal(model.n_equations))
+    return Motion(
+        jnp.asarray(0.7), configuration, velocity, acceleration, rng.standard_normal(model.n_equations)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -120,14 +125,15 @@ def linearized(model, start):
 
     def equations(acceleration):
         motion, _ = motion_after(acceleration)
-        return balance(model, motion).residual, constraints(model, motion.time, motion.configuration)
+        terms = balance(model, motion)
+        return terms.residual, constraints(model, motion.time, motion.configuration)
 
     @jax.jit
     def both(acceleration):
         motion, increments = motion_after(acceleration)
-        stiffness = balance(model, motion).stiffness
-        analytic = tangent(model, motion, stiffness, increments, rule.velocity, rule.position)
-        rows = rule.position * constraint_jacobian(model, motion.time, motion.configuration, increments)
+        linearization = balance(model, motion).linearization
+        analytic = tangent(model, motion, linearization, increments, rule.velocity, rule.position)
+        rows = rule.position * constraint_rows(model, linearization.joints, increments)
         return jax.jacfwd(equations)(acceleration), (analytic, rows)
 
     return jax.tree.map(np.asarray, both(start.acceleration))

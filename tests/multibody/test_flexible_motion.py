@@ -106,9 +106,7 @@ def spun(body, speed, duration):
 def test_steady_spin_stretches_a_bar():
     """E u'' + rho w^2 (x + u) = 0, u(0) = 0, u'(L) = 0: u(L) = tan(k L)/k - L, k^2 = rho w^2 / E."""
     length, modulus, density, speed = 1.0, 1e7, 1000.0, 6.0
-    model = solid_model(
-        block(length, 0.1, 0.1, 4, 1, 1, CellType.HEXA8), Isotropic(modulus, 0.0, density)
-    )
+    model = solid_model(block(length, 0.1, 0.1, 4, 1, 1, CellType.HEXA8), Isotropic(modulus, 0.0, density))
     bar = flexible_body("bar", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
     body = reduce(bar, NodalFixedFrame("root"), CompleteBasis(), derivatives=NoDerivatives())
     damped = replace(body, damping=15.0 * np.eye(body.r))

@@ -97,4 +97,6 @@ def test_momentum_of_the_thrown_body_is_that_of_its_mass(run, tumbling):
 
 def test_rotation_stays_orthogonal(run):
     rotations = run(0.01).bodies["stone"].rotation
-    np.testing.assert_allclose(rotations @ rotations.swapaxes(1, 2), np.tile(np.eye(3), (41, 1, 1)), atol=1e-13)
+    np.testing.assert_allclose(
+        rotations @ rotations.swapaxes(1, 2), np.tile(np.eye(3), (41, 1, 1)), atol=1e-13
+    )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from supple.body import (
     RigidInterface,
     flexible_body,
 )
+from supple.errors import ConvergenceError, ModelError
 from supple.fem import Isotropic, solid_model
 from supple.integrate import AdaptiveStep, FixedStep, Tolerances
 from supple.mesh import CellType, block
@@ -41,9 +44,7 @@ LENGTH = 1.0
 @pytest.fixture(scope="module")
 def beam():
     """A soft solid beam along x, Green-Lagrange."""
-    model = solid_model(
-        block(LENGTH, 0.2, 0.2, 3, 1, 1, CellType.TETRA4), Isotropic(5e5, 0.3, 1000.0)
-    )
+    model = solid_model(block(LENGTH, 0.2, 0.2, 3, 1, 1, CellType.TETRA4), Isotropic(5e5, 0.3, 1000.0))
     return flexible_body("beam", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
 
 
@@ -102,7 +103,9 @@ def full_runs(full):
 def test_the_beam_bends(full, full_runs):
     """Guards the comparisons below: rotations of the tip against the root are not small."""
     motion = full_runs["nodal-fixed"].bodies["beam"]
-    tip = full["nodal-fixed"].expand(motion.coordinates)[:, np.isclose(full["nodal-fixed"].nodes[:, 0], LENGTH)]
+    tip = full["nodal-fixed"].expand(motion.coordinates)[
+        :, np.isclose(full["nodal-fixed"].nodes[:, 0], LENGTH)
+    ]
     assert np.abs(tip).max() > 0.05 * LENGTH
 
 
@@ -116,12 +119,8 @@ def test_full_order_is_the_complete_basis_in_other_coordinates(name, full, full_
     )
     for joint in ("shoulder", "elbow"):
         scale = np.abs(reduced.joint_forces[joint]).max()
-        np.testing.assert_allclose(
-            own.joint_forces[joint], reduced.joint_forces[joint], atol=1e-6 * scale
-        )
-    np.testing.assert_allclose(
-        own.bodies["lump"].rotation, reduced.bodies["lump"].rotation, atol=1e-8
-    )
+        np.testing.assert_allclose(own.joint_forces[joint], reduced.joint_forces[joint], atol=1e-6 * scale)
+    np.testing.assert_allclose(own.bodies["lump"].rotation, reduced.bodies["lump"].rotation, atol=1e-8)
 
 
 @pytest.fixture(scope="module")
@@ -148,6 +147,65 @@ def test_frames_agree_at_order_two(loose_ends):
         return tip_positions(body, solution)
 
     coarse, fine = (np.abs(path(loose_ends[0], h) - path(loose_ends[1], h)).max() for h in (2e-3, 1e-3))
-    print(coarse, fine, coarse/fine, np.abs(path(loose_ends[0], 5e-4) - path(loose_ends[1], 5e-4)).max())
     assert fine < 1e-4
     assert 3.5 < coarse / fine < 4.5
+
+
+def test_linear_full_body_is_the_linear_complete_basis(beam):
+    """A body without quadratic strains, gently moved: f = K q."""
+    linear, frame = beam.linearized(), FRAMES["mean-axis"]
+    full = FullBody(linear, frame, DAMPING)
+    complete = reduce(linear, frame, CompleteBasis(), derivatives=NoDerivatives(), damping=DAMPING)
+    system = hanging(full, [7, 9])
+    calm = replace(system, bodies=(Placed(full), *system.bodies[1:]))
+    same = replace(calm, bodies=(Placed(complete), *system.bodies[1:]))
+    paths = [
+        tip_positions(
+            body, simulate(item, duration=0.1, output_step=0.01, step=FixedStep(5e-3), tolerances=TIGHT)
+        )
+        for body, item in ((full, calm), (complete, same))
+    ]
+    np.testing.assert_allclose(paths[0], paths[1], atol=1e-9)
+
+
+def test_adaptive_step_of_the_full_model(full, full_runs):
+    """Stays close to the fixed steps, whose own error is of order h^2."""
+    body = full["mean-axis"]
+    solution = run(body, step=AdaptiveStep(first=1e-3, largest=0.01, tolerance=1e-4))
+    path = tip_positions(body, solution)
+    np.testing.assert_allclose(path, tip_positions(body, full_runs["mean-axis"]), atol=5e-3)
+
+
+def test_full_run_can_be_resumed(full):
+    """Same steps but for the auxiliary acceleration, which starts anew: a difference of the step's order."""
+    body = full["nodal-fixed"]
+
+    def difference(h):
+        whole, half = run(body, h, duration=0.2), run(body, h, duration=0.1)
+        rest = run(body, h, duration=0.2, resume=Checkpoint(half))
+        np.testing.assert_allclose(rest.times, whole.times[6:])
+        return np.abs(tip_positions(body, rest) - tip_positions(body, whole)[6:]).max()
+
+    coarse, fine = difference(5e-3), difference(2.5e-3)
+    assert coarse < 1e-4
+    assert coarse / fine > 3.0
+
+
+def test_full_run_that_fails_keeps_what_was_recorded(full):
+    recorded = []
+    with pytest.raises(ConvergenceError, match=r"no convergence at t = 0.* relative residual"):
+        run(
+            full["nodal-fixed"],
+            step=FixedStep(5e-3, smallest=4e-3),
+            tolerances=Tolerances(residual=1e-12, max_iterations=1),
+            record=recorded.append,
+        )
+    assert recorded[0].times[0] == 0.0
+
+
+def test_initial_deformation_must_not_move_the_frame(full):
+    body = full["mean-axis"]
+    rigid = body.body.rigid_modes[:, 0]
+    system = System((Placed(body, coordinates=0.01 * rigid),))
+    with pytest.raises(ModelError, match="the initial deformation of body 'beam' moves its frame by"):
+        simulate(system, duration=0.1, output_step=0.1)

@@ -78,7 +78,8 @@ def test_prescribed_angle_that_does_not_start_at_zero(rod):
         first=GROUND, second=At("a", "left"), axis=(0, 0, 1), angle=lambda t: 0.4 + t, name="drive"
     )
     with pytest.raises(
-        ModelError, match=r"joint 'drive' is open .*: rotation z is off by -0.389.* or let the prescribed motion"
+        ModelError,
+        match=r"joint 'drive' is open .*: rotation z is off by -0.389.* or let the prescribed motion",
     ):
         consistent_start(System((Placed(rod("a", 1.0)),), (joint,)), 0.0, 1e-3)
 
@@ -114,7 +115,9 @@ def test_independent_constraints_are_a_largest_set(rod):
             Ball(first=GROUND, second=At("b", "left"), name="two"),
         ),
     )
-    with pytest.warns(RedundantConstraintWarning, match=r"2 redundant .*'two' \(position x\), 'two' \(position y\)\."):
+    with pytest.warns(
+        RedundantConstraintWarning, match=r"2 redundant .*'two' \(position x\), 'two' \(position y\)\."
+    ):
         assert independent_constraints(system, jacobian, mass) == (0, 1, 2, 5)
 
 

@@ -53,10 +53,14 @@ def four_bar(rod):
             Placed(rod("rocker", ROCKER), **directed(pivot, joint)),
         ),
         joints=(
-            PrescribedRotation(first=GROUND, second=At("crank", "left"), axis=z, angle=lambda t: t**2, name="motor"),
+            PrescribedRotation(
+                first=GROUND, second=At("crank", "left"), axis=z, angle=lambda t: t**2, name="motor"
+            ),
             Revolute(first=At("crank", "right"), second=At("coupler", "left"), axis=z, name="pin"),
             Revolute(first=GROUND, second=At("rocker", "left"), axis=z, name="pivot"),
-            Revolute(first=At("coupler", "right"), second=At("rocker", "right"), axis=z, name="closing joint"),
+            Revolute(
+                first=At("coupler", "right"), second=At("rocker", "right"), axis=z, name="closing joint"
+            ),
         ),
     )
 
@@ -67,7 +71,11 @@ def crank_rocker(rod):
     duration = np.sqrt(4 * np.pi)
     with pytest.warns(RedundantConstraintWarning) as warned:
         solution = simulate(
-            four_bar(rod), duration=duration, output_step=duration / 200, step=FixedStep(5e-3), tolerances=TIGHT
+            four_bar(rod),
+            duration=duration,
+            output_step=duration / 200,
+            step=FixedStep(5e-3),
+            tolerances=TIGHT,
         )
     return solution, str(warned[0].message)
 
@@ -128,7 +136,11 @@ def shafts(rod, turned):
     )
     joints = (
         PrescribedRotation(
-            first=GROUND, second=At("driving", "left"), axis=tuple(driving), angle=lambda t: 2.0 * t**2, name="motor"
+            first=GROUND,
+            second=At("driving", "left"),
+            axis=tuple(driving),
+            angle=lambda t: 2.0 * t**2,
+            name="motor",
         ),
         # The cross's arm on the driving shaft lies in the plane of the shafts at the start.
         Universal(
@@ -141,7 +153,9 @@ def shafts(rod, turned):
         Cylindrical(first=GROUND, second=At("driven", "right"), axis=(1, 0, 0), name="bearing"),
     )
     with pytest.warns(RedundantConstraintWarning, match="2 redundant .*'bearing'"):
-        return simulate(System(bodies, joints), duration=1.8, output_step=0.05, step=FixedStep(2e-3), tolerances=TIGHT)
+        return simulate(
+            System(bodies, joints), duration=1.8, output_step=0.05, step=FixedStep(2e-3), tolerances=TIGHT
+        )
 
 
 def test_universal_joint_turns_unevenly(shafts):

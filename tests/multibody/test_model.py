@@ -33,7 +33,9 @@ def test_mass_of_every_kind_of_body(rod, blade, floating_blade):
 
 
 def test_size_of_a_system_is_the_span_of_its_points(rod, turned):
-    system = System((Placed(rod("a", 2.0)), Placed(rod("b", 1.0), position=[0, 3, 0], rotation=turned(2, np.pi / 2))))
+    system = System(
+        (Placed(rod("a", 2.0)), Placed(rod("b", 1.0), position=[0, 3, 0], rotation=turned(2, np.pi / 2)))
+    )
     np.testing.assert_allclose(system_length(system), np.hypot(2.0, 3.5), rtol=1e-14)
 
 
@@ -68,6 +70,7 @@ def test_spring_on_the_ground_hangs_from_its_anchor(rod):
 def test_spring_without_length_has_no_direction(rod):
     spring = SpringDamper(first=At("a", "right"), anchor=(1, 0, 0), stiffness=1.0)
     with pytest.raises(
-        ModelError, match=r"SpringDamper on a.right: both ends start at \[1.0, 0.0, 0.0\], so it has no direction"
+        ModelError,
+        match=r"SpringDamper on a.right: both ends start at \[1.0, 0.0, 0.0\], so it has no direction",
     ):
         build_model(System((Placed(rod("a", 2.0)),), loads=(spring,)))

@@ -64,7 +64,9 @@ def test_period(pendulum):
     """Back at rest at the same height after 4 K(k) / omega."""
     period = 4 * ellipk(np.sin(SWING / 2) ** 2) / np.sqrt(OMEGA_SQUARED)
     solution = run(pendulum, 1e-3, duration=period, output_step=period / 20)
-    np.testing.assert_allclose(solution.bodies["bob"].position[-1], solution.bodies["bob"].position[0], atol=1e-4)
+    np.testing.assert_allclose(
+        solution.bodies["bob"].position[-1], solution.bodies["bob"].position[0], atol=1e-4
+    )
 
 
 def test_hinge_carries_weight_and_centripetal_force(pendulum):
@@ -104,7 +106,9 @@ def test_tighter_tolerances_never_hurt(pendulum):
 def test_small_steps_stay_accurate(pendulum, residual):
     """Index 3: a careless scaling loses digits like 1/h^2; the error here keeps falling to 1e-5."""
     errors = [
-        angle_error(run(pendulum, h, duration=0.04, output_step=0.004, tolerances=Tolerances(residual=residual)))
+        angle_error(
+            run(pendulum, h, duration=0.04, output_step=0.004, tolerances=Tolerances(residual=residual))
+        )
         for h in (1e-3, 1e-4, 1e-5)
     ]
     assert errors[0] < 1e-7
@@ -138,7 +142,11 @@ def test_a_cut_step_is_reported_and_the_answer_right(pendulum):
     """Half a second a step is too much for four iterations: halved until it converges, and said so."""
     with pytest.warns(StepCutWarning, match=r"steps did not converge and were cut .* a fixed step below 0.5"):
         solution = run(
-            pendulum, 0.5, duration=2.0, output_step=0.5, tolerances=Tolerances(residual=1e-9, max_iterations=4)
+            pendulum,
+            0.5,
+            duration=2.0,
+            output_step=0.5,
+            tolerances=Tolerances(residual=1e-9, max_iterations=4),
         )
     assert solution.statistics.cuts > 0
     hinge = solution.bodies["bob"].position + ARM * solution.bodies["bob"].rotation[:, :, 2]

@@ -19,9 +19,7 @@ def test_force_and_tangent_are_those_of_the_tensors(clamped_blade, coordinates):
     force, tangent = polynomial_force(body.stiffness, body.cubic, body.quartic, coordinates)
     scale = np.abs(force).max()
     np.testing.assert_allclose(force, body.tensors.internal_force(coordinates), atol=1e-13 * scale)
-    np.testing.assert_allclose(
-        tangent, body.tensors.tangent(coordinates), atol=1e-13 * np.abs(tangent).max()
-    )
+    np.testing.assert_allclose(tangent, body.tensors.tangent(coordinates), atol=1e-13 * np.abs(tangent).max())
 
 
 def test_nonlinear_terms_matter(clamped_blade, coordinates):
@@ -39,7 +37,9 @@ def test_force_is_the_gradient_of_the_energy_and_tangent_its_hessian(clamped_bla
         return polynomial_energy(body.stiffness, body.cubic, body.quartic, g)
 
     force, tangent = polynomial_force(body.stiffness, body.cubic, body.quartic, coordinates)
-    np.testing.assert_allclose(force, jax.jit(jax.grad(energy))(coordinates), atol=1e-12 * np.abs(force).max())
+    np.testing.assert_allclose(
+        force, jax.jit(jax.grad(energy))(coordinates), atol=1e-12 * np.abs(force).max()
+    )
     np.testing.assert_allclose(
         tangent, jax.jit(jax.hessian(energy))(coordinates), atol=1e-12 * np.abs(tangent).max()
     )

@@ -86,9 +86,7 @@ def test_resumed_run_continues_the_interrupted_one(pendulum):
     def difference(h):
         whole = simulate(pendulum, duration=1.0, output_step=0.05, step=FixedStep(h))
         half = simulate(pendulum, duration=0.5, output_step=0.05, step=FixedStep(h))
-        rest = simulate(
-            pendulum, duration=1.0, output_step=0.05, step=FixedStep(h), resume=Checkpoint(half)
-        )
+        rest = simulate(pendulum, duration=1.0, output_step=0.05, step=FixedStep(h), resume=Checkpoint(half))
         np.testing.assert_allclose(rest.times, whole.times[11:])
         return np.abs(rest.bodies["bob"].position - whole.bodies["bob"].position[11:]).max()
 

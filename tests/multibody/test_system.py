@@ -46,7 +46,9 @@ def test_rotation_must_not_mirror(rod):
 
 @pytest.mark.parametrize("item", ["coordinates", "coordinate_rates"])
 def test_coordinates_must_be_as_many_as_the_body_has(clamped_blade, item):
-    with pytest.raises(ModelError, match=rf"{item} of body 'blade' must be 6 finite numbers, got shape \(3,\)"):
+    with pytest.raises(
+        ModelError, match=rf"{item} of body 'blade' must be 6 finite numbers, got shape \(3,\)"
+    ):
         Placed(clamped_blade, **{item: np.zeros(3)})
 
 
@@ -84,13 +86,17 @@ def test_joint_on_an_unknown_body(placed):
 
 def test_joint_on_an_unknown_interface(placed):
     joint = Ball(first=GROUND, second=At("link", "top"), name="pivot")
-    with pytest.raises(ModelError, match="joint 'pivot': body 'link' has no interface 'top'; there are: left, right"):
+    with pytest.raises(
+        ModelError, match="joint 'pivot': body 'link' has no interface 'top'; there are: left, right"
+    ):
         System((placed,), (joint,))
 
 
 def test_load_on_an_unknown_interface(placed):
     load = FollowerForce(first=At("link", "rihgt"), force=[1, 0, 0])
-    with pytest.raises(ModelError, match="FollowerForce on link.rihgt: body 'link' has no interface 'rihgt'; did you"):
+    with pytest.raises(
+        ModelError, match="FollowerForce on link.rihgt: body 'link' has no interface 'rihgt'; did you"
+    ):
         System((placed,), loads=(load,))
 
 
@@ -135,7 +141,10 @@ def test_forces_have_three_components_for_every_node(clamped_blade, at, force):
 
 def test_follower_force_has_three_components(placed):
     load = FollowerForce(first=At("link", "left"), force=[1.0, 2.0])
-    with pytest.raises(ModelError, match=r"FollowerForce on link.left: its values over time have shape \(2,\); they must have \(3,\)"):
+    with pytest.raises(
+        ModelError,
+        match=r"FollowerForce on link.left: its values over time have shape \(2,\); they must have \(3,\)",
+    ):
         System((placed,), loads=(load,))
 
 
@@ -143,7 +152,9 @@ def test_prescribed_motion_is_one_number(placed):
     joint = PrescribedRotation(
         first=GROUND, second=At("link", "left"), axis=(0, 0, 1), angle=[0.0, 0.0, 0.0], name="motor"
     )
-    with pytest.raises(ModelError, match=r"joint 'motor': its values over time have shape \(3,\); they must have \(\)"):
+    with pytest.raises(
+        ModelError, match=r"joint 'motor': its values over time have shape \(3,\); they must have \(\)"
+    ):
         System((placed,), (joint,))
 
 
@@ -151,5 +162,7 @@ def test_functions_of_time_are_written_with_jax(placed):
     joint = PrescribedRotation(
         first=GROUND, second=At("link", "left"), axis=(0, 0, 1), angle=np.sin, name="motor"
     )
-    with pytest.raises(ModelError, match="joint 'motor': its function of time must be written with jax.numpy"):
+    with pytest.raises(
+        ModelError, match="joint 'motor': its function of time must be written with jax.numpy"
+    ):
         System((placed,), (joint,))

@@ -13,6 +13,7 @@ from supple.importers.nrel5mw import (
 )
 from supple.importers.rotor_table import read_polar, read_rotor
 from supple.importers.station_table import read_stations
+from supple.importers.windio import read_windio_blade
 
 __all__ = [
     "NREL5MW_WEBS",
@@ -27,4 +28,5 @@ __all__ = [
     "read_polar",
     "read_rotor",
     "read_stations",
+    "read_windio_blade",
 ]

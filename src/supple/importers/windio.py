@@ -92,8 +92,8 @@ class _WindioFile:
             if not isinstance(value, dict) or key not in value:
                 there = ", ".join(map(str, value)) if isinstance(value, dict) else "no keys"
                 raise ImportFormatError(
-                    f"{self.path}: no entry {'.'.join(keys[: depth + 1])}; there are {there}; is this a windIO "
-                    "turbine file, version 1 or 2?"
+                    f"{self.path}: no entry {'.'.join(keys[: depth + 1])}; there are {there}; is this a "
+                    "windIO turbine file, version 1 or 2?"
                 )
             value = value[key]
         return value
@@ -107,8 +107,8 @@ class _WindioFile:
         grid, values = self.numbers(*keys, "grid"), self.numbers(*keys, "values")
         if grid.size != values.size or grid.size < 2 or (np.diff(grid) <= 0).any():
             raise ImportFormatError(
-                f"{self.path}: {'.'.join(keys)} has {grid.size} grid points and {values.size} values; give as "
-                "many of both, at least two, the grid ascending"
+                f"{self.path}: {'.'.join(keys)} has {grid.size} grid points and {values.size} values; give "
+                "as many of both, at least two, the grid ascending"
             )
         return PchipInterpolator(grid, values, extrapolate=False)
 

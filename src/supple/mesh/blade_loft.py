@@ -18,6 +18,9 @@ from supple.mesh.structured_grid import alternating_triangles, grid_quads
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+NARROWEST_PANEL = 0.05
+"""Part of the chord that nose and aft panels keep."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class ShearWebs:
@@ -110,7 +113,7 @@ def loft_blade(stations: BladeStations, webs: ShearWebs, grid: BladeGrid = Blade
     skin_nodes = _rings(stations, webs, grid, span)
     rings = np.arange(len(skin_nodes)).reshape(span.size, grid.n_around)
     fore, aft = grid.aft_panel + grid.cap, grid.aft_panel
-    webbed = slice(grid.root_segments, grid.root_segments + grid.web_segments + 1)
+    webbed = _webbed(grid)
 
     parts, web_grids, n_nodes = [skin_nodes], [], len(skin_nodes)
     for place in (fore, aft):
@@ -154,18 +157,28 @@ def _ring_spans(stations: BladeStations, webs: ShearWebs, grid: BladeGrid) -> Fl
     )
 
 
+def _webbed(grid: BladeGrid) -> slice:
+    """Rings that the webs join."""
+    return slice(grid.root_segments, grid.root_segments + grid.web_segments + 1)
+
+
 def _rings(stations: BladeStations, webs: ShearWebs, grid: BladeGrid, span: FloatArray) -> FloatArray:
     """Skin nodes (k * n, 3), ring by ring, from the trailing edge over the lower side to the leading edge."""
     chord, twist, axis, prebend, sweep = stations.curves(span)
     fore, aft = axis + webs.fore / chord, axis + webs.aft / chord
-    outside = np.flatnonzero((fore <= 0) | (aft >= 1))
+    webbed = _webbed(grid)
+    outside = webbed.start + np.flatnonzero(
+        (fore[webbed] < NARROWEST_PANEL) | (aft[webbed] > 1 - NARROWEST_PANEL)
+    )
     if outside.size:
         k = outside[0]
         raise MeshError(
             f"webs outside the section at span {span[k]:g}: x/c = {fore[k]:.3f} (fore) and {aft[k]:.3f} "
-            f"(aft) on a chord of {chord[k]:g}; move the webs nearer to the pitch axis (the skin's "
-            "panels follow their places from root to tip)"
+            f"(aft) on a chord of {chord[k]:g}; they need {NARROWEST_PANEL} .. "
+            f"{1 - NARROWEST_PANEL}, so end the webs before, or move them nearer to the pitch axis"
         )
+    # Towards a slender tip, beyond the webs, the panels need their share of the chord.
+    fore, aft = np.maximum(fore, NARROWEST_PANEL), np.minimum(aft, 1 - NARROWEST_PANEL)
     y = stations.shapes(span)
     x = np.broadcast_to(SHAPE_POINTS, y.shape)
     steps = np.hypot(np.diff(x), np.diff(y))

@@ -8,14 +8,22 @@ components), deformation. Source: [Wu2019] (26)-(28), (50).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 
 from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, skew
-from supple.multibody.floating_inertia import FloatingMotion, floating_mass, inertia_force, inertia_tangent
+from supple.multibody.floating_inertia import (
+    FloatingMotion,
+    InertiaTerms,
+    floating_mass,
+    inertia_tangent,
+    inertia_terms,
+)
 from supple.multibody.joint_linearization import (
+    Blocks,
     JointLinearization,
     geometric_stiffness,
     joint_equations,
@@ -34,13 +42,13 @@ from supple.multibody.polynomial_force import polynomial_force
 __all__ = [
     "Balance",
     "Configuration",
-    "Joints",
+    "Linearization",
     "Motion",
     "advance",
     "balance",
     "constraint_jacobian",
+    "constraint_rows",
     "constraints",
-    "linearize_joints",
     "mass_matrix",
     "tangent",
 ]
@@ -67,15 +75,25 @@ class Motion(NamedTuple):
     """(m,)"""
 
 
+class Linearization(NamedTuple):
+    """What the tangent takes over from the evaluation of the equations at the same motion."""
+
+    inertia: tuple[InertiaTerms, ...]
+    stiffness: tuple[jax.Array, ...]
+    """Tangent of each body's internal force, (r, r)"""
+    joints: tuple[JointLinearization, ...]
+
+
 class Balance(NamedTuple):
-    """The terms in balance, each (n,); their sum is the residual."""
+    """The terms in balance, each (n,), whose sum is the residual; and how far the joints are open."""
 
     inertia: jax.Array
     internal: jax.Array
     applied: jax.Array
     joint: jax.Array
-    stiffness: tuple[jax.Array, ...]
-    """Tangent of each body's internal force (r, r), a by-product."""
+    gap: jax.Array
+    """Active constraint equations, (m,)"""
+    linearization: Linearization
 
     @property
     def residual(self) -> jax.Array:
@@ -131,10 +149,6 @@ def marker(model: Model, end: End, configuration: Configuration, velocity: jax.A
     )
 
 
-Joints = tuple[JointLinearization, ...]
-"""Every joint of a model at one configuration."""
-
-
 def _law_value(law: Any, time: jax.Array) -> Any:
     return None if law is None else law(time)
 
@@ -146,14 +160,21 @@ def _markers(model: Model, element: JointArrays | ForceArrays, motion: Motion) -
     )
 
 
-def _scatter(
-    model: Model, element: JointArrays | ForceArrays, local: jax.Array, total: jax.Array
-) -> jax.Array:
-    """Add the local generalised forces (24,) of both ends to the bodies' equations."""
-    for end, part in ((element.first, local[:N_LOCAL]), (element.second, local[N_LOCAL:])):
+def _on_bodies(
+    model: Model, element: JointArrays | ForceArrays, local: tuple[jax.Array, jax.Array]
+) -> Iterator[tuple[int, jax.Array]]:
+    """Generalised forces on the bodies at both ends of an element, from those on the local freedoms (12,)."""
+    for end, part in zip((element.first, element.second), local, strict=True):
         if end.body >= 0:
-            total = total.at[model.slices[end.body]].add(end.selection.T @ part)
-    return total
+            yield end.body, jnp.concatenate([part[:6], end.selection[6:, 6:].T @ part[6:]])
+
+
+def _joined(model: Model, parts: list[tuple[int, jax.Array]]) -> jax.Array:
+    """The system's vector (n,) from contributions to bodies."""
+    totals: list[Any] = [jnp.zeros(6 + body.r) for body in model.bodies]
+    for index, part in parts:
+        totals[index] = totals[index] + part
+    return jnp.concatenate(totals)
 
 
 def _joint_parts(model: Model) -> list[slice]:
@@ -164,7 +185,16 @@ def _joint_parts(model: Model) -> list[slice]:
 
 
 def _all_multipliers(model: Model, multipliers: jax.Array) -> jax.Array:
+    if len(model.active) == model.n_equations:
+        return multipliers
     return jnp.zeros(model.n_equations).at[jnp.array(model.active, dtype=int)].set(multipliers)
+
+
+def _active_rows(model: Model, rows: list[jax.Array]) -> jax.Array:
+    every = jnp.concatenate(rows)
+    if len(model.active) == model.n_equations:
+        return every
+    return every[jnp.array(model.active, dtype=int)]
 
 
 def _ends_at(model: Model, element: JointArrays, configuration: Configuration) -> tuple[Marker, Marker]:
@@ -176,68 +206,60 @@ def _ends_at(model: Model, element: JointArrays, configuration: Configuration) -
     )
 
 
-def _active_rows(model: Model, rows: list[jax.Array]) -> jax.Array:
-    return jnp.concatenate(rows)[jnp.array(model.active, dtype=int)]
-
-
-def linearize_joints(model: Model, time: jax.Array, configuration: Configuration) -> Joints:
-    """Equations and derivatives of every joint, once for all that need them."""
+def _linearize_joints(
+    model: Model, time: jax.Array, configuration: Configuration
+) -> tuple[JointLinearization, ...]:
     return tuple(
         linearize_joint(joint, *_ends_at(model, joint, configuration), time) for joint in model.joints
     )
 
 
-def constraints(
-    model: Model, time: jax.Array, configuration: Configuration, joints: Joints | None = None
-) -> jax.Array:
-    """Active constraint equations `g(q, t)`, (m,); `joints` where they are linearised already."""
+def constraints(model: Model, time: jax.Array, configuration: Configuration) -> jax.Array:
+    """Active constraint equations `g(q, t)`, (m,)."""
     if not model.joints:
         return jnp.zeros(0)
-    if joints is not None:
-        return _active_rows(model, [at.equations for at in joints])
     return _active_rows(
         model,
         [joint_equations(joint, *_ends_at(model, joint, configuration), time) for joint in model.joints],
     )
 
 
-def constraint_jacobian(
-    model: Model,
-    time: jax.Array,
-    configuration: Configuration,
-    increments: jax.Array | None = None,
-    joints: Joints | None = None,
+def constraint_jacobian(model: Model, time: jax.Array, configuration: Configuration) -> jax.Array:
+    """Derivative `G` of the active equations for the velocities, (m, n)."""
+    return constraint_rows(model, _linearize_joints(model, time, configuration))
+
+
+def constraint_rows(
+    model: Model, joints: tuple[JointLinearization, ...], increments: jax.Array | None = None
 ) -> jax.Array:
-    """Derivative `G` of the active equations for the velocities, (m, n).
+    """Derivative `G` of the active equations of linearised joints for the velocities, (m, n).
 
     With `increments` (n,), for the increments that led here instead: `dpsi = T(increment) dincrement`.
-    `joints` where they are linearised already.
     """
-    if not model.joints:
+    if not joints:
         return jnp.zeros((0, model.n_velocities))
     rows = []
-    for joint, at in zip(
-        model.joints, joints or linearize_joints(model, time, configuration), strict=True
-    ):
-        row = jnp.zeros((joint.n_constraints, model.n_velocities))
+    for joint, at in zip(model.joints, joints, strict=True):
+        blocks: list[Any] = [jnp.zeros((joint.n_constraints, 6 + body.r)) for body in model.bodies]
         for end, part in zip((joint.first, joint.second), at.by_end, strict=True):
             if end.body >= 0:
-                moves = _selection_by_increment(model, end, increments)
-                row = row.at[:, model.slices[end.body]].add(part @ moves)
-        rows.append(row)
+                turn = None if increments is None else _turn_by_increment(model, end.body, increments)
+                blocks[end.body] = blocks[end.body] + _on_velocities(end, part, turn)
+        rows.append(jnp.concatenate(blocks, axis=1))
     return _active_rows(model, rows)
+
+
+def _on_velocities(end: End, by_local: jax.Array, turn: jax.Array | None) -> jax.Array:
+    """Columns for a body's velocities (k, 6 + r) from those for the local freedoms (k, 12) of its marker.
+
+    With `turn` (3, 3), for the increment of the frame's rotation vector instead of `dpsi`.
+    """
+    spin = by_local[:, 3:6] if turn is None else by_local[:, 3:6] @ turn
+    return jnp.concatenate([by_local[:, :3], spin, by_local[:, 6:] @ end.selection[6:, 6:]], axis=1)
 
 
 def _turn_by_increment(model: Model, index: int, increments: jax.Array) -> jax.Array:
     return rotation_right_jacobian(increments[model.slices[index]][3:6])
-
-
-def _selection_by_increment(model: Model, end: End, increments: jax.Array | None) -> jax.Array:
-    """The marker's selection with the frame's rotation parametrised by its increment over the step."""
-    if increments is None:
-        return jnp.asarray(end.selection)
-    turn = _turn_by_increment(model, end.body, increments)
-    return jnp.asarray(end.selection).at[3:6, 3:6].set(turn)
 
 
 def _force_on_local_freedoms(
@@ -265,41 +287,48 @@ def _point_forces(model: Model, load: DeadForceArrays, motion: Motion) -> _Point
     return _PointForces(arms, forces @ configuration.rotations[load.body])
 
 
-def balance(model: Model, motion: Motion, joints: Joints | None = None) -> Balance:
-    """All terms of the equations of motion; `joints` where they are linearised already."""
-    zero = jnp.zeros(model.n_velocities)
-    inertia, internal, stiffness = [], [], []
+def balance(model: Model, motion: Motion) -> Balance:
+    """All terms of the equations of motion, the joints' equations, and what their tangent needs."""
+    inertia, internal, inertia_by_body, stiffness = [], [], [], []
     for index, body in enumerate(model.bodies):
         floating = _floating(model, motion, index)
-        own = inertia_force(body.gram, floating)
+        terms = inertia_terms(body.inertia, floating)
+        own = terms.force
         rotation = motion.configuration.rotations[index]
         inertia.append(jnp.concatenate([rotation @ own[:3], own[3:]]))
         force, tangent_stiffness = polynomial_force(
             body.stiffness, body.cubic, body.quartic, floating.coordinates
         )
         internal.append(jnp.concatenate([jnp.zeros(6), force + body.damping @ floating.rates]))
+        inertia_by_body.append(terms)
         stiffness.append(tangent_stiffness)
-    applied = zero
+    applied = []
     for load in model.dead_forces:
         arms, forces = _point_forces(model, load, motion)
         total = motion.configuration.rotations[load.body] @ forces.sum(axis=0)
         generalized = jnp.concatenate(
             [total, jnp.cross(arms, forces).sum(axis=0), jnp.einsum("kir,ki->r", load.basis, forces)]
         )
-        applied = applied.at[model.slices[load.body]].add(-generalized)
+        applied.append((load.body, -generalized))
     still = jnp.zeros(2 * N_LOCAL)
     for force in model.forces:
         first, second = _markers(model, force, motion)
         local = _force_on_local_freedoms(force, first, second, motion.time, still, still)
-        applied = _scatter(model, force, -local, applied)
-    joint_forces = zero
+        applied += _on_bodies(model, force, (-local[:N_LOCAL], -local[N_LOCAL:]))
+    holding = []
     multipliers = _all_multipliers(model, motion.multipliers)
-    joints = joints or linearize_joints(model, motion.time, motion.configuration)
+    joints = _linearize_joints(model, motion.time, motion.configuration)
     for joint, at, rows in zip(model.joints, joints, _joint_parts(model), strict=True):
-        local = jnp.concatenate([part.T @ multipliers[rows] for part in at.by_end])
-        joint_forces = _scatter(model, joint, local, joint_forces)
+        on_first, on_second = at.by_end
+        own_multipliers = multipliers[rows]
+        holding += _on_bodies(model, joint, (own_multipliers @ on_first, own_multipliers @ on_second))
     return Balance(
-        jnp.concatenate(inertia), jnp.concatenate(internal), applied, joint_forces, tuple(stiffness)
+        inertia=jnp.concatenate(inertia),
+        internal=jnp.concatenate(internal),
+        applied=_joined(model, applied),
+        joint=_joined(model, holding),
+        gap=_active_rows(model, [at.equations for at in joints]) if joints else jnp.zeros(0),
+        linearization=Linearization(tuple(inertia_by_body), tuple(stiffness), joints),
     )
 
 
@@ -317,25 +346,26 @@ def mass_matrix(model: Model, configuration: Configuration) -> jax.Array:
 def tangent(
     model: Model,
     motion: Motion,
-    stiffness: tuple[jax.Array, ...],
+    linearization: Linearization,
     increments: jax.Array,
     velocity: jax.Array,
     position: jax.Array,
-    joints: Joints | None = None,
 ) -> jax.Array:
     """Derivative of the residual for the new accelerations, (n, n).
 
     The velocities follow the accelerations with the factor `velocity`, the increments of the configuration
-    with the factor `position` (`StepRule`); `joints` where they are linearised already.
+    with the factor `position` (`StepRule`); the linearisation is that of `balance` at the same motion.
     """
-    matrix = jnp.zeros((model.n_velocities, model.n_velocities))
-    for index in range(len(model.bodies)):
-        block = _body_tangent(model, motion, index, stiffness[index], increments, velocity, position)
-        matrix = matrix.at[model.slices[index], model.slices[index]].add(block)
+    turns = [_turn_by_increment(model, index, increments) for index in range(len(model.bodies))]
+    blocks: dict[tuple[int, int], Any] = {
+        (index, index): _body_tangent(model, motion, index, linearization, turns[index], velocity, position)
+        for index in range(len(model.bodies))
+    }
     for load in model.dead_forces:
-        block = _dead_force_tangent(model, load, motion, increments)
-        matrix = matrix.at[model.slices[load.body], model.slices[load.body]].add(-position * block)
+        block = _dead_force_tangent(model, load, motion, turns[load.body])
+        blocks[load.body, load.body] += -position * block
     still = jnp.zeros(2 * N_LOCAL)
+    halves = slice(0, N_LOCAL), slice(N_LOCAL, 2 * N_LOCAL)
     for force in model.forces:
         first, second = _markers(model, force, motion)
         by_position, by_rate = jax.jacfwd(
@@ -344,48 +374,79 @@ def tangent(
             ),
             argnums=(0, 1),
         )(still, still)
-        matrix = _scatter_matrix(
-            model, force, -position * by_position, -velocity * by_rate, increments, matrix
-        )
+        for sign, by_local, own_turns in ((-position, by_position, turns), (-velocity, by_rate, None)):
+            local = tuple(tuple(sign * by_local[rows, columns] for columns in halves) for rows in halves)
+            _add_blocks(blocks, force, local, own_turns)
     multipliers = _all_multipliers(model, motion.multipliers)
-    joints = joints or linearize_joints(model, motion.time, motion.configuration)
-    for joint, at, rows in zip(model.joints, joints, _joint_parts(model), strict=True):
+    for joint, at, rows in zip(model.joints, linearization.joints, _joint_parts(model), strict=True):
         first, second = _markers(model, joint, motion)
-        geometric = geometric_stiffness(joint, at, first, second, motion.time, multipliers[rows])
-        matrix = _scatter_matrix(model, joint, position * geometric, None, increments, matrix)
-    return matrix
+        _add_blocks(
+            blocks, joint, geometric_stiffness(at, first, second, position * multipliers[rows]), turns
+        )
+    return jnp.block(
+        [
+            [
+                blocks.get((row, column), jnp.zeros((6 + row_body.r, 6 + column_body.r)))
+                for column, column_body in enumerate(model.bodies)
+            ]
+            for row, row_body in enumerate(model.bodies)
+        ]
+    )
+
+
+def _add_blocks(
+    blocks: dict[tuple[int, int], Any],
+    element: JointArrays | ForceArrays,
+    local: Blocks,
+    turns: list[jax.Array] | None,
+) -> None:
+    """Add an element's matrices for its local freedoms, row end by column end, to the bodies' blocks.
+
+    With `turns`, columns are for the increments of the bodies' rotations.
+    """
+    for row_end, row in zip((element.first, element.second), local, strict=True):
+        for column_end, part in zip((element.first, element.second), row, strict=True):
+            if row_end.body < 0 or column_end.body < 0:
+                continue
+            columns = _on_velocities(column_end, part, None if turns is None else turns[column_end.body])
+            block = jnp.concatenate([columns[:6], row_end.selection[6:, 6:].T @ columns[6:]])
+            where = row_end.body, column_end.body
+            blocks[where] = blocks[where] + block if where in blocks else block
 
 
 def _body_tangent(
     model: Model,
     motion: Motion,
     index: int,
-    stiffness: jax.Array,
-    increments: jax.Array,
+    linearization: Linearization,
+    turn: jax.Array,
     velocity: jax.Array,
     position: jax.Array,
 ) -> jax.Array:
     body = model.bodies[index]
     floating = _floating(model, motion, index)
     rotation = motion.configuration.rotations[index]
-    local = inertia_tangent(body.gram, floating, velocity, position)
-    force = inertia_force(body.gram, floating)[:3]
-    turn = position * _turn_by_increment(model, index, increments)
+    terms = linearization.inertia[index]
+    local = inertia_tangent(body.inertia, floating, terms, velocity, position)
     # a = A^T (Rddot - g) changes with the frame's rotation, da = a x dpsi, and so does the force A p.
-    by_turn = local[:, :3] @ skew(floating.acceleration) @ turn
-    local = local.at[:, 3:6].add(by_turn)
-    local = local.at[:3, 3:6].add(-skew(force) @ turn)
-    local = local.at[6:, 6:].add(position * stiffness + velocity * body.damping)
-    local = local.at[:, :3].set(local[:, :3] @ rotation.T)
-    return local.at[:3].set(rotation @ local[:3])
+    pushed = skew(position * floating.acceleration) @ turn
+    by_frame = local[:, :3] @ jnp.concatenate([rotation.T, pushed], axis=1)
+    turned_force = jnp.pad(skew(-position * terms.force[:3]) @ turn, ((0, 3 + body.r), (0, 0)))
+    elastic = position * linearization.stiffness[index] + velocity * body.damping
+    columns = jnp.concatenate(
+        [
+            by_frame[:, :3],
+            local[:, 3:6] + by_frame[:, 3:] + turned_force,
+            local[:, 6:] + jnp.pad(elastic, ((6, 0), (0, 0))),
+        ],
+        axis=1,
+    )
+    return jnp.concatenate([rotation @ columns[:3], columns[3:]])
 
 
-def _dead_force_tangent(
-    model: Model, load: DeadForceArrays, motion: Motion, increments: jax.Array
-) -> jax.Array:
+def _dead_force_tangent(model: Model, load: DeadForceArrays, motion: Motion, turn: jax.Array) -> jax.Array:
     """Change of the generalised forces of dead loads with the body's freedoms, (6 + r, 6 + r)."""
     arms, forces = _point_forces(model, load, motion)
-    turn = _turn_by_increment(model, load.body, increments)
     r = load.basis.shape[2]
     # In body components dead forces turn against the frame: df = f x dpsi.
     total = jnp.zeros((6 + r, 6 + r))
@@ -393,27 +454,3 @@ def _dead_force_tangent(
     total = total.at[3:6, 3:6].set(jnp.einsum("kij,kjl->il", jax.vmap(skew)(arms), cross) @ turn)
     total = total.at[6:, 3:6].set(jnp.einsum("kir,kij->rj", load.basis, cross) @ turn)
     return total.at[3:6, 6:].set(-jnp.einsum("kij,kjr->ir", cross, load.basis))
-
-
-def _scatter_matrix(
-    model: Model,
-    element: JointArrays | ForceArrays,
-    by_position: jax.Array,
-    by_rate: jax.Array | None,
-    increments: jax.Array,
-    matrix: jax.Array,
-) -> jax.Array:
-    """Add a local matrix (24, 24), for increments and for rates, to the bodies' tangent."""
-    ends = ((element.first, slice(0, N_LOCAL)), (element.second, slice(N_LOCAL, 2 * N_LOCAL)))
-    for row_end, rows in ends:
-        for column_end, columns in ends:
-            if row_end.body < 0 or column_end.body < 0:
-                continue
-            moves = _selection_by_increment(model, column_end, increments)
-            block = by_position[rows, columns] @ moves
-            if by_rate is not None:
-                block = block + by_rate[rows, columns] @ column_end.selection
-            matrix = matrix.at[model.slices[row_end.body], model.slices[column_end.body]].add(
-                row_end.selection.T @ block
-            )
-    return matrix

@@ -17,22 +17,42 @@ Source: floating-frame theory page; [Wu2019] Appendix A, without its shape-funct
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from supple.algebra.rotation import skew
 
 __all__ = [
     "FloatingMotion",
+    "InertiaArrays",
+    "InertiaTerms",
     "floating_mass",
     "frame_momenta",
-    "inertia_force",
+    "inertia_arrays",
     "inertia_tangent",
+    "inertia_terms",
     "kinetic_energy",
-    "momenta",
 ]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class InertiaArrays:
+    """The blocks of the Gram matrix in the order in which the equations of motion run through them."""
+
+    fixed: Any
+    """(3 + r, 6 + 4r): rows of the translations and of the deformation"""
+    by_spin: Any
+    """(1 + r, 3 (6 + 4r)): rows of the rotation, then of each `e_i x V_k`, the three axes side by side"""
+    by_deformation: Any
+    """(12, r^2): coefficients of `w_i` in the gyroscopic matrix (3), its transposes (3), of `w_i w_j` in the
+    centrifugal one (6, `i <= j`)"""
+    inertia: Any
+    """(r, r): of the deformation, the identity for orthonormal shapes"""
 
 
 class FloatingMotion(NamedTuple):
@@ -50,6 +70,23 @@ class FloatingMotion(NamedTuple):
     """(3,)"""
     accelerations: jax.Array
     """(r,)"""
+
+
+class InertiaTerms(NamedTuple):
+    """Inertia force of a moving body, and what its tangent needs of the same evaluation."""
+
+    force: jax.Array
+    """`(p, m, e)`, (6 + r,)"""
+    weights: jax.Array
+    """`(1, g)` and `(0, gdot)`, (2, 1 + r)"""
+    spinning: jax.Array
+    """Rows of the rotation in the deformed body and their rates, (6, 6 + 4r)"""
+    momentum: jax.Array
+    """`h_t`, (3,)"""
+    angular: jax.Array
+    """`h_w + sum_k g_k h_k`, (3,)"""
+    coupling: jax.Array
+    """`h_k` and `d_k`, (2, r, 3)"""
 
 
 class _Parts(NamedTuple):
@@ -74,30 +111,61 @@ def _join(
     return jnp.concatenate([translation, rotation, coupling.reshape(-1), deformation])
 
 
-def momenta(gram: jax.Array, motion: FloatingMotion) -> jax.Array:
-    """`h = G (0, w, g_k w, gdot)`: momenta of a body whose frame origin is at rest, (6 + 4r,)."""
-    return gram @ _join(jnp.zeros(3), motion.spin, motion.coordinates[:, None] * motion.spin, motion.rates)
+def _cross(spin: jax.Array, columns: jax.Array) -> jax.Array:
+    """`spin x` each column, (3, k)."""
+    x, y, z = columns
+    return jnp.stack([spin[1] * z - spin[2] * y, spin[2] * x - spin[0] * z, spin[0] * y - spin[1] * x])
 
 
-def _rate_of_momenta(gram: jax.Array, motion: FloatingMotion) -> jax.Array:
-    coupling = motion.coordinates[:, None] * motion.spin_rate + motion.rates[:, None] * motion.spin
-    return gram @ _join(motion.acceleration, motion.spin_rate, coupling, motion.accelerations)
+def inertia_arrays(gram: Any) -> InertiaArrays:
+    """The Gram matrix (6 + 4r, 6 + 4r) rearranged for the equations of motion."""
+    gram = np.asarray(gram)
+    n = gram.shape[0]
+    r = (n - 6) // 4
+    coupled = gram[6 : 6 + 3 * r].reshape(r, 3, n)
+    with_rates = coupled[:, :, 6 + 3 * r :].transpose(1, 2, 0)
+    squares = coupled[:, :, 6 : 6 + 3 * r].reshape(r, 3, r, 3).transpose(1, 3, 0, 2)
+    first, second = np.triu_indices(3)
+    weight = np.where(first == second, 0.5, 1.0)[:, None, None]
+    both = weight * (squares[first, second] + squares[second, first])
+    return InertiaArrays(
+        fixed=np.concatenate([gram[:3], gram[6 + 3 * r :]]),
+        by_spin=gram[3 : 6 + 3 * r].reshape(1 + r, 3 * n),
+        by_deformation=np.concatenate([with_rates, with_rates.transpose(0, 2, 1), both]).reshape(12, r * r),
+        inertia=gram[6 + 3 * r :, 6 + 3 * r :],
+    )
 
 
-def inertia_force(gram: jax.Array, motion: FloatingMotion) -> jax.Array:
-    """Inertia force `p`, moment `m` about the frame origin and generalised forces `e`, (6 + r,)."""
-    h = _split(momenta(gram, motion))
-    d = _split(_rate_of_momenta(gram, motion))
-    angular = h.rotation + motion.coordinates @ h.coupling
-    return jnp.concatenate(
+def inertia_terms(arrays: InertiaArrays, motion: FloatingMotion) -> InertiaTerms:
+    """Inertia force of a moving body, and what its tangent needs of the same evaluation."""
+    r = motion.coordinates.shape[0]
+    n = 6 + 4 * r
+    one, zero = jnp.ones(1), jnp.zeros(1)
+    weights = jnp.stack([jnp.concatenate([one, motion.coordinates]), jnp.concatenate([zero, motion.rates])])
+    spinning = (weights @ arrays.by_spin).reshape(6, n)
+    none = jnp.zeros(3)
+    by_fixed = jnp.stack(
         [
-            d.translation + jnp.cross(motion.spin, h.translation),
-            d.rotation
-            + motion.coordinates @ d.coupling
-            + motion.rates @ h.coupling
-            + jnp.cross(motion.spin, angular),
-            d.deformation - h.coupling @ motion.spin,
+            jnp.concatenate([none, motion.rates]),
+            jnp.concatenate([motion.acceleration, motion.accelerations]),
         ]
+    )
+    by_spinning = jnp.stack(
+        [jnp.concatenate([motion.spin, none]), jnp.concatenate([motion.spin_rate, motion.spin])]
+    )
+    h, d = by_fixed @ arrays.fixed + by_spinning @ spinning
+    h_turning, d_turning = h[3 : 6 + 3 * r].reshape(1 + r, 3), d[3 : 6 + 3 * r].reshape(1 + r, 3)
+    angular = weights[0] @ h_turning
+    moment = weights[0] @ d_turning + weights[1] @ h_turning + jnp.cross(motion.spin, angular)
+    force = d[:3] + jnp.cross(motion.spin, h[:3])
+    deformation = d[6 + 3 * r :] - h_turning[1:] @ motion.spin
+    return InertiaTerms(
+        force=jnp.concatenate([force, moment, deformation]),
+        weights=weights,
+        spinning=spinning,
+        momentum=h[:3],
+        angular=angular,
+        coupling=jnp.stack([h_turning[1:], d_turning[1:]]),
     )
 
 
@@ -117,59 +185,71 @@ def floating_mass(gram: jax.Array, coordinates: jax.Array) -> jax.Array:
 
 
 def inertia_tangent(
-    gram: jax.Array, motion: FloatingMotion, velocity: jax.Array | float, position: jax.Array | float
+    arrays: InertiaArrays,
+    motion: FloatingMotion,
+    terms: InertiaTerms,
+    velocity: jax.Array | float,
+    position: jax.Array | float,
 ) -> jax.Array:
-    """Derivative of `inertia_force` for changes of the accelerations that carry velocity and position along.
+    """Derivative of the inertia force for changes of the accelerations that carry velocity and position along.
 
     Column j answers to `d(a, wdot, gddot) = e_j` together with `d(w, gdot) = velocity e_j` and
     `dg = position e_j`, the combination that a Newmark step needs; (6 + r, 6 + r). The change of `a` with the
     frame's rotation is the caller's.
     """
     r = motion.coordinates.shape[0]
-    fields = _split(gram.T)  # G is symmetric: rows by field are columns by field
-    h = _split(momenta(gram, motion))
-    d = _split(_rate_of_momenta(gram, motion))
-    spin, spin_rate = motion.spin, motion.spin_rate
+    spin = motion.spin
 
-    # Columns of G Z: what d and h owe to the spin, to the rates through the spin, and to the coordinates.
-    by_spin = fields.rotation + jnp.einsum("k,kin->in", motion.coordinates, fields.coupling)
-    by_rates = jnp.einsum("k,kin->in", motion.rates, fields.coupling)
-    turned = jnp.einsum("kin,i->kn", fields.coupling, spin)
-    turned_faster = jnp.einsum("kin,i->kn", fields.coupling, spin_rate)
+    # The rows of G for the frame's translation and rotation, and for the rate of the latter.
+    rows = jnp.concatenate([arrays.fixed[:3], terms.spinning])
+    turning = rows[:, 3 : 6 + 3 * r].reshape(9, 1 + r, 3)
+    by_spin = jnp.einsum("ck,akj->caj", terms.weights, turning)
+    along = turning[:, 1:].reshape(9 * r, 3) @ jnp.stack([spin, motion.spin_rate], axis=1)
+    turned, turned_faster = along[:, 0].reshape(9, r), along[:, 1].reshape(9, r)
+    deformed = rows[:, 6 + 3 * r :]
 
+    # What d and h, seen by those rows, owe to the accelerations: columns of force, moment and its rate.
     d_columns = jnp.concatenate(
         [
-            fields.translation,
-            by_spin + velocity * by_rates,
-            fields.deformation + velocity * turned + position * turned_faster,
-        ]
-    ).T
+            rows[:, :3],
+            by_spin[0] + velocity * by_spin[1],
+            deformed + velocity * turned + position * turned_faster,
+        ],
+        axis=1,
+    )
     h_columns = jnp.concatenate(
+        [jnp.zeros((9, 3)), velocity * by_spin[0], velocity * deformed + position * turned], axis=1
+    )
+    h, d = terms.coupling[0].T, terms.coupling[1].T
+    carried = jnp.concatenate(
         [
-            jnp.zeros_like(fields.translation),
-            velocity * by_spin,
-            velocity * fields.deformation + position * turned,
-        ]
-    ).T
-    dd, dh = _split(d_columns), _split(h_columns)
+            jnp.zeros((3, 3)),
+            -velocity * skew(terms.angular),
+            position * (d + _cross(spin, h)) + velocity * h,
+        ],
+        axis=1,
+    )
+    force_rows = d_columns[:3] + _cross(spin, h_columns[:3])
+    force_rows = force_rows + jnp.pad(-velocity * skew(terms.momentum), ((0, 0), (3, r)))
+    moment_rows = d_columns[3:6] + h_columns[6:] + _cross(spin, h_columns[3:6]) + carried
 
-    cross_spin = skew(spin)
-    angular = h.rotation + motion.coordinates @ h.coupling
-    force_rows = dd.translation + cross_spin @ dh.translation
-    force_rows = force_rows.at[:, 3:6].add(-velocity * skew(h.translation))
-    moment_rows = (
-        dd.rotation
-        + jnp.einsum("k,kin->in", motion.coordinates, dd.coupling)
-        + jnp.einsum("k,kin->in", motion.rates, dh.coupling)
-        + cross_spin @ (dh.rotation + jnp.einsum("k,kin->in", motion.coordinates, dh.coupling))
+    first, second = np.triu_indices(3)
+    among_themselves = jnp.concatenate(
+        [
+            velocity * spin + position * motion.spin_rate,
+            -velocity * spin,
+            -position * spin[first] * spin[second],
+        ]
     )
-    moment_rows = moment_rows.at[:, 3:6].add(-velocity * skew(angular))
-    moment_rows = moment_rows.at[:, 6:].add(
-        position * (d.coupling.T + cross_spin @ h.coupling.T) + velocity * h.coupling.T
+    deformation_rows = jnp.concatenate(
+        [
+            deformed[:3].T,
+            (deformed[3:6] + velocity * (deformed[6:] - turned[3:6] - h)).T,
+            arrays.inertia + (among_themselves @ arrays.by_deformation).reshape(r, r),
+        ],
+        axis=1,
     )
-    deformation_rows = dd.deformation - jnp.einsum("i,kin->kn", spin, dh.coupling)
-    deformation_rows = deformation_rows.at[:, 3:6].add(-velocity * h.coupling)
-    return jnp.concatenate([force_rows, moment_rows, deformation_rows]).reshape(6 + r, 6 + r)
+    return jnp.concatenate([force_rows, moment_rows, deformation_rows])
 
 
 def kinetic_energy(gram: jax.Array, motion: FloatingMotion, velocity: jax.Array) -> jax.Array:

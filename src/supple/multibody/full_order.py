@@ -36,10 +36,10 @@ from supple.integrate import (
 from supple.multibody.equations import (
     Balance,
     Configuration,
+    Linearization,
     Motion,
     balance,
-    constraint_jacobian,
-    constraints,
+    constraint_rows,
     tangent,
 )
 from supple.multibody.full_body import FullBody
@@ -90,24 +90,22 @@ class _Border(NamedTuple):
     rows_by_increment: jax.Array
 
 
-@jax.jit
-def _border_terms(model: Model, motion: Motion) -> tuple[Balance, jax.Array]:
-    return balance(model, motion), constraints(model, motion.time, motion.configuration)
+_border_terms = jax.jit(balance)
 
 
 @jax.jit
 def _border_matrices(
     model: Model,
     motion: Motion,
-    stiffness: tuple[jax.Array, ...],
+    linearization: Linearization,
     increments: jax.Array,
     velocity: jax.Array,
     position: jax.Array,
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
     return (
-        tangent(model, motion, stiffness, increments, velocity, position),
-        constraint_jacobian(model, motion.time, motion.configuration),
-        constraint_jacobian(model, motion.time, motion.configuration, increments),
+        tangent(model, motion, linearization, increments, velocity, position),
+        constraint_rows(model, linearization.joints),
+        constraint_rows(model, linearization.joints, increments),
     )
 
 
@@ -196,8 +194,7 @@ class FullOrderSystem:
             jnp.asarray(self.to_border(state.acceleration)),
             jnp.asarray(state.multipliers),
         )
-        terms, gap = _border_terms(self.model, motion)
-        terms = jax.tree.map(np.asarray, terms)
+        terms = jax.tree.map(np.asarray, _border_terms(self.model, motion))
         states, residuals, gaps = [], [], []
         # Squared norms by term (inertia, internal, applied, joint) and kind (force, moment, deformation).
         squares = np.zeros((4, 3))
@@ -221,7 +218,7 @@ class FullOrderSystem:
             unbalanced += _squares_by_kind(sum(rows))
         scale = np.sqrt(squares.max(axis=0))
         forces_imbalance = np.sqrt(unbalanced) / np.where(scale > 0, scale, 1.0)
-        gap = np.asarray(gap)
+        gap = terms.gap
         constraint = self._constraint_imbalance(state, np.concatenate([gap, *gaps]), position)
         return _Evaluation(
             motion,
@@ -286,7 +283,7 @@ class FullOrderSystem:
             for x in _border_matrices(
                 model,
                 motion,
-                tuple(jnp.asarray(k) for k in evaluation.border.stiffness),
+                evaluation.border.linearization,
                 jnp.asarray(self.to_border(increments)),
                 jnp.asarray(velocity),
                 jnp.asarray(position),
@@ -489,7 +486,7 @@ _rotation_exp = jax.jit(rotation_exp)
 
 def _zero_residual(terms: Balance) -> Balance:
     nothing = np.zeros_like(terms.inertia)
-    return Balance(nothing, nothing, nothing, nothing, terms.stiffness)
+    return Balance(nothing, nothing, nothing, nothing, terms.gap, terms.linearization)
 
 
 def _squares_by_kind(row: np.ndarray) -> np.ndarray:

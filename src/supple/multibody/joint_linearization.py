@@ -1,8 +1,14 @@
 """A joint at one configuration: its equations, their derivatives, and the stiffness of its forces.
 
-Only the constraint equations are written by hand, in terms of the two joint frames. Their derivatives for
-small motions of the frames follow by forward differentiation, twelve directions of simple algebra; how the
-frames follow the bodies is analytic (`frame_motion`, `wrench_stiffness`).
+Constraint equations see the two joint frames through the second's position and orientation relative to the
+first, and are affine in both:
+
+    g = L (d, Q) + c,      d = A_1^T (r_2 - r_1),     Q = A_1^T A_2
+
+so that `L` and `c`, functions of time at most, are all there is to know of a joint, and the derivatives are
+the same few lines for every kind. For small motions `(dr, dphi)` of the frames, `dA = A skew(dphi)`:
+
+    dd = A_1^T (dr_2 - dr_1) + d x dphi_1,      dQ = Q skew(dphi_2) - skew(dphi_1) Q
 """
 
 from __future__ import annotations
@@ -11,12 +17,14 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
+from supple.algebra.rotation import skew
 from supple.multibody.joints.joint import JointFrame
 from supple.multibody.marker import Marker, frame_motion, orientation, point, wrench_stiffness
 from supple.multibody.model import JointArrays
 
-__all__ = ["JointLinearization", "geometric_stiffness", "joint_equations", "linearize_joint"]
+__all__ = ["Blocks", "JointLinearization", "geometric_stiffness", "joint_equations", "linearize_joint"]
 
 
 class JointLinearization(NamedTuple):
@@ -24,7 +32,14 @@ class JointLinearization(NamedTuple):
 
     equations: jax.Array
     """`g`, (m,)"""
-    frames: tuple[JointFrame, JointFrame]
+    coefficients: jax.Array
+    """`L`, (m, 12): for `d` and for `Q` row by row"""
+    axes: jax.Array
+    """`A_1`, (3, 3)"""
+    gap: jax.Array
+    """`d`, (3,)"""
+    turn: jax.Array
+    """`Q`, (3, 3)"""
     motions: tuple[jax.Array, jax.Array]
     """(6, 12) each: motion of the joint frame per local freedom"""
     by_end: tuple[jax.Array, jax.Array]
@@ -44,56 +59,104 @@ def joint_equations(joint: JointArrays, first: Marker, second: Marker, time: jax
     return joint.constraint(_frame(first), _frame(second), _value(joint, time))
 
 
-def _nudged(frame: JointFrame, variation: jax.Array) -> JointFrame:
-    """The frame after a small motion `(dr, dphi)`: exact to first order, which is all that is differentiated."""
-    turned = frame.axes + jnp.cross(frame.axes, variation[3:][None, :])
-    return JointFrame(frame.point + variation[:3], turned)
+def _affine(joint: JointArrays, value: Any) -> tuple[jax.Array, jax.Array]:
+    """`L` (m, 12) and `c` (m,) of the joint's equations."""
+
+    def of_relative(relative: jax.Array) -> jax.Array:
+        first = JointFrame(jnp.zeros(3), jnp.eye(3))
+        return joint.constraint(first, JointFrame(relative[:3], relative[3:].reshape(3, 3)), value)
+
+    origin = jnp.zeros(12)
+    return jax.jacfwd(of_relative)(origin), of_relative(origin)
 
 
-def _by_frame(joint: JointArrays, first: JointFrame, second: JointFrame, value: Any) -> jax.Array:
-    """Derivative of the joint's equations for small motions of its frames, (m, 12)."""
+def affine_form(joint: JointArrays, time: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """`L` and `c` at a time; constants of the compiled program for a joint without a law."""
+    if joint.law is None:
+        with jax.ensure_compile_time_eval():
+            coefficients, constant = _affine(joint, None)
+        return np.asarray(coefficients), np.asarray(constant)
+    return _affine(joint, _value(joint, time))
 
-    def equations(small: jax.Array) -> jax.Array:
-        return joint.constraint(_nudged(first, small[:6]), _nudged(second, small[6:]), value)
 
-    return jax.jacfwd(equations)(jnp.zeros(12))
+def _axial(matrix: jax.Array) -> jax.Array:
+    """`ax(M)` with `ax(M) . phi = M : skew(phi)`; (..., 3, 3) to (..., 3)."""
+    return jnp.stack(
+        [
+            matrix[..., 2, 1] - matrix[..., 1, 2],
+            matrix[..., 0, 2] - matrix[..., 2, 0],
+            matrix[..., 1, 0] - matrix[..., 0, 1],
+        ],
+        axis=-1,
+    )
 
 
-def linearize_joint(
-    joint: JointArrays, first: Marker, second: Marker, time: jax.Array
-) -> JointLinearization:
+def linearize_joint(joint: JointArrays, first: Marker, second: Marker, time: jax.Array) -> JointLinearization:
     """Equations and derivatives of a joint whose markers are known."""
     frames = _frame(first), _frame(second)
-    value = _value(joint, time)
-    motions = frame_motion(first), frame_motion(second)
-    by_frame = _by_frame(joint, *frames, value)
-    return JointLinearization(
-        equations=joint.constraint(*frames, value),
-        frames=frames,
-        motions=motions,
-        by_end=(by_frame[:, :6] @ motions[0], by_frame[:, 6:] @ motions[1]),
+    axes = frames[0].axes
+    gap, turn = axes.T @ (frames[1].point - frames[0].point), axes.T @ frames[1].axes
+    coefficients, constant = affine_form(joint, time)
+    of_gap, of_turn = coefficients[:, :3], coefficients[:, 3:].reshape(-1, 3, 3)
+    by_point = of_gap @ axes.T
+    by_turns = (
+        jnp.cross(of_gap, gap) - _axial(of_turn @ turn.T),
+        _axial(turn.T @ of_turn),
     )
+    motions = frame_motion(first), frame_motion(second)
+    return JointLinearization(
+        equations=coefficients @ jnp.concatenate([gap, turn.reshape(9)]) + constant,
+        coefficients=coefficients,
+        axes=axes,
+        gap=gap,
+        turn=turn,
+        motions=motions,
+        by_end=(
+            jnp.concatenate([-by_point, by_turns[0]], axis=1) @ motions[0],
+            jnp.concatenate([by_point, by_turns[1]], axis=1) @ motions[1],
+        ),
+    )
+
+
+Blocks = tuple[tuple[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]
 
 
 def geometric_stiffness(
-    joint: JointArrays,
-    at: JointLinearization,
-    first: Marker,
-    second: Marker,
-    time: jax.Array,
-    multipliers: jax.Array,
-) -> jax.Array:
-    """Change of the joint's generalised forces with the local freedoms at constant multipliers, (24, 24)."""
-    value = _value(joint, time)
+    at: JointLinearization, first: Marker, second: Marker, multipliers: jax.Array
+) -> Blocks:
+    """Change of the joint's generalised forces with the local freedoms at constant multipliers.
 
-    def wrenches(small: jax.Array) -> tuple[jax.Array, jax.Array]:
-        nudged = _nudged(at.frames[0], small[:6]), _nudged(at.frames[1], small[6:])
-        both = _by_frame(joint, *nudged, value).T @ multipliers
-        return both, both
+    With `p = L_d^T lambda` and `P = L_Q^T lambda` the wrenches on the joint frames are
 
-    by_frame, wrench = jax.jacfwd(wrenches, has_aux=True)(jnp.zeros(12))
-    motion = jax.scipy.linalg.block_diag(*at.motions)
-    own = jax.scipy.linalg.block_diag(
-        wrench_stiffness(first, wrench[:6]), wrench_stiffness(second, wrench[6:])
+        first: (-A_1 p, p x d - ax(P Q^T)),      second: (A_1 p, ax(Q^T P))
+
+    Blocks (12, 12): rows of the first and second end, columns of the first and second end.
+    """
+    weights = multipliers @ at.coefficients
+    force, moments = weights[:3], weights[3:].reshape(3, 3)
+    on_first, on_second = moments @ at.turn.T, at.turn.T @ moments
+    pull = at.axes @ force
+    wrenches = (
+        jnp.concatenate([-pull, jnp.cross(force, at.gap) - _axial(on_first)]),
+        jnp.concatenate([pull, _axial(on_second)]),
     )
-    return motion.T @ by_frame @ motion + own
+    trace = jnp.trace(on_second) * jnp.eye(3)
+    zero = jnp.zeros((3, 3))
+    swing = at.axes @ skew(force)
+    mixed = (trace - on_first.T) @ at.turn
+
+    def framed(rows: int, columns: int, block: list[list[jax.Array]]) -> jax.Array:
+        return at.motions[rows].T @ jnp.block(block) @ at.motions[columns]
+
+    turned = at.motions[1][3:]
+    tilted = skew(force) @ skew(at.gap) - trace + on_first.T
+    return (
+        (
+            framed(0, 0, [[zero, swing], [swing.T, tilted]]) + wrench_stiffness(first, wrenches[0]),
+            framed(0, 1, [[zero, zero], [-swing.T, mixed]]),
+        ),
+        (
+            framed(1, 0, [[zero, -swing], [zero, mixed.T]]),
+            turned.T @ (on_second - trace) @ turned + wrench_stiffness(second, wrenches[1]),
+        ),
+    )

@@ -15,6 +15,7 @@ import numpy as np
 
 from supple.body import RigidBody
 from supple.errors import ModelError
+from supple.multibody.floating_inertia import InertiaArrays, inertia_arrays
 from supple.multibody.full_body import FullBody
 from supple.multibody.joints import GROUND, At
 from supple.multibody.joints.joint import Joint
@@ -47,6 +48,8 @@ class BodyArrays:
 
     gram: Any
     """(6 + 4r, 6 + 4r)"""
+    inertia: InertiaArrays
+    """The same, as the equations of motion read it."""
     stiffness: Any
     cubic: Any
     quartic: Any
@@ -169,14 +172,17 @@ def _body_arrays(placed: Placed, length: float) -> BodyArrays:
     body = placed.body
     if isinstance(body, RigidBody):
         empty = np.zeros((0, 0))
-        return BodyArrays(rigid_gram(body), empty, None, None, empty, length * np.sqrt(body.mass))
+        gram = rigid_gram(body)
+        return BodyArrays(gram, inertia_arrays(gram), empty, None, None, empty, length * np.sqrt(body.mass))
     if isinstance(body, FullBody):
         # Only the interfaces' motions enter here; inertia and elasticity are the sparse engine's.
         r = 6 * len(body.interfaces)
         none = np.zeros((r, r))
-        return BodyArrays(np.zeros((6 + 4 * r, 6 + 4 * r)), none, None, None, none, length)
+        gram = np.zeros((6 + 4 * r, 6 + 4 * r))
+        return BodyArrays(gram, inertia_arrays(gram), none, None, None, none, length)
     return BodyArrays(
         body.gram,
+        inertia_arrays(body.gram),
         body.stiffness,
         body.cubic,
         body.quartic,

@@ -20,16 +20,15 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.integrate import Coefficients, StepRule
+from supple.multibody.elimination import solve_bordering_column
 from supple.multibody.equations import (
     Balance,
     Configuration,
-    Joints,
+    Linearization,
     Motion,
     advance,
     balance,
-    constraint_jacobian,
-    constraints,
-    linearize_joints,
+    constraint_rows,
     tangent,
 )
 from supple.multibody.model import Model
@@ -84,8 +83,6 @@ class _Trial(NamedTuple):
     increments: jax.Array
     residual: jax.Array
     gap: jax.Array
-    stiffness: tuple[jax.Array, ...]
-    joints: Joints
     imbalance: jax.Array
     iterations: jax.Array
     converged: jax.Array
@@ -121,29 +118,18 @@ def _position_scale(model: Model) -> jax.Array:
     )
 
 
-def _norms(kinds: np.ndarray, vector: jax.Array) -> jax.Array:
-    return jnp.sqrt(kinds @ vector**2)
-
-
 def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
     """`norm / scale`, and 0 where nothing is out of balance."""
     return jnp.where(norm > 0, norm / jnp.where(scale > 0, scale, 1.0), 0.0)
 
 
-def _imbalance(
-    model: Model, terms: Balance, gap: jax.Array, trial: jax.Array, position: jax.Array
-) -> jax.Array:
+def _imbalance(model: Model, terms: Balance, trial: jax.Array, position: jax.Array) -> jax.Array:
     """Residual of each kind over the largest term in balance, and the constraints' over the accelerations."""
-    kinds = _kinds(model)
-    scale = jnp.max(
-        jnp.stack(
-            [_norms(kinds, term) for term in (terms.inertia, terms.internal, terms.applied, terms.joint)]
-        ),
-        axis=0,
-    )
-    forces = _relative(_norms(kinds, terms.residual), scale)
+    columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
+    norms = jnp.sqrt(_kinds(model) @ jnp.stack(columns, axis=1) ** 2)
+    forces = _relative(norms[:, 0], jnp.max(norms[:, 1:], axis=1))
     accelerations = model.length * jnp.max(jnp.abs(trial / _position_scale(model)), initial=0.0)
-    largest_gap = jnp.max(jnp.abs(gap), initial=0.0)
+    largest_gap = jnp.max(jnp.abs(terms.gap), initial=0.0)
     floor = _ROUNDING * model.length
     constraint = jnp.where(
         largest_gap <= floor, 0.0, _relative(largest_gap / position, accelerations + floor / position)
@@ -159,17 +145,15 @@ def _evaluate(
     multipliers: jax.Array,
     iterations: jax.Array,
     tolerance: jax.Array,
-) -> _Trial:
+) -> tuple[_Trial, Linearization]:
     auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
     increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
     configuration = advance(model, start.configuration, increments)
     velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
     time = start.time + rule.h
-    joints = linearize_joints(model, time, configuration)
-    terms = balance(model, Motion(time, configuration, velocity, acceleration, multipliers), joints)
-    gap = constraints(model, time, configuration, joints)
-    imbalance = _imbalance(model, terms, gap, acceleration, rule.position)
-    return _Trial(
+    terms = balance(model, Motion(time, configuration, velocity, acceleration, multipliers))
+    imbalance = _imbalance(model, terms, acceleration, rule.position)
+    trial = _Trial(
         acceleration,
         multipliers,
         configuration,
@@ -177,34 +161,35 @@ def _evaluate(
         auxiliary,
         increments,
         terms.residual,
-        gap,
-        terms.stiffness,
-        joints,
+        terms.gap,
         imbalance,
         iterations,
         jnp.all(imbalance <= tolerance),
     )
+    return trial, terms.linearization
 
 
 def _newton_correction(
-    model: Model, rule: StepRule, start: State, trial: _Trial
+    model: Model, rule: StepRule, start: State, trial: _Trial, linearization: Linearization
 ) -> tuple[jax.Array, jax.Array]:
     motion = Motion(
         start.time + rule.h, trial.configuration, trial.velocity, trial.acceleration, trial.multipliers
     )
-    matrix = tangent(
-        model, motion, trial.stiffness, trial.increments, rule.velocity, rule.position, trial.joints
-    )
+    matrix = tangent(model, motion, linearization, trial.increments, rule.velocity, rule.position)
+    rows = constraint_rows(model, linearization.joints)
+    rows_by_increment = constraint_rows(model, linearization.joints, trial.increments)
     n, m = model.n_velocities, trial.multipliers.shape[0]
-    if m == 0:
-        return -jnp.linalg.solve(matrix, trial.residual), jnp.zeros_like(trial.multipliers)
-    rows = constraint_jacobian(model, motion.time, trial.configuration, joints=trial.joints)
-    rows_by_increment = constraint_jacobian(
-        model, motion.time, trial.configuration, trial.increments, trial.joints
+    bordered = jnp.block(
+        [
+            [matrix, model.mass * rows.T, trial.residual[:, None]],
+            [
+                model.mass * rows_by_increment,
+                jnp.zeros((m, m)),
+                (model.mass / rule.position * trial.gap)[:, None],
+            ],
+        ]
     )
-    bordered = jnp.block([[matrix, model.mass * rows.T], [model.mass * rows_by_increment, jnp.zeros((m, m))]])
-    right = jnp.concatenate([trial.residual, model.mass * trial.gap / rule.position])
-    correction = -jnp.linalg.solve(bordered, right)
+    correction = -solve_bordering_column(bordered)
     return correction[:n], model.mass * correction[n:]
 
 
@@ -224,7 +209,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
 
     def one_pass(iteration: _Iteration) -> _Iteration:
         old = iteration.trial
-        trial = _evaluate(
+        trial, linearization = _evaluate(
             model,
             rule,
             start,
@@ -240,7 +225,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         change, multiplier_change = jax.lax.cond(
             trial.converged,
             lambda: (jnp.zeros_like(iteration.change), jnp.zeros_like(iteration.multiplier_change)),
-            lambda: _newton_correction(model, rule, start, trial),
+            lambda: _newton_correction(model, rule, start, trial, linearization),
         )
         return _Iteration(trial, change, multiplier_change)
 
@@ -253,10 +238,6 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         increments=jnp.zeros_like(start.velocity),
         residual=jnp.zeros_like(start.velocity),
         gap=jnp.zeros_like(start.multipliers),
-        stiffness=tuple(jnp.zeros_like(jnp.asarray(body.stiffness)) for body in model.bodies),
-        joints=jax.tree.map(
-            jnp.zeros_like, linearize_joints(model, start.time, start.configuration)
-        ),
         imbalance=jnp.zeros(4),
         iterations=jnp.asarray(-1),
         converged=jnp.zeros((), dtype=bool),

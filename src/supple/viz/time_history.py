@@ -7,10 +7,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from matplotlib.ticker import EngFormatter
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.viz.style import SOLID, Stroke, draw_curve, legend_above, new_figure, save_figure, textbook_style
+
+_LARGE = 1e4
+"""Values from here on are written with k, M, G."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,9 @@ def plot_time_history(path: Path | str, panels: Sequence[Panel], *, time_label: 
             for series, rank in zip(panel.series, ranks, strict=True):
                 draw_curve(axes, series.times, series.values, series.stroke, rank, series.label)
             axes.set_ylabel(panel.quantity)
+            if max(abs(limit) for limit in axes.get_ylim()) >= _LARGE:
+                # 0.4 M instead of a power of ten in the corner, where the legend stands.
+                axes.yaxis.set_major_formatter(EngFormatter())
             axes.margins(x=0.0)
             if (i == 0 or labels[i] != labels[0]) and any(labels[i]):
                 legend_above(axes, len(panel.series))

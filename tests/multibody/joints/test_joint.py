@@ -43,9 +43,7 @@ JOINTS = {
 def equations(joint, value, motion):
     """The joint's equations after a motion (6,) of the second frame away from the first."""
     first = JointFrame(jnp.array([0.3, -0.2, 0.5]), rotation_exp(jnp.array([0.4, 0.2, -0.7])))
-    second = JointFrame(
-        first.point + first.axes @ motion[:3], first.axes @ rotation_exp(motion[3:])
-    )
+    second = JointFrame(first.point + first.axes @ motion[:3], first.axes @ rotation_exp(motion[3:]))
     return joint.constraint(first, second, value)
 
 
@@ -94,7 +92,9 @@ def test_prescribed_motions_are_met_where_they_should_be():
     assert at == 1.5
     np.testing.assert_allclose(equations(turn, at, jnp.array([0, 0, 0, 0, 0, 1.5])), 0, atol=1e-15)
     slide = PrescribedTranslation(**ENDS, axis=(0, 0, 1), displacement=0.7)
-    np.testing.assert_allclose(equations(slide, slide.law(0.0), jnp.array([0, 0, 0.7, 0, 0, 0])), 0, atol=1e-15)
+    np.testing.assert_allclose(
+        equations(slide, slide.law(0.0), jnp.array([0, 0, 0.7, 0, 0, 0])), 0, atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 2), (1, 0, 0), (0, -3, 0), (0.3, -0.5, 0.8)])

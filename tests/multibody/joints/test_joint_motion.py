@@ -57,8 +57,7 @@ def solution(turned):
             rotation=tilted,
             velocity=np.cross([0, 0, PRECESSION], tilted @ [0, 0, 0.6]),
             # w = precession along global z, and what is missing of the spin along the body's axis
-            angular_velocity=tilted.T @ [0, 0, PRECESSION]
-            + [0, 0, top_spin() - PRECESSION * np.cos(TILT)],
+            angular_velocity=tilted.T @ [0, 0, PRECESSION] + [0, 0, top_spin() - PRECESSION * np.cos(TILT)],
         ),
     )
     joints = (

@@ -98,9 +98,13 @@ def test_force_on_the_ground_alone():
 
 
 def test_spring_to_the_ground_needs_an_anchor():
-    with pytest.raises(ModelError, match="SpringDamper on a.left: an end on the ground, and only such an end, needs"):
+    with pytest.raises(
+        ModelError, match="SpringDamper on a.left: an end on the ground, and only such an end, needs"
+    ):
         SpringDamper(first=A, stiffness=1.0)
-    with pytest.raises(ModelError, match="SpringDamper on a.left: an end on the ground, and only such an end, needs"):
+    with pytest.raises(
+        ModelError, match="SpringDamper on a.left: an end on the ground, and only such an end, needs"
+    ):
         SpringDamper(first=A, second=B, anchor=(0, 0, 0))
 
 

@@ -46,7 +46,12 @@ def solution():
     )
     loads = (
         SpringDamper(
-            first=GROUND, second=eye["bouncer"], anchor=(0, 0, 0), stiffness=STIFFNESS, damping=DAMPING, rest_length=1.0
+            first=GROUND,
+            second=eye["bouncer"],
+            anchor=(0, 0, 0),
+            stiffness=STIFFNESS,
+            damping=DAMPING,
+            rest_length=1.0,
         ),
         TorsionSpringDamper(
             first=GROUND,
