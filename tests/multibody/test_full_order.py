@@ -151,6 +151,7 @@ def test_frames_agree_at_order_two(loose_ends):
     assert 3.5 < coarse / fine < 4.5
 
 
+@pytest.mark.slow
 def test_linear_full_body_is_the_linear_complete_basis(beam):
     """A body without quadratic strains, gently moved: f = K q."""
     linear, frame = beam.linearized(), FRAMES["mean-axis"]
@@ -168,6 +169,7 @@ def test_linear_full_body_is_the_linear_complete_basis(beam):
     np.testing.assert_allclose(paths[0], paths[1], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_adaptive_step_of_the_full_model(full, full_runs):
     """Stays close to the fixed steps, whose own error is of order h^2."""
     body = full["mean-axis"]
@@ -176,6 +178,7 @@ def test_adaptive_step_of_the_full_model(full, full_runs):
     np.testing.assert_allclose(path, tip_positions(body, full_runs["mean-axis"]), atol=5e-3)
 
 
+@pytest.mark.slow
 def test_full_run_can_be_resumed(full):
     """Same steps but for the auxiliary acceleration, which starts anew: a difference of the step's order."""
     body = full["nodal-fixed"]

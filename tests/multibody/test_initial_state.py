@@ -7,8 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from supple.errors import ModelError, RedundantConstraintWarning
-from supple.multibody import GROUND, At, Ball, Fixed, Placed, PrescribedRotation, Revolute, System
+from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning
+from supple.multibody import (
+    GROUND,
+    At,
+    Ball,
+    Fixed,
+    Placed,
+    PrescribedRotation,
+    PrescribedTranslation,
+    Revolute,
+    System,
+    initial_state,
+)
 from supple.multibody.initial_state import consistent_start, independent_constraints
 
 
@@ -43,8 +54,7 @@ def test_velocities_are_made_to_fit(chain):
     _, state = consistent_start(moved(chain, 0, angular_velocity=[0, 0, 2.0]), 0.0, 1e-3)
     v = np.asarray(state.velocity)
     np.testing.assert_allclose(v[:3], [0, 0.5 * v[5], 0], atol=1e-12)
-    elbow = np.array([0, v[5], 0])
-    np.testing.assert_allclose(v[6:9], elbow + [0, 0.5 * v[11], 0], atol=1e-12)
+    np.testing.assert_allclose(v[6:9], [0, v[5] + 0.5 * v[11], 0], atol=1e-12)
     assert v[5] > 0.1
 
 
@@ -68,7 +78,7 @@ def test_first_accelerations_are_those_of_the_double_pendulum(chain):
 def test_open_joint_is_named_with_the_gap(chain):
     with pytest.raises(
         ModelError,
-        match="joint 'elbow' is open in the initial configuration: position x is off by 0.2",
+        match=r"joint 'elbow' is open in the initial configuration: position x is off by 0.2",
     ):
         consistent_start(moved(chain, 1, position=[1.7, 0, 0]), 0.0, 1e-3)
 
@@ -124,3 +134,33 @@ def test_independent_constraints_are_a_largest_set(rod):
 def test_no_joints_no_constraints(rod):
     system = System((Placed(rod("a", 1.0)),))
     assert independent_constraints(system, np.zeros((0, 6)), np.eye(6)) == ()
+
+
+def test_contradicting_joints_are_named(rod):
+    """A rod between two fixed points that is asked to slide a little along itself."""
+    system = System(
+        (Placed(rod("a", 1.0), position=[0.5, 0, 0]), Placed(rod("sled", 1.0), position=[1.5, 0, 0])),
+        (
+            Ball(first=GROUND, second=At("a", "left"), name="post"),
+            Ball(first=At("a", "right"), second=At("sled", "left"), name="link"),
+            PrescribedTranslation(
+                first=GROUND, second=At("sled", "left"), axis=(1, 0, 0), displacement=1e-4, name="pull"
+            ),
+        ),
+    )
+    with (
+        pytest.warns(RedundantConstraintWarning, match=r"'pull' \(position z\)"),
+        pytest.raises(
+            ModelError,
+            match=r"the joints contradict each other at the start: with all others closed, 'pull' "
+            r"\(position z\) is off by -0.0001",
+        ),
+    ):
+        consistent_start(system, 0.0, 1e-3)
+
+
+def test_joints_that_cannot_be_closed(chain, monkeypatch):
+    """With a precision asked for that no arithmetic has."""
+    monkeypatch.setattr(initial_state, "position_rounding", lambda length, origins: -1.0)
+    with pytest.raises(ConvergenceError, match="the joints could not be closed at the start: largest gap"):
+        consistent_start(moved(chain, 1, position=[1.5001, 0, 0]), 0.0, 1e-3)

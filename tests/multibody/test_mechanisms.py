@@ -158,6 +158,7 @@ def shafts(rod, turned):
         )
 
 
+@pytest.mark.slow
 def test_universal_joint_turns_unevenly(shafts):
     """tan(driven) = tan(driving) / cos(bend), as the driving arm starts in the plane of the shafts."""
     driving = 2.0 * shafts.times**2
@@ -169,6 +170,7 @@ def test_universal_joint_turns_unevenly(shafts):
     np.testing.assert_allclose(rotation[:, 0, 0], 1.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_universal_joint_speed_ratio(shafts):
     """w_2 / w_1 = cos b / (1 - sin^2 b cos^2 theta), theta from the plane of the shafts."""
     driving = 2.0 * shafts.times**2

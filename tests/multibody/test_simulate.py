@@ -149,7 +149,8 @@ def test_times_must_be_positive(pendulum, name, value):
 def test_duration_must_be_a_multiple_of_the_output_step(pendulum):
     with pytest.raises(
         ValueError,
-        match=r"the duration \(1.0\) is not a multiple of the output step \(0.3\): try an output step of 0.333333",
+        match=r"the duration \(1.0\) is not a multiple of the output step \(0.3\): "
+        r"try an output step of 0.333333",
     ):
         simulate(pendulum, duration=1.0, output_step=0.3)
 
@@ -161,4 +162,12 @@ def test_table_that_ends_before_the_run(pendulum):
         ModelError,
         match=r"DeadForce on 'hinge' of 'bob': its table ends at t = 0.8, before the run does \(t = 1\)",
     ):
+        simulate(loaded, duration=1.0, output_step=0.1)
+
+
+def test_table_that_begins_after_the_run(pendulum):
+    loaded = replace(
+        pendulum, loads=(DeadForce(body="bob", at="hinge", force=Table([0.2, 2.0], np.zeros((2, 3)))),)
+    )
+    with pytest.raises(ModelError, match=r"its table begins at t = 0.2, after the run does \(t = 0\)"):
         simulate(loaded, duration=1.0, output_step=0.1)

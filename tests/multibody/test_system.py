@@ -58,7 +58,7 @@ def test_a_system_needs_a_body():
 
 
 def test_gravity_is_a_vector(placed):
-    with pytest.raises(ModelError, match="gravity must be three finite numbers, got 9.81"):
+    with pytest.raises(ModelError, match=r"gravity must be three finite numbers, got 9.81"):
         System((placed,), gravity=9.81)
 
 
@@ -80,7 +80,7 @@ def test_no_body_is_the_ground(rod):
 
 def test_joint_on_an_unknown_body(placed):
     joint = Ball(first=GROUND, second=At("lnik", "left"), name="pivot")
-    with pytest.raises(ModelError, match="joint 'pivot': there is no body 'lnik'; did you mean 'link'?"):
+    with pytest.raises(ModelError, match=r"joint 'pivot': there is no body 'lnik'; did you mean 'link'?"):
         System((placed,), (joint,))
 
 
@@ -95,7 +95,7 @@ def test_joint_on_an_unknown_interface(placed):
 def test_load_on_an_unknown_interface(placed):
     load = FollowerForce(first=At("link", "rihgt"), force=[1, 0, 0])
     with pytest.raises(
-        ModelError, match="FollowerForce on link.rihgt: body 'link' has no interface 'rihgt'; did you"
+        ModelError, match=r"FollowerForce on link.rihgt: body 'link' has no interface 'rihgt'; did you"
     ):
         System((placed,), loads=(load,))
 
@@ -163,6 +163,6 @@ def test_functions_of_time_are_written_with_jax(placed):
         first=GROUND, second=At("link", "left"), axis=(0, 0, 1), angle=np.sin, name="motor"
     )
     with pytest.raises(
-        ModelError, match="joint 'motor': its function of time must be written with jax.numpy"
+        ModelError, match=r"joint 'motor': its function of time must be written with jax.numpy"
     ):
         System((placed,), (joint,))

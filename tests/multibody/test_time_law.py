@@ -28,7 +28,9 @@ def test_table_rate_is_the_slope():
 
 
 def test_only_tables_end():
-    assert Table([0.0, 2.0], [1.0, 1.0]).end == 2.0
+    table = Table([0.5, 2.0], [1.0, 1.0])
+    assert (table.begin, table.end) == (0.5, 2.0)
+    assert Constant(3.0).begin == TimeFunction(jnp.sin).begin == float("-inf")
     assert Constant(3.0).end == TimeFunction(jnp.sin).end == float("inf")
 
 

@@ -47,7 +47,8 @@ def test_linear_body_that_spins_near_its_lowest_frequency(linear):
     lowest = linear.frequencies[0]
     (message,) = messages(linear, still(linear, spin=0.4 * lowest))
     assert message.startswith(
-        f"body 'blade' is linear and spins at {0.4 * lowest:.4g} rad/s (t = 1), 0.40 times its lowest frequency"
+        f"body 'blade' is linear and spins at {0.4 * lowest:.4g} rad/s (t = 1), "
+        "0.40 times its lowest frequency"
     )
     assert messages(linear, still(linear, spin=0.2 * lowest)) == []
 

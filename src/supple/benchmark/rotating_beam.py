@@ -31,7 +31,7 @@ from supple.errors import ConvergenceError
 from supple.fem import GREEN_LAGRANGE, VON_KARMAN, HomogeneousWall, Isotropic, MembraneKinematics, shell_model
 from supple.integrate import FixedStep, Solution, concatenate
 from supple.mesh import Mesh, strip
-from supple.multibody import GROUND, FullBody, Placed, PrescribedRotation, System, simulate
+from supple.multibody import GROUND, At, FullBody, Placed, PrescribedRotation, System, simulate
 from supple.reduction import (
     AmplitudeProduct,
     CompressedDerivatives,
@@ -95,7 +95,7 @@ class RotatingBeam:
         return strip(ROTATING_BEAM.length, self.width, self.n_length, self.n_width)
 
     def body(self, kinematics: MembraneKinematics) -> FlexibleBody:
-        """The strip with its root section as a rigid interface; thickness and modulus follow from EA and EI."""
+        """The strip, its root section a rigid interface; thickness and modulus follow from EA and EI."""
         beam = ROTATING_BEAM
         thickness = float(np.sqrt(12 * beam.bending_stiffness / beam.axial_stiffness))
         area = self.width * thickness
@@ -252,7 +252,7 @@ def spin_up_load(body: FlexibleBody) -> Array:
 
 def _system(body: FullBody | ReducedBody, spin: SpinUp) -> System:
     hinge = PrescribedRotation(
-        name="hinge", first=GROUND, second=(BODY, ROOT), axis=(0.0, -1.0, 0.0), angle=spin
+        name="hinge", first=GROUND, second=At(BODY, ROOT), axis=(0.0, -1.0, 0.0), angle=spin
     )
     return System(bodies=(Placed(body),), joints=(hinge,))
 

@@ -30,13 +30,15 @@ PUBLISHED_RMS = {"nodal-fixed": 1.5e-4, "mean-axis": 2e-5}
 
 
 def _frame_of_record(run: BeamRun, omega: float) -> FullRun:
-    """The full run that stands for the motion: nodal-fixed, the frame of the literature, Green-Lagrange strains."""
+    """The full run that stands for the motion: nodal-fixed, as in the literature, Green-Lagrange."""
     candidates = [full for full in run.full if full.omega == omega]
-    return max(candidates, key=lambda full: (full.kinematics == "green-lagrange", full.frame == "nodal-fixed"))
+    return max(
+        candidates, key=lambda full: (full.kinematics == "green-lagrange", full.frame == "nodal-fixed")
+    )
 
 
 def _parting(tip: TipMotion, exact: TipMotion) -> dict[str, Any]:
-    """Where a tip motion leaves the exact beam's: largest difference, and when it first exceeds 1 % of the peak."""
+    """Where a tip leaves the exact beam's: largest difference, and when it passes 1 % of the peak."""
     n = min(len(tip.times), len(exact.times))
     difference = np.hypot(tip.u[:n] - exact.u[:n], tip.v[:n] - exact.v[:n])
     apart = difference > 0.01 * np.max(abs(exact.v))

@@ -139,5 +139,5 @@ class StepRule(NamedTuple):
         return v_0 + self.h * ((1 - gamma) * a_0 + gamma * a_1)
 
     def position_error(self, a_0: Any, a_1: Any) -> Any:
-        """Leading local error of the configuration, `h^2 (beta - 1/6) (a_1 - a_0)` (Zienkiewicz & Xie 1991)."""
+        """Leading local error of a position, `h^2 (beta - 1/6) (a_1 - a_0)` (Zienkiewicz & Xie 1991)."""
         return self.h**2 * (self.coefficients.beta - 1 / 6) * (a_1 - a_0)

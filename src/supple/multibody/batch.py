@@ -60,7 +60,7 @@ class BatchSolution:
     compile_seconds: float
 
     def check(self) -> BatchSolution:
-        """This batch, or ConvergenceError naming the failed cases."""
+        """The batch itself, or ConvergenceError naming the failed cases."""
         if self.failures:
             first = next(iter(self.failures))
             raise ConvergenceError(
@@ -178,12 +178,12 @@ def simulate_batch(
 def _starts(cases: Sequence[System], times: np.ndarray, step: StepControl) -> tuple[list[Model], list[State]]:
     models, states = [], []
     for system in cases:
-        check_laws_cover(system, times[-1])
+        check_laws_cover(system, times[0], times[-1])
         model, state = consistent_start(system, times[0], step.first)
         if models and jax.tree.structure(model) != jax.tree.structure(models[0]):
             raise ModelError(
-                "the cases of a batch must differ in numbers only: same bodies, joints, kinds of loads, and the "
-                "same function objects for quantities over time (use Table for what differs)"
+                "the cases of a batch must differ in numbers only: same bodies, joints, kinds of loads, "
+                "and the same function objects for quantities over time (use Table for what differs)"
             )
         models.append(model)
         states.append(state)

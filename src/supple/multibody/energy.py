@@ -10,6 +10,7 @@ import numpy as np
 
 from supple.errors import ModelError
 from supple.integrate import Solution
+from supple.multibody.equations import AnyArray
 from supple.multibody.floating_inertia import FloatingMotion, frame_momenta, kinetic_energy
 from supple.multibody.full_body import FullBody
 from supple.multibody.model import BodyArrays, build_model
@@ -22,17 +23,17 @@ __all__ = ["Balances", "balances"]
 class Balances(NamedTuple):
     """What a free conservative system keeps, (t,) or (t, 3)."""
 
-    kinetic: np.ndarray
-    strain: np.ndarray
-    potential: np.ndarray
+    kinetic: AnyArray
+    strain: AnyArray
+    potential: AnyArray
     """In the uniform gravity field, zero at the global origin."""
-    momentum: np.ndarray
+    momentum: AnyArray
     """Linear momentum, global."""
-    angular_momentum: np.ndarray
+    angular_momentum: AnyArray
     """About the global origin, global."""
 
     @property
-    def total(self) -> np.ndarray:
+    def total(self) -> AnyArray:
         """Kinetic, strain and potential energy together."""
         return self.kinetic + self.strain + self.potential
 

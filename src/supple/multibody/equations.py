@@ -9,6 +9,7 @@ components), deformation. Source: [Wu2019] (26)-(28), (50).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import jax
@@ -54,12 +55,16 @@ __all__ = [
 ]
 
 
+AnyArray = Any
+"""A NumPy array or a JAX one: both engines keep their states in the same records."""
+
+
 class Configuration(NamedTuple):
     """Position of every body: frame origins (nb, 3), frame rotations (nb, 3, 3), coordinates (r,) each."""
 
-    origins: jax.Array
-    rotations: jax.Array
-    coordinates: tuple[jax.Array, ...]
+    origins: AnyArray
+    rotations: AnyArray
+    coordinates: tuple[AnyArray, ...]
 
 
 class Motion(NamedTuple):
@@ -87,16 +92,16 @@ class Linearization(NamedTuple):
 class Balance(NamedTuple):
     """The terms in balance, each (n,), whose sum is the residual; and how far the joints are open."""
 
-    inertia: jax.Array
-    internal: jax.Array
-    applied: jax.Array
-    joint: jax.Array
-    gap: jax.Array
+    inertia: AnyArray
+    internal: AnyArray
+    applied: AnyArray
+    joint: AnyArray
+    gap: AnyArray
     """Active constraint equations, (m,)"""
     linearization: Linearization
 
     @property
-    def residual(self) -> jax.Array:
+    def residual(self) -> AnyArray:
         """The unbalanced force, (n,)."""
         return self.inertia + self.internal + self.applied + self.joint
 
@@ -161,7 +166,7 @@ def _markers(model: Model, element: JointArrays | ForceArrays, motion: Motion) -
 
 
 def _on_bodies(
-    model: Model, element: JointArrays | ForceArrays, local: tuple[jax.Array, jax.Array]
+    element: JointArrays | ForceArrays, local: tuple[jax.Array, jax.Array]
 ) -> Iterator[tuple[int, jax.Array]]:
     """Generalised forces on the bodies at both ends of an element, from those on the local freedoms (12,)."""
     for end, part in zip((element.first, element.second), local, strict=True):
@@ -181,7 +186,7 @@ def _joint_parts(model: Model) -> list[slice]:
     starts = [0]
     for joint in model.joints:
         starts.append(starts[-1] + joint.n_constraints)
-    return [slice(a, b) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+    return [slice(a, b) for a, b in pairwise(starts)]
 
 
 def _all_multipliers(model: Model, multipliers: jax.Array) -> jax.Array:
@@ -279,7 +284,7 @@ class _PointForces(NamedTuple):
     forces: jax.Array
 
 
-def _point_forces(model: Model, load: DeadForceArrays, motion: Motion) -> _PointForces:  # noqa: ARG001
+def _point_forces(load: DeadForceArrays, motion: Motion) -> _PointForces:
     configuration = motion.configuration
     coordinates = configuration.coordinates[load.body]
     arms = load.positions + jnp.einsum("kir,r->ki", load.basis, coordinates)
@@ -304,7 +309,7 @@ def balance(model: Model, motion: Motion) -> Balance:
         stiffness.append(tangent_stiffness)
     applied = []
     for load in model.dead_forces:
-        arms, forces = _point_forces(model, load, motion)
+        arms, forces = _point_forces(load, motion)
         total = motion.configuration.rotations[load.body] @ forces.sum(axis=0)
         generalized = jnp.concatenate(
             [total, jnp.cross(arms, forces).sum(axis=0), jnp.einsum("kir,ki->r", load.basis, forces)]
@@ -314,14 +319,14 @@ def balance(model: Model, motion: Motion) -> Balance:
     for force in model.forces:
         first, second = _markers(model, force, motion)
         local = _force_on_local_freedoms(force, first, second, motion.time, still, still)
-        applied += _on_bodies(model, force, (-local[:N_LOCAL], -local[N_LOCAL:]))
+        applied += _on_bodies(force, (-local[:N_LOCAL], -local[N_LOCAL:]))
     holding = []
     multipliers = _all_multipliers(model, motion.multipliers)
     joints = _linearize_joints(model, motion.time, motion.configuration)
     for joint, at, rows in zip(model.joints, joints, _joint_parts(model), strict=True):
         on_first, on_second = at.by_end
         own_multipliers = multipliers[rows]
-        holding += _on_bodies(model, joint, (own_multipliers @ on_first, own_multipliers @ on_second))
+        holding += _on_bodies(joint, (own_multipliers @ on_first, own_multipliers @ on_second))
     return Balance(
         inertia=jnp.concatenate(inertia),
         internal=jnp.concatenate(internal),
@@ -362,7 +367,7 @@ def tangent(
         for index in range(len(model.bodies))
     }
     for load in model.dead_forces:
-        block = _dead_force_tangent(model, load, motion, turns[load.body])
+        block = _dead_force_tangent(load, motion, turns[load.body])
         blocks[load.body, load.body] += -position * block
     still = jnp.zeros(2 * N_LOCAL)
     halves = slice(0, N_LOCAL), slice(N_LOCAL, 2 * N_LOCAL)
@@ -375,7 +380,8 @@ def tangent(
             argnums=(0, 1),
         )(still, still)
         for sign, by_local, own_turns in ((-position, by_position, turns), (-velocity, by_rate, None)):
-            local = tuple(tuple(sign * by_local[rows, columns] for columns in halves) for rows in halves)
+            top, bottom = ([sign * by_local[rows, columns] for columns in halves] for rows in halves)
+            local = (top[0], top[1]), (bottom[0], bottom[1])
             _add_blocks(blocks, force, local, own_turns)
     multipliers = _all_multipliers(model, motion.multipliers)
     for joint, at, rows in zip(model.joints, linearization.joints, _joint_parts(model), strict=True):
@@ -444,9 +450,9 @@ def _body_tangent(
     return jnp.concatenate([rotation @ columns[:3], columns[3:]])
 
 
-def _dead_force_tangent(model: Model, load: DeadForceArrays, motion: Motion, turn: jax.Array) -> jax.Array:
+def _dead_force_tangent(load: DeadForceArrays, motion: Motion, turn: jax.Array) -> jax.Array:
     """Change of the generalised forces of dead loads with the body's freedoms, (6 + r, 6 + r)."""
-    arms, forces = _point_forces(model, load, motion)
+    arms, forces = _point_forces(load, motion)
     r = load.basis.shape[2]
     # In body components dead forces turn against the frame: df = f x dpsi.
     total = jnp.zeros((6 + r, 6 + r))

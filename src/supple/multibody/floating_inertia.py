@@ -191,7 +191,7 @@ def inertia_tangent(
     velocity: jax.Array | float,
     position: jax.Array | float,
 ) -> jax.Array:
-    """Derivative of the inertia force for changes of the accelerations that carry velocity and position along.
+    """Derivative of the inertia force for accelerations whose change carries velocity and position along.
 
     Column j answers to `d(a, wdot, gddot) = e_j` together with `d(w, gdot) = velocity e_j` and
     `dg = position e_j`, the combination that a Newmark step needs; (6 + r, 6 + r). The change of `a` with the

@@ -33,7 +33,7 @@ class FullBody:
     @property
     def r(self) -> int:
         """Number of coordinates: all of them."""
-        return self.body.mass.shape[0]
+        return self.body.n
 
     @property
     def nodes(self) -> np.ndarray:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, kron
@@ -52,6 +52,7 @@ class InertiaBorder(NamedTuple):
 
 
 def cross_matrix(w: np.ndarray) -> np.ndarray:
+    """`skew(w)`, (3, 3)."""
     return np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
 
 
@@ -77,7 +78,7 @@ class FullInertia:
         return csr_array(self.body.nodal_mass)
 
     def _times_mass(self, fields: np.ndarray) -> np.ndarray:
-        flat = fields.reshape(self._mass.shape[0], -1)
+        flat = fields.reshape(self.body.n_nodal, -1)
         return (self._mass @ flat).reshape(fields.shape)
 
     @cached_property
@@ -137,7 +138,7 @@ class FullInertia:
         """
         mass, turns, expand = self._mass, self._axis_turns, self.body.expansion
 
-        def project(matrix: csr_array) -> csc_array:
+        def project(matrix: Any) -> csc_array:
             return csc_array(expand.T @ matrix @ expand)
 
         pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
@@ -204,7 +205,7 @@ class FullInertia:
             total = momentum[:, 3:].sum(axis=0)
             change = velocity * mass_rotations[:, 3:].sum(axis=0)
             corner[3:, 3:] += cross_matrix(spin) @ change - velocity * cross_matrix(total)
-        n_nodal = self._mass.shape[0]
+        n_nodal = self.body.n_nodal
         return InertiaBorder(columns.reshape(n_nodal, 6), rows.reshape(n_nodal, 6).T, corner)
 
 

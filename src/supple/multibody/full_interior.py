@@ -10,8 +10,8 @@ import jax
 import numpy as np
 from scipy.sparse import csc_array, csr_array, vstack
 
-from supple.algebra.sparse_factor import SparseFactor, factorize_general
 from supple.algebra.rotation import rotation_right_jacobian
+from supple.algebra.sparse_factor import SparseFactor, factorize_general
 from supple.multibody.full_body import FullBody
 from supple.multibody.full_inertia import FullInertia, FullMotion, cross_matrices, cross_matrix
 from supple.multibody.loads import DeadForce
@@ -176,7 +176,7 @@ class FullInterior:
         columns, rows, corner = self._border(motion, state, increment, velocity, position)
         right = np.column_stack([residual, self.interface_rows.T.toarray(), columns, self.frame_rows.T])
         solved = -self._analysed.refactorize(self._matrix(data)).solve(right)
-        p = self.interface_rows.shape[0]
+        p = 6 * len(self.full.interfaces)
         return Elimination(
             particular=solved[:, 0],
             by_interface=solved[:, 1 : 1 + p],
@@ -194,7 +194,7 @@ class FullInterior:
         velocity: float,
         position: float,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tangents with the frame: columns (n, 6), rows (6, n), corner (6, 6), the frame's force in global."""
+        """Tangents with the frame, its force in global: columns (n, 6), rows (6, n), corner (6, 6)."""
         columns, rows, corner = self.inertia.border(motion, velocity, position)
         turn = position * np.asarray(_right_jacobian(increment))
         frame_force = self.inertia.terms(motion).frame[:3]
@@ -234,7 +234,7 @@ def _on_pattern(pattern: csc_array, matrix: csc_array) -> np.ndarray:
 
 
 def _places(pattern: csc_array, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    n = pattern.shape[0]
+    n = len(pattern.indptr) - 1
     of_pattern = np.repeat(np.arange(n, dtype=np.int64), np.diff(pattern.indptr)) * n + pattern.indices
     return np.searchsorted(of_pattern, columns.astype(np.int64) * n + rows)
 
@@ -263,7 +263,7 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[DeadForce, ...]) -
     # Added as ones, so that entries that happen to vanish at rest keep their place.
     pattern = csc_array(pattern + shape)
     pattern.sort_indices()
-    columns = np.repeat(np.arange(shape.shape[1]), np.diff(shape.indptr))
+    columns = np.repeat(np.arange(body.n), np.diff(shape.indptr))
     motions = [interface.motion for interface in body.interfaces]
     return FullInterior(
         index=index,

@@ -1,4 +1,4 @@
-"""Full-order simulation: flexible bodies with all their finite-element freedoms, by sparse bordered Newton steps.
+"""Full-order simulation: bodies with all their finite-element freedoms, by sparse bordered Newton steps.
 
 The interior of the linear system of a step is each full body's own sparse matrix `S`, factored alone; the
 border, a few dozen unknowns, holds the frames, the reduced and rigid bodies, the joint multipliers and, per
@@ -16,11 +16,13 @@ from __future__ import annotations
 
 import time as clock
 from functools import cached_property
+from itertools import pairwise
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from scipy.sparse import csr_array
 
 from supple.algebra.rotation import rotation_exp
 from supple.errors import ConvergenceError, ModelError
@@ -61,11 +63,9 @@ from supple.multibody.simulate import (
     failure_message,
 )
 from supple.multibody.system import System, n_coordinates
-from supple.multibody.time_step import next_step
+from supple.multibody.time_step import next_step, position_rounding
 
 __all__ = ["FullOrderSystem", "FullState", "simulate_full_order"]
-
-_ROUNDING = 1e-13
 
 
 class FullState(NamedTuple):
@@ -132,7 +132,7 @@ class FullOrderSystem:
         self.system = system
         sizes = [6 + n_coordinates(placed.body) for placed in system.bodies]
         ends = np.cumsum([0, *sizes])
-        self.slices = tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
+        self.slices = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
         self.n = int(ends[-1])
         self.interiors = tuple(
             prepare_interior(index, placed.body, self._nodal_loads(placed.body))
@@ -212,10 +212,10 @@ class FullOrderSystem:
                     for row, mine in zip(rows, own, strict=True)
                 ]
                 states.append(inner)
-                residuals.append(sum(rows))
+                residuals.append(np.sum(rows, axis=0))
                 gaps.append(forces.frame_gap)
             squares += np.array([_squares_by_kind(row) for row in rows])
-            unbalanced += _squares_by_kind(sum(rows))
+            unbalanced += _squares_by_kind(np.sum(rows, axis=0))
         scale = np.sqrt(squares.max(axis=0))
         forces_imbalance = np.sqrt(unbalanced) / np.where(scale > 0, scale, 1.0)
         gap = terms.gap
@@ -232,7 +232,7 @@ class FullOrderSystem:
 
     def _constraint_imbalance(self, state: FullState, gap: np.ndarray, position: float) -> float:
         largest = float(np.max(abs(gap), initial=0.0))
-        floor = _ROUNDING * self.model.length
+        floor = self.model.length * float(position_rounding(self.model.length, state.configuration.origins))
         if largest <= floor or position == 0:
             return 0.0
         accelerations = self.model.length * np.max(abs(state.acceleration) / self.position_scale)
@@ -355,7 +355,7 @@ class FullOrderSystem:
         mu = slice(n_border + m + 6 * number, n_border + m + 6 * number + 6)
         forces = small[interface].copy()  # generalised interface forces per unknown of the small system
 
-        def through(left: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        def through(left: np.ndarray | csr_array) -> tuple[np.ndarray, np.ndarray]:
             """Matrix and particular part of `left @ x` in terms of the small system's unknowns."""
             total = (left @ out.by_interface) @ forces
             total[:, frame] += left @ out.by_frame
@@ -441,7 +441,8 @@ class FullOrderSystem:
         acceleration, multipliers = start.acceleration, start.multipliers
         frame_multipliers = start.frame_multipliers
         moved = np.inf
-        for iteration in range(tolerances.max_iterations + 1):
+        iteration = 0
+        while True:
             auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
             increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
             state = FullState(
@@ -455,11 +456,12 @@ class FullOrderSystem:
             )
             evaluation = self.evaluate(state, rule.position)
             imbalance = evaluation.imbalance
-            settled = moved <= _ROUNDING and imbalance[3] <= 1e-6
+            rounding = position_rounding(self.model.length, state.configuration.origins)
+            settled = moved <= rounding and imbalance[3] <= 1e-6
             if np.all(imbalance <= tolerances.residual) or settled:
                 return state, imbalance, iteration, True
             if not np.isfinite(imbalance).all() or iteration == tolerances.max_iterations:
-                break
+                return state, imbalance, iteration, False
             targets = (
                 -evaluation.gap / rule.position,
                 tuple(-gap / rule.position for gap in evaluation.frame_gaps),
@@ -473,7 +475,7 @@ class FullOrderSystem:
                 old + new for old, new in zip(frame_multipliers, frame_change, strict=True)
             )
             moved = rule.position * np.max(abs(change) / self.position_scale)
-        return state, imbalance, iteration, False
+            iteration += 1
 
     def local_error(self, start: FullState, end: FullState, h: float, method: TimeIntegrator) -> float:
         """Leading local error of the step, relative to the scale of each freedom."""

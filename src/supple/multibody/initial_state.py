@@ -28,7 +28,7 @@ from supple.multibody.equations import (
 )
 from supple.multibody.model import Model, build_model
 from supple.multibody.system import System
-from supple.multibody.time_step import State
+from supple.multibody.time_step import State, position_rounding
 
 __all__ = ["consistent_start"]
 
@@ -111,6 +111,21 @@ def check_joints_closed(system: System, model: Model, gaps: np.ndarray) -> None:
                 )
 
 
+def check_redundant_closed(system: System, model: Model, active: tuple[int, ...], gaps: np.ndarray) -> None:
+    """Raise ModelError when an equation left out is not met by the others: joints that contradict."""
+    labels = _row_labels(system)
+    for index in sorted(set(range(len(gaps))) - set(active)):
+        if abs(gaps[index]) > 1e-9 * max(float(model.length), 1.0):
+            raise ModelError(
+                f"the joints contradict each other at the start: with all others closed, {labels[index]} is "
+                f"off by {gaps[index]:.3g}. Correct the placement, or start away from a dead point"
+            )
+
+
+def _row_labels(system: System) -> list[str]:
+    return [f"'{joint.name}' ({row})" for joint in system.joints for row in joint.rows]
+
+
 def independent_constraints(system: System, jacobian: np.ndarray, mass: np.ndarray) -> tuple[int, ...]:
     """Indices of a largest set of independent constraint equations; the others are named in a warning.
 
@@ -123,7 +138,7 @@ def independent_constraints(system: System, jacobian: np.ndarray, mass: np.ndarr
     kept = _independent_columns(scaled)
     if kept.size == len(jacobian):
         return tuple(range(len(jacobian)))
-    labels = [f"'{joint.name}' ({row})" for joint in system.joints for row in joint.rows]
+    labels = _row_labels(system)
     redundant = [labels[i] for i in np.setdiff1d(np.arange(len(jacobian)), kept)]
     warnings.warn(
         f"{len(redundant)} redundant constraint equation(s) left out: {', '.join(redundant)}. The motion is "
@@ -165,7 +180,7 @@ _moved = jax.jit(advance)
 
 def consistent_start(system: System, time: float, first_step: float) -> tuple[Model, State]:
     """The compiled model (redundant constraints left out) and the consistent state at the initial time."""
-    model = build_model(system)
+    model = every = build_model(system)
     now = jnp.asarray(float(time))
     configuration = placed_configuration(system)
     velocity = placed_velocity(system)
@@ -176,6 +191,8 @@ def consistent_start(system: System, time: float, first_step: float) -> tuple[Mo
     if active != model.active:
         model = build_model(system, active=active)
     configuration = _close_joints(model, now, configuration, velocity)
+    terms = joint_terms(every, now, configuration, jnp.asarray(velocity))
+    check_redundant_closed(system, every, active, np.asarray(terms.gap))
 
     mass, _ = map(np.asarray, _mass_and_forces(model, now, configuration, jnp.asarray(velocity)))
     _, jacobian, drift, _ = map(np.asarray, joint_terms(model, now, configuration, jnp.asarray(velocity)))
@@ -206,14 +223,17 @@ def _close_joints(
     model: Model, time: jax.Array, configuration: Configuration, velocity: np.ndarray
 ) -> Configuration:
     """Project the configuration on the joints by Newton's method."""
+    largest = 0.0
+    gap = np.zeros(0)
     for _ in range(20):
         gap, jacobian, _, _ = map(np.asarray, joint_terms(model, time, configuration, jnp.asarray(velocity)))
-        if np.max(abs(gap), initial=0.0) <= 1e-13 * float(model.length):
+        largest = np.max(abs(gap), initial=0.0)
+        if largest <= model.length * position_rounding(model.length, configuration.origins):
             return configuration
         mass, _ = map(np.asarray, _mass_and_forces(model, time, configuration, jnp.asarray(velocity)))
         step = _bordered_solve(mass, jacobian, np.zeros(len(mass)), -gap)[: len(mass)]
         configuration = _moved(model, configuration, jnp.asarray(step))
     raise ConvergenceError(
-        f"the joints could not be closed at the start: largest gap {np.max(abs(gap)):.3g} after 20 iterations. "
+        f"the joints could not be closed at the start: largest gap {largest:.3g} after 20 iterations. "
         "Place the bodies closer to a configuration in which every joint fits"
     )

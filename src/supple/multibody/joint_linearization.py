@@ -70,7 +70,7 @@ def _affine(joint: JointArrays, value: Any) -> tuple[jax.Array, jax.Array]:
     return jax.jacfwd(of_relative)(origin), of_relative(origin)
 
 
-def affine_form(joint: JointArrays, time: jax.Array) -> tuple[jax.Array, jax.Array]:
+def affine_form(joint: JointArrays, time: jax.Array) -> tuple[Any, Any]:
     """`L` and `c` at a time; constants of the compiled program for a joint without a law."""
     if joint.law is None:
         with jax.ensure_compile_time_eval():

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import jax
@@ -37,8 +38,8 @@ __all__ = [
 ]
 
 
-def _static() -> Any:
-    return field(metadata={"static": True})
+_STATIC = {"static": True}
+"""Marks what belongs to the structure of a compiled program, not to its data."""
 
 
 @jax.tree_util.register_dataclass
@@ -68,7 +69,7 @@ class BodyArrays:
 class End:
     """A marker of a joint or force: its body (-1: ground) and how the body's freedoms move it."""
 
-    body: int = _static()
+    body: int = field(metadata=_STATIC)
     selection: Any
     """(12, 6 + r): local freedoms of the marker from the velocities of its body."""
     offset: Any
@@ -80,8 +81,8 @@ class End:
 class JointArrays:
     """A joint: its equations, its law, its ends."""
 
-    constraint: Callable[..., Any] = _static()
-    n_constraints: int = _static()
+    constraint: Callable[..., Any] = field(metadata=_STATIC)
+    n_constraints: int = field(metadata=_STATIC)
     law: Any
     first: End
     second: End
@@ -92,7 +93,7 @@ class JointArrays:
 class ForceArrays:
     """A force between two markers."""
 
-    wrenches: Callable[..., Any] = _static()
+    wrenches: Callable[..., Any] = field(metadata=_STATIC)
     law: Any
     parameters: tuple[Any, ...]
     first: End
@@ -104,7 +105,7 @@ class ForceArrays:
 class DeadForceArrays:
     """Forces in global components at k points of one body."""
 
-    body: int = _static()
+    body: int = field(metadata=_STATIC)
     law: Any
     """(3,) or (k, 3) over time"""
     positions: Any
@@ -127,14 +128,14 @@ class Model:
     """Size of the system, the scale of translations."""
     mass: Any
     """Mass of the system, the scale that balances multipliers against accelerations."""
-    active: tuple[int, ...] = _static()
+    active: tuple[int, ...] = field(metadata=_STATIC)
     """The constraint equations kept: all but the redundant ones."""
 
     @property
     def slices(self) -> tuple[slice, ...]:
         """Where each body's velocities stand in the common vector."""
         ends = np.cumsum([0] + [6 + body.r for body in self.bodies])
-        return tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
+        return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
 
     @property
     def n_velocities(self) -> int:
@@ -229,7 +230,7 @@ def initial_point(system: System, end: At) -> np.ndarray:
 
 
 def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:
-    """Global positions of both ends at the start; the ground's is where the other one starts, unless given."""
+    """Global positions of both ends at the start; the ground's, unless given, is where the other one is."""
     own = [None if end == GROUND else initial_point(system, end) for end in (element.first, element.second)]
     given = element.ground_point if isinstance(element, ForceElement) else None
     on_ground = given if given is not None else next(point for point in own if point is not None)
@@ -271,7 +272,7 @@ def _check_apart(system: System, load: ForceElement) -> None:
     first, second = initial_points(system, load)
     if load.acts_along_line and np.array_equal(first, second):
         raise ModelError(
-            f"{load.label}: both ends start at {first.tolist()}, so it has no direction: move an end or its anchor"
+            f"{load.label}: both ends start at {first.tolist()}, so it has no direction: move one of them"
         )
 
 

@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from supple.algebra import read_only
+from supple.body import MeanAxisFrame, frame_projector
 from supple.errors import ModelError, RedundantConstraintWarning
 from supple.integrate import Solution
 from supple.multibody.equations import Configuration
@@ -47,7 +48,9 @@ class ResidualCorrections:
     deformation : (n, k)    delta, on the body's coordinates, relative to its frame
     origin : (k, 3)         displacement of the frame's origin, global
     rotation : (k, 3)       of the frame, rad, body components
-    rms : (k,)              root-mean-square displacement of the nodes in space
+    rms : (k,)              root-mean-square displacement of the nodes: in space where the joints determine
+                            all rigid motion; of the deformation alone where the system can move freely,
+                            for no static equilibrium says how far it would
     """
 
     times: np.ndarray
@@ -86,8 +89,9 @@ def residual_corrections(
             f"residual correction: the system holds body '{full.name}' as a {type(reduced).__name__}, "
             f"but the run to correct has it reduced to {basis.r} coordinates"
         )
+    at_rest = np.zeros(full.r)
     bodies = [
-        replace(placed, body=full, coordinates=None, coordinate_rates=None) if i == index else placed
+        replace(placed, body=full, coordinates=at_rest, coordinate_rates=at_rest) if i == index else placed
         for i, placed in enumerate(system.bodies)
     ]
     with warnings.catch_warnings():
@@ -103,7 +107,9 @@ def residual_corrections(
         deformation=steps[:, 6:].T,
         origin=steps[:, :3],
         rotation=steps[:, 3:6],
-        rms=_nodal_rms(full, [state.configuration for state in states], index, steps),
+        rms=_nodal_rms(
+            full, [state.configuration for state in states], index, steps, len(active) >= 6 * len(bodies)
+        ),
     )
 
 
@@ -151,11 +157,15 @@ def _newton_step(prepared: FullOrderSystem, state: FullState, position: float) -
 
 
 def _nodal_rms(
-    full: FullBody, configurations: list[Configuration], index: int, steps: np.ndarray
+    full: FullBody, configurations: list[Configuration], index: int, steps: np.ndarray, determined: bool
 ) -> np.ndarray:
-    """Root-mean-square displacement of the body's nodes in space by each step, (k,)."""
-    rotations = np.array([configuration.rotations[index] for configuration in configurations])
-    places = full.nodes + full.expand(np.array([c.coordinates[index] for c in configurations]))
-    seen = full.expand(steps[:, 6:]) + np.cross(steps[:, None, 3:6], places)
-    moved = steps[:, None, :3] + np.einsum("kij,knj->kni", rotations, seen)
+    """Root-mean-square displacement of the nodes, (k,), with the rigid motion where it is determined."""
+    if not determined:
+        without = frame_projector(full.body, MeanAxisFrame())(steps[:, 6:].T)
+        moved = full.expand(without.T)
+    else:
+        places = full.nodes + full.expand(np.array([c.coordinates[index] for c in configurations]))
+        seen = full.expand(steps[:, 6:]) + np.cross(steps[:, None, 3:6], places)
+        rotations = np.array([configuration.rotations[index] for configuration in configurations])
+        moved = steps[:, None, :3] + np.einsum("kij,knj->kni", rotations, seen)
     return np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1))

@@ -23,6 +23,7 @@ from supple.integrate import (
     Tolerances,
     concatenate,
 )
+from supple.multibody.equations import Configuration
 from supple.multibody.full_body import FullBody
 from supple.multibody.initial_state import consistent_start
 from supple.multibody.model import Model
@@ -66,11 +67,16 @@ def output_times(duration: float, output_step: float, start: float = 0.0) -> np.
     return start + np.arange(n + 1) * (duration / n)
 
 
-def check_laws_cover(system: System, end: float) -> None:
-    """Raise ModelError for a tabulated load or motion that stops before the run does."""
+def check_laws_cover(system: System, begin: float, end: float) -> None:
+    """Raise ModelError for a tabulated load or motion that starts after the run does, or stops before."""
     laws = [(f"joint '{joint.name}'", joint.law) for joint in system.joints]
     laws += [(load.label, load.law) for load in system.loads]
     for what, law in laws:
+        if law is not None and law.begin > begin:
+            raise ModelError(
+                f"{what}: its table begins at t = {law.begin:g}, after the run does (t = {begin:g}). "
+                "Extend the table backwards"
+            )
         if law is not None and law.end < end * (1 - 1e-12):
             raise ModelError(
                 f"{what}: its table ends at t = {law.end:g}, before the run does (t = {end:g}). "
@@ -110,7 +116,7 @@ def simulate(
 
     Raises
     ------
-    ModelError          a joint open at the start, a table that ends too early
+    ModelError          a joint open at the start, a table that begins too late or ends too early
     ConvergenceError    a step that fails at the smallest size: time, residual and remedy; what was computed
                         until then has been handed to `record`
     ValidityError       a motion beyond the kinematics, under `Validity(strict=True)`
@@ -123,11 +129,11 @@ def simulate(
     step = step or FixedStep(output_step)
     method = method or GeneralizedAlpha()
     tolerances = tolerances or Tolerances()
-    check_laws_cover(system, times[-1])
+    check_laws_cover(system, times[0], times[-1])
     if resume is not None and resume.solution.times[-1] >= times[-1] * (1 - 1e-12):
         raise ValueError(
-            f"nothing is left to simulate: the recorded part ends at t = {resume.solution.times[-1]:g} and the "
-            f"run at t = {times[-1]:g}"
+            f"nothing is left to simulate: the recorded part ends at t = {resume.solution.times[-1]:g} and "
+            f"the run at t = {times[-1]:g}"
         )
     limits = watch(system, validity or Validity())
     peaks: dict[str, Peaks] = {}
@@ -198,8 +204,8 @@ def _simulate_compiled(
         # A short last chunk repeats its end, where nothing is left to do: all chunks share one compilation.
         padded = np.pad(chunk, (0, size - len(chunk)), mode="edge")
         state, states = compiled(model, settings, state, jnp.asarray(padded))
-        states = jax.tree.map(lambda leaf, n=len(chunk): leaf[:n], jax.device_get(states))
-        good = int(np.sum(~states.failed))
+        states = jax.device_get(states)
+        good = int(np.sum(~states.failed[: len(chunk)]))
         mark = clock.perf_counter()
         statistics = Statistics(
             steps=int(state.steps - before.steps),
@@ -209,15 +215,17 @@ def _simulate_compiled(
         )
         last_mark = mark
         if good:
-            parts.append(
-                as_solution(system, model, jax.tree.map(lambda leaf: leaf[:good], states), statistics)
-            )
+            parts.append(as_solution(system, model, _leading(states, good), statistics))
             record(parts[-1])
         if bool(state.failed):
             raise ConvergenceError(failure_message(float(state.time), np.asarray(state.imbalance)))
         n_done += len(chunk)
         progress(n_done / len(times))
     return concatenate(parts)
+
+
+def _leading(states: State, count: int) -> State:
+    return jax.tree.map(lambda leaf: leaf[:count], states)
 
 
 def report_cuts(statistics: Statistics, step: StepControl) -> None:
@@ -257,7 +265,7 @@ def as_solution(system: System, model: Model, states: State, statistics: Statist
 def body_motions(
     system: System,
     slices: tuple[slice, ...],
-    configuration: object,
+    configuration: Configuration,
     velocity: np.ndarray,
     acceleration: np.ndarray,
 ) -> dict[str, BodyMotion]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
+import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.rotation import rotation_exp
@@ -47,8 +48,8 @@ class Placed:
     rotation: np.ndarray = field(default_factory=lambda: np.zeros(3))
     velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
     angular_velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    coordinates: np.ndarray | None = None
-    coordinate_rates: np.ndarray | None = None
+    coordinates: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    coordinate_rates: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         name = self.body.name
@@ -56,7 +57,7 @@ class Placed:
             object.__setattr__(self, item, _vector(f"{item} of body '{name}'", getattr(self, item)))
         rotation = np.array(self.rotation, dtype=float)
         if rotation.shape == (3,):
-            rotation = np.array(rotation_exp(_vector(f"rotation of body '{name}'", rotation)))
+            rotation = np.array(rotation_exp(jnp.asarray(_vector(f"rotation of body '{name}'", rotation))))
         if rotation.shape != (3, 3) or not np.allclose(rotation.T @ rotation, np.eye(3), atol=1e-9):
             raise ModelError(
                 f"rotation of body '{name}' must be a rotation vector (3,) or an orthonormal matrix (3, 3)"
@@ -67,8 +68,8 @@ class Placed:
         object.__setattr__(self, "rotation", rotation)
         r = n_coordinates(self.body)
         for item in ("coordinates", "coordinate_rates"):
-            value = getattr(self, item)
-            array = np.zeros(r) if value is None else np.array(value, dtype=float)
+            value = np.array(getattr(self, item), dtype=float)
+            array = value if value.size else np.zeros(r)
             if array.shape != (r,) or not np.isfinite(array).all():
                 raise ModelError(
                     f"{item} of body '{name}' must be {r} finite numbers, got shape {array.shape}"

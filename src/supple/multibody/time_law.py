@@ -26,7 +26,13 @@ class Constant:
     value: Any
 
     def __call__(self, time: Any) -> Any:  # noqa: ARG002 - a law is called with the time, needed or not
+        """The value."""
         return self.value
+
+    @property
+    def begin(self) -> float:
+        """First time at which the law is defined."""
+        return float("-inf")
 
     @property
     def end(self) -> float:
@@ -63,10 +69,16 @@ class Table:
         object.__setattr__(self, "values", values)
 
     def __call__(self, time: Any) -> Any:
+        """The value at a time, between the rows around it."""
         upper = jnp.clip(jnp.searchsorted(self.times, time, side="right"), 1, len(self.times) - 1)
         t0, t1 = jnp.asarray(self.times)[upper - 1], jnp.asarray(self.times)[upper]
         v0, v1 = jnp.asarray(self.values)[upper - 1], jnp.asarray(self.values)[upper]
         return v0 + (v1 - v0) * ((time - t0) / (t1 - t0))
+
+    @property
+    def begin(self) -> float:
+        """First time at which the law is defined."""
+        return float(self.times[0])
 
     @property
     def end(self) -> float:
@@ -82,7 +94,13 @@ class TimeFunction:
     function: Callable[[Any], Any] = field(metadata={"static": True})
 
     def __call__(self, time: Any) -> Any:
+        """The function's value."""
         return self.function(time)
+
+    @property
+    def begin(self) -> float:
+        """First time at which the law is defined."""
+        return float("-inf")
 
     @property
     def end(self) -> float:

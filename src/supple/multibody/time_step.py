@@ -22,6 +22,7 @@ import numpy as np
 from supple.integrate import Coefficients, StepRule
 from supple.multibody.elimination import solve_bordering_column
 from supple.multibody.equations import (
+    AnyArray,
     Balance,
     Configuration,
     Linearization,
@@ -33,10 +34,7 @@ from supple.multibody.equations import (
 )
 from supple.multibody.model import Model
 
-__all__ = ["Controls", "State", "march", "next_step"]
-
-_ROUNDING = 1e-13
-"""Relative size of a change of position that floating-point arithmetic cannot tell from none."""
+__all__ = ["Controls", "State", "march", "next_step", "position_rounding"]
 
 
 class Controls(NamedTuple):
@@ -54,21 +52,21 @@ class Controls(NamedTuple):
 class State(NamedTuple):
     """Everything needed to go on from an instant."""
 
-    time: jax.Array
-    step: jax.Array
+    time: AnyArray
+    step: AnyArray
     """Size of the next step to try."""
     configuration: Configuration
-    velocity: jax.Array
-    acceleration: jax.Array
-    auxiliary: jax.Array
+    velocity: AnyArray
+    acceleration: AnyArray
+    auxiliary: AnyArray
     """Auxiliary acceleration of the Newmark family."""
-    multipliers: jax.Array
-    steps: jax.Array
-    iterations: jax.Array
-    cuts: jax.Array
-    failed: jax.Array
+    multipliers: AnyArray
+    steps: AnyArray
+    iterations: AnyArray
+    cuts: AnyArray
+    failed: AnyArray
     """True when the smallest step did not converge: the state is that before the step."""
-    imbalance: jax.Array
+    imbalance: AnyArray
     """Relative residual of the last iteration, by kind: force, moment, deformation, constraint."""
 
 
@@ -123,14 +121,24 @@ def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
     return jnp.where(norm > 0, norm / jnp.where(scale > 0, scale, 1.0), 0.0)
 
 
-def _imbalance(model: Model, terms: Balance, trial: jax.Array, position: jax.Array) -> jax.Array:
+def position_rounding(length: Any, origins: Any) -> Any:
+    """Change of position, in parts of the system's `length`, that arithmetic cannot tell from none.
+
+    Far from the global origin, positions themselves have fewer digits after the point.
+    """
+    return 1e-13 * jnp.maximum(1.0, jnp.max(jnp.abs(origins)) / length)
+
+
+def _imbalance(
+    model: Model, terms: Balance, trial: jax.Array, position: jax.Array, rounding: jax.Array
+) -> jax.Array:
     """Residual of each kind over the largest term in balance, and the constraints' over the accelerations."""
     columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
     norms = jnp.sqrt(_kinds(model) @ jnp.stack(columns, axis=1) ** 2)
     forces = _relative(norms[:, 0], jnp.max(norms[:, 1:], axis=1))
     accelerations = model.length * jnp.max(jnp.abs(trial / _position_scale(model)), initial=0.0)
     largest_gap = jnp.max(jnp.abs(terms.gap), initial=0.0)
-    floor = _ROUNDING * model.length
+    floor = rounding * model.length
     constraint = jnp.where(
         largest_gap <= floor, 0.0, _relative(largest_gap / position, accelerations + floor / position)
     )
@@ -152,7 +160,8 @@ def _evaluate(
     velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
     time = start.time + rule.h
     terms = balance(model, Motion(time, configuration, velocity, acceleration, multipliers))
-    imbalance = _imbalance(model, terms, acceleration, rule.position)
+    rounding = position_rounding(model.length, configuration.origins)
+    imbalance = _imbalance(model, terms, acceleration, rule.position, rounding)
     trial = _Trial(
         acceleration,
         multipliers,
@@ -220,7 +229,8 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         )
         # Below rounding error no residual can tell a better answer from a worse one.
         moved = rule.position * jnp.max(jnp.abs(iteration.change) / scale)
-        settled = (trial.iterations > 0) & (moved <= _ROUNDING) & (trial.imbalance[3] <= 1e-6)
+        rounding = position_rounding(model.length, trial.configuration.origins)
+        settled = (trial.iterations > 0) & (moved <= rounding) & (trial.imbalance[3] <= 1e-6)
         trial = trial._replace(converged=trial.converged | settled)
         change, multiplier_change = jax.lax.cond(
             trial.converged,

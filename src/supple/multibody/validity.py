@@ -109,10 +109,12 @@ class Watch:
                 found.append(
                     Excess(
                         own.name,
-                        f"body '{own.name}' is linear and spins at {peak.spin:.4g} rad/s (t = {peak.spin_time:.4g}), "
+                        f"body '{own.name}' is linear and spins at {peak.spin:.4g} rad/s "
+                        f"(t = {peak.spin_time:.4g}), "
                         f"{peak.spin / own.lowest_frequency:.2f} times its lowest frequency "
-                        f"{own.lowest_frequency:.4g} rad/s: without geometric stiffness its deflections are too "
-                        "large or diverge. Reduce it with modal derivatives, from a model with quadratic strains",
+                        f"{own.lowest_frequency:.4g} rad/s: without geometric stiffness its deflections "
+                        "are too large or diverge. Reduce it with modal derivatives, from a model with "
+                        "quadratic strains",
                     )
                 )
             if peak.rotation > own.rotation:
@@ -120,8 +122,8 @@ class Watch:
                     Excess(
                         own.name,
                         f"body '{own.name}' turns by {peak.rotation:.3f} rad against its frame "
-                        f"(t = {peak.rotation_time:.4g}); its kinematics hold to about {own.rotation:.2f} rad. "
-                        "Choose a mean-axis frame, or split the body in two",
+                        f"(t = {peak.rotation_time:.4g}); its kinematics hold to about "
+                        f"{own.rotation:.2f} rad. Choose a mean-axis frame, or split the body in two",
                     )
                 )
         return found

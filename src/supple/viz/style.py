@@ -112,7 +112,7 @@ def draw_curve(axes: Axes, x, y, stroke: Stroke, rank: int, label: str) -> None:
 
 
 def legend_above(axes: Axes, n_curves: int) -> None:
-    """A legend over the axes, where it covers no curve, in as many columns as its longest entry leaves room for."""
+    """A legend over the axes, where it covers no curve, in as many columns as there is room for."""
     labels = axes.get_legend_handles_labels()[1]
     longest = max((len(label) for label in labels), default=0)
     # Inches: the line with its gaps, and a character of the legend's type.

@@ -137,5 +137,5 @@ def test_ground_cannot_be_joined_to_itself():
 
 
 def test_end_cannot_be_joined_to_itself():
-    with pytest.raises(ModelError, match="joint 'ball a.left - a.left' joins 'a.left' to itself"):
+    with pytest.raises(ModelError, match=r"joint 'ball a.left - a.left' joins 'a.left' to itself"):
         Ball(first=At("a", "left"), second=At("a", "left"))

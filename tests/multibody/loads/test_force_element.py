@@ -99,16 +99,16 @@ def test_force_on_the_ground_alone():
 
 def test_spring_to_the_ground_needs_an_anchor():
     with pytest.raises(
-        ModelError, match="SpringDamper on a.left: an end on the ground, and only such an end, needs"
+        ModelError, match=r"SpringDamper on a.left: an end on the ground, and only such an end, needs"
     ):
         SpringDamper(first=A, stiffness=1.0)
     with pytest.raises(
-        ModelError, match="SpringDamper on a.left: an end on the ground, and only such an end, needs"
+        ModelError, match=r"SpringDamper on a.left: an end on the ground, and only such an end, needs"
     ):
         SpringDamper(first=A, second=B, anchor=(0, 0, 0))
 
 
 @pytest.mark.parametrize("anchor", [(0, 0), (0, float("nan"), 0)])
 def test_anchor_must_be_a_point(anchor):
-    with pytest.raises(ModelError, match="SpringDamper on a.left: the anchor must be three finite numbers"):
+    with pytest.raises(ModelError, match=r"SpringDamper on a.left: the anchor must be three finite numbers"):
         SpringDamper(first=A, anchor=anchor)

@@ -55,7 +55,7 @@ def tilt(first: JointFrame, second: JointFrame) -> jax.Array:
 
 
 def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
-    """Right-handed unit axes, as columns, whose third is `axis` and whose first lies as near `hint` as can be."""
+    """Right-handed unit axes, as columns, the third `axis`, the first as near `hint` as can be."""
     direction = np.asarray(axis, dtype=float)
     length = np.linalg.norm(direction)
     if direction.shape != (3,) or not np.isfinite(direction).all() or length == 0:

@@ -1,4 +1,4 @@
-"""Prescribed translation: the second end slides along the axis, relative to the first, by a given distance."""
+"""Prescribed translation: the second end slides along an axis of the first by a given distance."""
 
 from __future__ import annotations
 

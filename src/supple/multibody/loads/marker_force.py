@@ -1,4 +1,4 @@
-"""Forces and torques given in time at one interface: dead (fixed in space) or follower (fixed to the interface)."""
+"""Forces and torques over time at one interface: dead (fixed in space) or follower (turning with it)."""
 
 from __future__ import annotations
 

@@ -33,8 +33,8 @@ class SpringDamper(ForceElement):
         check_not_negative(self, stiffness=self.stiffness, damping=self.damping, rest_length=self.rest_length)
         if (GROUND in (self.first, self.second)) != (self.anchor is not None):
             raise ModelError(
-                f"{self.label}: an end on the ground, and only such an end, needs an anchor: the global point "
-                "it is fixed to"
+                f"{self.label}: an end on the ground, and only such an end, needs an anchor: the global "
+                "point it is fixed to"
             )
         if self.anchor is not None and not (np.shape(self.anchor) == (3,) and np.isfinite(self.anchor).all()):
             raise ModelError(f"{self.label}: the anchor must be three finite numbers, got {self.anchor}")
