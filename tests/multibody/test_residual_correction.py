@@ -78,7 +78,7 @@ def hanging(body):
 
 @pytest.mark.parametrize("name", FRAMES)
 def test_a_complete_basis_misses_nothing(beam, name):
-    """Inertia, elasticity, damping, joints and loads of the full body balance along the complete one's run."""
+    """Inertia, elasticity, damping, joints and loads of the full body balance along the run."""
     basis = reduction_basis(beam, FRAMES[name], CompleteBasis(), derivatives=NoDerivatives())
     system = hanging(project(beam, basis, damping=DAMPING))
     solution = simulate(
@@ -87,7 +87,7 @@ def test_a_complete_basis_misses_nothing(beam, name):
     full = FullBody(beam, FRAMES[name], DAMPING)
     missed = residual_corrections(system, full, basis, solution, np.array([3, 10]))
     bent = np.linalg.norm(beam.expansion @ basis.vectors @ solution.bodies["beam"].coordinates[-1])
-    assert bent > 0.1
+    assert bent > 0.05
     np.testing.assert_allclose(missed.times, [0.06, 0.2])
     assert np.linalg.norm(beam.expansion @ missed.deformation[:, -1]) < 1e-8 * bent
     assert missed.rms[-1] < 1e-8 * bent
@@ -121,8 +121,8 @@ def in_space(full, missed):
 def test_from_rest_it_is_the_static_deflection_with_the_joint_held(beam, name):
     """In either frame the body hangs on its root; the inertia that steadies free bodies adds little.
 
-    M / p with 1 / p = (omega_1 / 100)^2, omega_1 that of the basis in its frame, lowers the deflection by about
-    1 / (p omega_c^2), omega_c the lowest frequency of the beam held at its root.
+    M / p with 1 / p = (omega_1 / 100)^2, omega_1 that of the basis in its frame, lowers the deflection
+    by about 1 / (p omega_c^2), omega_c the lowest frequency of the beam held at its root.
     """
     basis = reduction_basis(beam, FRAMES[name], CraigBampton(n_modes=4), derivatives=NoDerivatives())
     reduced = project(beam, basis)
@@ -187,7 +187,7 @@ def test_refuses_another_basis_than_the_runs(beam):
     frame = FRAMES["mean-axis"]
     basis, other = (reduction_basis(beam, frame, NormalModes(n), derivatives=NoDerivatives()) for n in (3, 4))
     system = System((Placed(project(beam, basis)),))
-    with pytest.raises(ModelError, match="holds body 'beam' as a ReducedBody, but .* 4 coordinates"):
+    with pytest.raises(ModelError, match="reduced to 4 coordinates"):
         residual_corrections(system, FullBody(beam, frame), other, at_rest(system, 3), np.array([0]))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 __all__ = ["euler_parameters", "rotation_exp", "rotation_log", "rotation_right_jacobian", "skew", "unskew"]
 
@@ -31,22 +32,32 @@ def unskew(matrix: jax.Array) -> jax.Array:
     )
 
 
-def _angle_quotients(squared: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """`sin x / x`, `(1 - cos x) / x^2`, `(x - sin x) / x^3` as smooth functions of `x^2`."""
+# Factors of the nested series `1/k! (1 - s/a_1 (1 - s/a_2 (...)))` of the three quotients below, by column.
+_SERIES = np.array(
+    [
+        [1, 1 / 2, 1 / 6],
+        [1 / 6, 1 / 12, 1 / 20],
+        [1 / 20, 1 / 30, 1 / 42],
+        [1 / 42, 1 / 56, 1 / 72],
+        [1 / 72, 1 / 90, 1 / 110],
+        [1 / 110, 1 / 132, 1 / 156],
+    ]
+)
+
+
+def _angle_quotients(squared: jax.Array) -> jax.Array:
+    """`sin x / x`, `(1 - cos x) / x^2`, `(x - sin x) / x^3` as smooth functions of `x^2`, (3,)."""
     small = squared < _SMALL_SQUARED_ANGLE
     s = jnp.where(small, squared, 0.0)
-    sinc = 1 - s / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110))))
-    versine = 0.5 * (1 - s / 12 * (1 - s / 30 * (1 - s / 56 * (1 - s / 90 * (1 - s / 132)))))
-    cubic = (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110 * (1 - s / 156))))) / 6
+    series = 1 - _SERIES[-1] * s
+    for factors in _SERIES[-2:0:-1]:
+        series = 1 - factors * s * series
     # `where` evaluates both branches: keep the closed form away from 0 / 0, whose derivative is NaN.
     safe = jnp.where(small, 1.0, squared)
     x = jnp.sqrt(safe)
     sin, cos = jnp.sin(x), jnp.cos(x)
-    return (
-        jnp.where(small, sinc, sin / x),
-        jnp.where(small, versine, (1 - cos) / safe),
-        jnp.where(small, cubic, (x - sin) / (safe * x)),
-    )
+    closed = jnp.stack([sin, 1 - cos, x - sin]) / jnp.stack([x, safe, safe * x])
+    return jnp.where(small, _SERIES[0] * series, closed)
 
 
 def rotation_exp(psi: jax.Array) -> jax.Array:

@@ -39,6 +39,7 @@ from supple.multibody.marker import (
 )
 from supple.multibody.model import DeadForceArrays, End, ForceArrays, JointArrays, Model
 from supple.multibody.polynomial_force import polynomial_force
+from supple.multibody.small_product import small_product
 
 __all__ = [
     "Balance",
@@ -112,7 +113,7 @@ def advance(model: Model, configuration: Configuration, increment: jax.Array) ->
     for index, part in enumerate(model.slices):
         step = increment[part]
         origins.append(configuration.origins[index] + step[:3])
-        rotations.append(configuration.rotations[index] @ rotation_exp(step[3:6]))
+        rotations.append(small_product(configuration.rotations[index], rotation_exp(step[3:6])))
         coordinates.append(configuration.coordinates[index] + step[6:])
     return Configuration(jnp.stack(origins), jnp.stack(rotations), tuple(coordinates))
 
@@ -125,7 +126,7 @@ def _floating(model: Model, motion: Motion, index: int) -> FloatingMotion:
         coordinates=motion.configuration.coordinates[index],
         spin=velocity[3:6],
         rates=velocity[6:],
-        acceleration=rotation.T @ (acceleration[:3] - model.gravity),
+        acceleration=small_product(rotation.T, acceleration[:3] - model.gravity),
         spin_rate=acceleration[3:6],
         accelerations=acceleration[6:],
     )
@@ -138,8 +139,8 @@ def marker(model: Model, end: End, configuration: Configuration, velocity: jax.A
         eye = jnp.eye(3)
         return Marker(zero, eye, zero, zero, end.offset, end.axes, zero, zero, zero, zero)
     own = velocity[model.slices[end.body]]
-    local = end.selection[6:, 6:] @ configuration.coordinates[end.body]
-    local_rates = end.selection[6:, 6:] @ own[6:]
+    local = end.motion @ configuration.coordinates[end.body]
+    local_rates = end.motion @ own[6:]
     return Marker(
         origin=configuration.origins[end.body],
         rotation=configuration.rotations[end.body],
@@ -171,7 +172,7 @@ def _on_bodies(
     """Generalised forces on the bodies at both ends of an element, from those on the local freedoms (12,)."""
     for end, part in zip((element.first, element.second), local, strict=True):
         if end.body >= 0:
-            yield end.body, jnp.concatenate([part[:6], end.selection[6:, 6:].T @ part[6:]])
+            yield end.body, jnp.concatenate([part[:6], end.motion.T @ part[6:]])
 
 
 def _joined(model: Model, parts: list[tuple[int, jax.Array]]) -> jax.Array:
@@ -259,8 +260,8 @@ def _on_velocities(end: End, by_local: jax.Array, turn: jax.Array | None) -> jax
 
     With `turn` (3, 3), for the increment of the frame's rotation vector instead of `dpsi`.
     """
-    spin = by_local[:, 3:6] if turn is None else by_local[:, 3:6] @ turn
-    return jnp.concatenate([by_local[:, :3], spin, by_local[:, 6:] @ end.selection[6:, 6:]], axis=1)
+    spin = by_local[:, 3:6] if turn is None else small_product(by_local[:, 3:6], turn)
+    return jnp.concatenate([by_local[:, :3], spin, by_local[:, 6:] @ end.motion], axis=1)
 
 
 def _turn_by_increment(model: Model, index: int, increments: jax.Array) -> jax.Array:
@@ -300,7 +301,7 @@ def balance(model: Model, motion: Motion) -> Balance:
         terms = inertia_terms(body.inertia, floating)
         own = terms.force
         rotation = motion.configuration.rotations[index]
-        inertia.append(jnp.concatenate([rotation @ own[:3], own[3:]]))
+        inertia.append(jnp.concatenate([small_product(rotation, own[:3]), own[3:]]))
         force, tangent_stiffness = polynomial_force(
             body.stiffness, body.cubic, body.quartic, floating.coordinates
         )
@@ -326,7 +327,8 @@ def balance(model: Model, motion: Motion) -> Balance:
     for joint, at, rows in zip(model.joints, joints, _joint_parts(model), strict=True):
         on_first, on_second = at.by_end
         own_multipliers = multipliers[rows]
-        holding += _on_bodies(joint, (own_multipliers @ on_first, own_multipliers @ on_second))
+        local = small_product(own_multipliers, on_first), small_product(own_multipliers, on_second)
+        holding += _on_bodies(joint, local)
     return Balance(
         inertia=jnp.concatenate(inertia),
         internal=jnp.concatenate(internal),
@@ -415,7 +417,7 @@ def _add_blocks(
             if row_end.body < 0 or column_end.body < 0:
                 continue
             columns = _on_velocities(column_end, part, None if turns is None else turns[column_end.body])
-            block = jnp.concatenate([columns[:6], row_end.selection[6:, 6:].T @ columns[6:]])
+            block = jnp.concatenate([columns[:6], row_end.motion.T @ columns[6:]])
             where = row_end.body, column_end.body
             blocks[where] = blocks[where] + block if where in blocks else block
 
@@ -435,9 +437,9 @@ def _body_tangent(
     terms = linearization.inertia[index]
     local = inertia_tangent(body.inertia, floating, terms, velocity, position)
     # a = A^T (Rddot - g) changes with the frame's rotation, da = a x dpsi, and so does the force A p.
-    pushed = skew(position * floating.acceleration) @ turn
-    by_frame = local[:, :3] @ jnp.concatenate([rotation.T, pushed], axis=1)
-    turned_force = jnp.pad(skew(-position * terms.force[:3]) @ turn, ((0, 3 + body.r), (0, 0)))
+    pushed = small_product(skew(position * floating.acceleration), turn)
+    by_frame = small_product(local[:, :3], jnp.concatenate([rotation.T, pushed], axis=1))
+    turned_force = jnp.pad(small_product(skew(-position * terms.force[:3]), turn), ((0, 3 + body.r), (0, 0)))
     elastic = position * linearization.stiffness[index] + velocity * body.damping
     columns = jnp.concatenate(
         [
@@ -447,7 +449,7 @@ def _body_tangent(
         ],
         axis=1,
     )
-    return jnp.concatenate([rotation @ columns[:3], columns[3:]])
+    return jnp.concatenate([small_product(rotation, columns[:3]), columns[3:]])
 
 
 def _dead_force_tangent(load: DeadForceArrays, motion: Motion, turn: jax.Array) -> jax.Array:

@@ -25,6 +25,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.rotation import skew
+from supple.multibody.small_product import small_product
 
 __all__ = [
     "FloatingMotion",
@@ -150,22 +151,26 @@ def inertia_terms(arrays: InertiaArrays, motion: FloatingMotion) -> InertiaTerms
             jnp.concatenate([motion.acceleration, motion.accelerations]),
         ]
     )
-    by_spinning = jnp.stack(
-        [jnp.concatenate([motion.spin, none]), jnp.concatenate([motion.spin_rate, motion.spin])]
+    spun = jnp.stack(
+        [
+            small_product(motion.spin, spinning[:3]),
+            small_product(motion.spin_rate, spinning[:3]) + small_product(motion.spin, spinning[3:]),
+        ]
     )
-    h, d = by_fixed @ arrays.fixed + by_spinning @ spinning
-    h_turning, d_turning = h[3 : 6 + 3 * r].reshape(1 + r, 3), d[3 : 6 + 3 * r].reshape(1 + r, 3)
-    angular = weights[0] @ h_turning
-    moment = weights[0] @ d_turning + weights[1] @ h_turning + jnp.cross(motion.spin, angular)
+    h, d = both = by_fixed @ arrays.fixed + spun
+    turning = both[:, 3 : 6 + 3 * r].reshape(2, 1 + r, 3)
+    # h and d of the rotation in the deformed body, and of its rate.
+    (angular, d_angular), (h_rate, _) = (weights[:, None, :, None] * turning).sum(axis=2)
+    moment = d_angular + h_rate + jnp.cross(motion.spin, angular)
     force = d[:3] + jnp.cross(motion.spin, h[:3])
-    deformation = d[6 + 3 * r :] - h_turning[1:] @ motion.spin
+    deformation = d[6 + 3 * r :] - small_product(turning[0, 1:], motion.spin)
     return InertiaTerms(
         force=jnp.concatenate([force, moment, deformation]),
         weights=weights,
         spinning=spinning,
         momentum=h[:3],
         angular=angular,
-        coupling=jnp.stack([h_turning[1:], d_turning[1:]]),
+        coupling=turning[:, 1:],
     )
 
 
@@ -203,9 +208,11 @@ def inertia_tangent(
     # The rows of G for the frame's translation and rotation, and for the rate of the latter.
     rows = jnp.concatenate([arrays.fixed[:3], terms.spinning])
     turning = rows[:, 3 : 6 + 3 * r].reshape(9, 1 + r, 3)
-    by_spin = jnp.einsum("ck,akj->caj", terms.weights, turning)
-    along = turning[:, 1:].reshape(9 * r, 3) @ jnp.stack([spin, motion.spin_rate], axis=1)
-    turned, turned_faster = along[:, 0].reshape(9, r), along[:, 1].reshape(9, r)
+    by_spin = (terms.weights[:, None, :, None] * turning).sum(axis=2)
+    turned, turned_faster = (
+        small_product(turning[:, 1:], spin),
+        small_product(turning[:, 1:], motion.spin_rate),
+    )
     deformed = rows[:, 6 + 3 * r :]
 
     # What d and h, seen by those rows, owe to the accelerations: columns of force, moment and its rate.

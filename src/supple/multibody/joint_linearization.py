@@ -23,6 +23,7 @@ from supple.algebra.rotation import skew
 from supple.multibody.joints.joint import JointFrame
 from supple.multibody.marker import Marker, frame_motion, orientation, point, wrench_stiffness
 from supple.multibody.model import JointArrays
+from supple.multibody.small_product import small_product
 
 __all__ = ["Blocks", "JointLinearization", "geometric_stiffness", "joint_equations", "linearize_joint"]
 
@@ -95,7 +96,8 @@ def linearize_joint(joint: JointArrays, first: Marker, second: Marker, time: jax
     """Equations and derivatives of a joint whose markers are known."""
     frames = _frame(first), _frame(second)
     axes = frames[0].axes
-    gap, turn = axes.T @ (frames[1].point - frames[0].point), axes.T @ frames[1].axes
+    gap = small_product(axes.T, frames[1].point - frames[0].point)
+    turn = small_product(axes.T, frames[1].axes)
     coefficients, constant = affine_form(joint, time)
     of_gap, of_turn = coefficients[:, :3], coefficients[:, 3:].reshape(-1, 3, 3)
     by_point = of_gap @ axes.T
@@ -112,8 +114,8 @@ def linearize_joint(joint: JointArrays, first: Marker, second: Marker, time: jax
         turn=turn,
         motions=motions,
         by_end=(
-            jnp.concatenate([-by_point, by_turns[0]], axis=1) @ motions[0],
-            jnp.concatenate([by_point, by_turns[1]], axis=1) @ motions[1],
+            small_product(jnp.concatenate([-by_point, by_turns[0]], axis=1), motions[0]),
+            small_product(jnp.concatenate([by_point, by_turns[1]], axis=1), motions[1]),
         ),
     )
 
@@ -134,22 +136,22 @@ def geometric_stiffness(
     """
     weights = multipliers @ at.coefficients
     force, moments = weights[:3], weights[3:].reshape(3, 3)
-    on_first, on_second = moments @ at.turn.T, at.turn.T @ moments
-    pull = at.axes @ force
+    on_first, on_second = small_product(moments, at.turn.T), small_product(at.turn.T, moments)
+    pull = small_product(at.axes, force)
     wrenches = (
         jnp.concatenate([-pull, jnp.cross(force, at.gap) - _axial(on_first)]),
         jnp.concatenate([pull, _axial(on_second)]),
     )
     trace = jnp.trace(on_second) * jnp.eye(3)
     zero = jnp.zeros((3, 3))
-    swing = at.axes @ skew(force)
-    mixed = (trace - on_first.T) @ at.turn
+    swing = small_product(at.axes, skew(force))
+    mixed = small_product(trace - on_first.T, at.turn)
 
     def framed(rows: int, columns: int, block: list[list[jax.Array]]) -> jax.Array:
-        return at.motions[rows].T @ jnp.block(block) @ at.motions[columns]
+        return small_product(small_product(at.motions[rows].T, jnp.block(block)), at.motions[columns])
 
     turned = at.motions[1][3:]
-    tilted = skew(force) @ skew(at.gap) - trace + on_first.T
+    tilted = small_product(skew(force), skew(at.gap)) - trace + on_first.T
     return (
         (
             framed(0, 0, [[zero, swing], [swing.T, tilted]]) + wrench_stiffness(first, wrenches[0]),
@@ -157,6 +159,7 @@ def geometric_stiffness(
         ),
         (
             framed(1, 0, [[zero, -swing], [zero, mixed.T]]),
-            turned.T @ (on_second - trace) @ turned + wrench_stiffness(second, wrenches[1]),
+            small_product(small_product(turned.T, on_second - trace), turned)
+            + wrench_stiffness(second, wrenches[1]),
         ),
     )

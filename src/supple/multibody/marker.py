@@ -20,6 +20,7 @@ import jax
 import jax.numpy as jnp
 
 from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, skew
+from supple.multibody.small_product import small_product
 
 __all__ = [
     "N_LOCAL",
@@ -92,12 +93,12 @@ def with_rates(marker: Marker, variation: jax.Array) -> Marker:
 
 def point(marker: Marker) -> jax.Array:
     """Global position `r_p`, (3,)."""
-    return marker.origin + marker.rotation @ (marker.offset + marker.displacement)
+    return marker.origin + small_product(marker.rotation, marker.offset + marker.displacement)
 
 
 def orientation(marker: Marker) -> jax.Array:
     """Global orientation `A_p` of the joint axes, as columns, (3, 3)."""
-    return marker.rotation @ rotation_exp(marker.turn) @ marker.axes
+    return small_product(small_product(marker.rotation, rotation_exp(marker.turn)), marker.axes)
 
 
 def point_velocity(marker: Marker) -> jax.Array:
@@ -131,10 +132,13 @@ def frame_motion(marker: Marker) -> jax.Array:
     dr = dR + A (du - (x + u)~ dpsi),      dphi = C^T ( exp(theta)^T dpsi + T(theta) dtheta )
     """
     arm = marker.offset + marker.displacement
-    turned = marker.axes.T @ rotation_exp(marker.turn).T
+    turned = small_product(rotation_exp(marker.turn), marker.axes).T
     zero = jnp.zeros((3, 3))
-    shift = jnp.concatenate([jnp.eye(3), -marker.rotation @ skew(arm), marker.rotation, zero], axis=1)
-    turn = jnp.concatenate([zero, turned, zero, marker.axes.T @ rotation_right_jacobian(marker.turn)], axis=1)
+    shift = jnp.concatenate(
+        [jnp.eye(3), -small_product(marker.rotation, skew(arm)), marker.rotation, zero], axis=1
+    )
+    by_turn = small_product(marker.axes.T, rotation_right_jacobian(marker.turn))
+    turn = jnp.concatenate([zero, turned, zero, by_turn], axis=1)
     return jnp.concatenate([shift, turn])
 
 
@@ -144,14 +148,13 @@ def wrench_stiffness(marker: Marker, wrench: jax.Array) -> jax.Array:
     `wrench` (6,) is the force in global components and the moment in the joint's axes.
     """
     arm = marker.offset + marker.displacement
-    force = skew(marker.rotation.T @ wrench[:3])
-    moment = marker.axes @ wrench[3:]
+    force = skew(small_product(marker.rotation.T, wrench[:3]))
+    moment = small_product(marker.axes, wrench[3:])
     jacobian = rotation_right_jacobian(marker.turn)
-    by_turn = jax.jacfwd(lambda turn: rotation_right_jacobian(turn).T @ moment)(marker.turn)
+    tilted = small_product(rotation_exp(marker.turn), small_product(skew(moment), jacobian))
+    by_turn = jax.jacfwd(lambda turn: small_product(rotation_right_jacobian(turn).T, moment))(marker.turn)
     zero = jnp.zeros((3, 3))
-    of_spin = jnp.concatenate(
-        [zero, skew(arm) @ force, -force, -rotation_exp(marker.turn) @ skew(moment) @ jacobian], axis=1
-    )
+    of_spin = jnp.concatenate([zero, small_product(skew(arm), force), -force, -tilted], axis=1)
     return jnp.concatenate(
         [
             jnp.zeros((3, 12)),

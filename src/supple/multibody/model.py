@@ -21,7 +21,6 @@ from supple.multibody.full_body import FullBody
 from supple.multibody.joints import GROUND, At
 from supple.multibody.joints.joint import Joint
 from supple.multibody.loads import DeadForce, ForceElement
-from supple.multibody.marker import N_LOCAL
 from supple.multibody.system import Placed, System
 from supple.reduction import ReducedBody
 
@@ -67,11 +66,11 @@ class BodyArrays:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class End:
-    """A marker of a joint or force: its body (-1: ground) and how the body's freedoms move it."""
+    """A marker of a joint or force: its body (-1: ground) and how the body's coordinates move it."""
 
     body: int = field(metadata=_STATIC)
-    selection: Any
-    """(12, 6 + r): local freedoms of the marker from the velocities of its body."""
+    motion: Any
+    """(6, r): displacement and rotation of the interface from the coordinates of its body"""
     offset: Any
     axes: Any
 
@@ -205,21 +204,13 @@ def interface_motion(placed: Placed, interface: str) -> tuple[np.ndarray, Any]:
     return np.asarray(found.position), found.motion
 
 
-def _selection(motion: np.ndarray) -> np.ndarray:
-    r = motion.shape[1]
-    selection = np.zeros((N_LOCAL, 6 + r))
-    selection[:6, :6] = np.eye(6)
-    selection[6:, 6:] = motion
-    return selection
-
-
 def _end(system: System, end: At, axes: np.ndarray, ground_point: np.ndarray) -> End:
     if end == GROUND:
-        return End(body=-1, selection=np.zeros((N_LOCAL, 0)), offset=ground_point, axes=axes)
+        return End(body=-1, motion=np.zeros((6, 0)), offset=ground_point, axes=axes)
     index = system.body_index(end.body)
     placed = system.bodies[index]
     position, motion = interface_motion(placed, end.interface)
-    return End(body=index, selection=_selection(motion), offset=position, axes=placed.rotation.T @ axes)
+    return End(body=index, motion=motion, offset=position, axes=placed.rotation.T @ axes)
 
 
 def initial_point(system: System, end: At) -> np.ndarray:

@@ -167,8 +167,8 @@ def self_correct(
     which adds up the runs to come were each of them to gain as little as the last one did; a round gains one
     to three orders, so that e_k is d_k but for a per cent, and the rounds end where d_k does not shrink. So
     the run that meets the tolerance is the last but one. The size of the missing motion (`Round.indicator`)
-    is a second opinion that needs no second run: sharp for slow motion, loose near a resonance of what the
-    basis lacks. Modes inside the band in which the loads excite the body belong in the basis from the start.
+    is a second opinion, asked for in the first round, where rho is unknown and taken as zero: sharp for slow
+    motion, loose near a resonance of what the basis lacks. Modes inside the band in which the loads excite the body belong in the basis from the start.
 
     Parameters
     ----------
@@ -248,7 +248,9 @@ def self_correct(
         )
         if announce is not None:
             announce(rounds[-1])
-        if rounds[-1].estimated_error <= target.allowed(_largest_displacement(current)):
+        # The first round has no rate of convergence to go by: there the missing motion must agree.
+        doubt = rounds[-1].indicator if len(rounds) == 1 else 0.0
+        if max(rounds[-1].estimated_error, doubt) <= target.allowed(_largest_displacement(current)):
             return SelfCorrected(tuple(rounds), finer.body, finer.solution)
         _check_prospects(target, rounds, finer)
         current, last_difference = finer, difference

@@ -123,7 +123,7 @@ def test_push_through_the_centre_of_mass_needs_no_moment(solution):
 
 
 def test_prescribed_rotation_needs_the_torque_inertia_times_acceleration(solution):
-    """About the pivot (I + m l^2) alpha; radial force m l w^2, tangential m l alpha; ground reversed."""
+    """About the pivot (I + m l^2) alpha; radially m l w^2, across m l alpha; on the ground reversed."""
     t, arm = solution.times, 0.5
     forces, motion = solution.joint_forces["motor"], solution.bodies["crank"]
     angle = ACCELERATION * t**2 / 2

@@ -1,0 +1,18 @@
+"""Products of matrices a few entries wide, in a form that compiles into its neighbours.
+
+XLA hands every `@` to a library of matrix products: for 3 x 3 matrices the call costs many times the
+arithmetic. Written as a sum, the product becomes part of the loop around it.
+"""
+
+from __future__ import annotations
+
+import jax
+
+__all__ = ["small_product"]
+
+
+def small_product(a: jax.Array, b: jax.Array) -> jax.Array:
+    """`a @ b` for a (..., m) and b (m, n) or (m,), m small."""
+    if b.ndim == 1:
+        return (a * b).sum(axis=-1)
+    return (a[..., None] * b).sum(axis=-2)
