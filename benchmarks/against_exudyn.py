@@ -64,7 +64,7 @@ def in_supple(mesh, body) -> tuple[dict, np.ndarray]:
 def in_exudyn(mesh, body) -> tuple[dict, np.ndarray]:
     try:
         import exudyn as exu
-        import exudyn.itemInterface as items
+        from exudyn import itemInterface as items  # noqa: N813
         from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
     except ImportError:
         sys.exit("this comparison needs Exudyn: pip install exudyn")
