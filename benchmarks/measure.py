@@ -1,10 +1,14 @@
-"""Process time and memory of a step, and where the numbers go."""
+"""Time and memory of a step, and where the numbers go.
+
+Times are medians of some repeats, in seconds of the processor and of the clock on the wall: where the two
+differ, other work shares the machine. Memory is what the step adds to the process at its peak.
+"""
 
 from __future__ import annotations
 
-import resource
 from collections.abc import Callable
 from pathlib import Path
+from statistics import median
 from time import perf_counter, process_time
 from typing import Any
 
@@ -12,40 +16,53 @@ from supple.benchmark.machine import describe_machine
 from supple.results import write_json
 
 RESULTS = Path(__file__).parent / "results"
+STATUS, CLEAR = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 
 
-def timed(step: Callable[[], Any], repeats: int = 3) -> tuple[float, Any]:
-    """Least processor seconds of some repeats, and the last outcome."""
-    best, outcome = float("inf"), None
+def measured(step: Callable[[], Any], repeats: int = 5) -> tuple[dict[str, Any], Any]:
+    """Processor and wall seconds and peak memory of a step, and its last outcome."""
+    processor, wall, outcome = [], [], None
+    before = _restart_peak()
     for _ in range(repeats):
-        began = process_time()
+        outcome = None  # not two of them at a time: the peak is that of one
+        began, began_wall = process_time(), perf_counter()
         outcome = step()
-        best = min(best, process_time() - began)
-    return best, outcome
+        processor.append(process_time() - began)
+        wall.append(perf_counter() - began_wall)
+    peak = _resident("VmHWM")
+    grown = None if before is None or peak is None else peak - before
+    return {"cpu s": median(processor), "wall s": median(wall), "peak MB": grown}, outcome
 
 
-def wall(step: Callable[[], Any]) -> tuple[float, Any]:
-    """Wall seconds of one call, and its outcome."""
-    began = perf_counter()
-    outcome = step()
-    return perf_counter() - began, outcome
+def _restart_peak() -> float | None:
+    """Forget the largest size so far (Linux only); the size now, MB."""
+    if not CLEAR.exists():
+        return None
+    CLEAR.write_text("5", encoding="ascii")
+    return _resident("VmRSS")
 
 
-def peak_megabytes() -> float:
-    """Largest resident size of this process so far."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+def _resident(entry: str) -> float | None:
+    if not STATUS.exists():
+        return None
+    for line in STATUS.read_text(encoding="ascii").splitlines():
+        if line.startswith(entry):
+            return int(line.split()[1]) / 1024
+    return None
 
 
-def keep(name: str, rows: list[dict[str, Any]]) -> None:
+def keep(name: str, rows: list[dict[str, Any]], **beside: Any) -> None:
     """Print the rows as a table and write them with the machine's description."""
     heads = list(dict.fromkeys(key for row in rows for key in row))
-    table = [heads] + [[_text(row.get(head, "")) for head in heads] for row in rows]
+    table = [heads] + [[_text(row.get(head)) for head in heads] for row in rows]
     widths = [max(len(line[i]) for line in table) for i in range(len(heads))]
     for line in table:
         print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
-    RESULTS.mkdir(exist_ok=True)
-    write_json(RESULTS / f"{name}.json", {"rows": rows, "machine": describe_machine()})
+    path = write_json(RESULTS / f"{name}.json", {"rows": rows, "machine": describe_machine() | beside})
+    print(f"written to {path}")
 
 
 def _text(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    if value is None:
+        return ""
+    return f"{value:.3g}" if isinstance(value, float) else str(value)

@@ -9,6 +9,7 @@ Positions are corrected by the least motion in the mass norm until `g(q, t_0) = 
 from __future__ import annotations
 
 import warnings
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -17,6 +18,7 @@ import numpy as np
 import scipy.linalg
 
 from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning
+from supple.multibody.compiler_options import STARTING
 from supple.multibody.equations import (
     Configuration,
     Motion,
@@ -66,7 +68,7 @@ class JointTerms(NamedTuple):
     """`d2g/dt2` while the velocities stay constant, (m,)"""
 
 
-@jax.jit
+@partial(jax.jit, compiler_options=STARTING)
 def joint_terms(
     model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array
 ) -> JointTerms:
@@ -87,7 +89,7 @@ def joint_terms(
     )
 
 
-@jax.jit
+@partial(jax.jit, compiler_options=STARTING)
 def _mass_and_forces(
     model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
@@ -175,7 +177,7 @@ def _bordered_solve(
     return solution
 
 
-_moved = jax.jit(advance)
+_moved = jax.jit(advance, compiler_options=STARTING)
 
 
 def consistent_start(system: System, time: float, first_step: float) -> tuple[Model, State]:

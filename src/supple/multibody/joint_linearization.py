@@ -92,13 +92,21 @@ def _axial(matrix: jax.Array) -> jax.Array:
     )
 
 
+def _seen(second: Marker, coefficients: Any) -> Marker:
+    """The second marker, unturned where the joint does not see it turn: the compiler drops what follows."""
+    if isinstance(coefficients, np.ndarray) and not coefficients[:, 3:].any():
+        return second._replace(turn=jnp.zeros(3))
+    return second
+
+
 def linearize_joint(joint: JointArrays, first: Marker, second: Marker, time: jax.Array) -> JointLinearization:
     """Equations and derivatives of a joint whose markers are known."""
+    coefficients, constant = affine_form(joint, time)
+    second = _seen(second, coefficients)
     frames = _frame(first), _frame(second)
     axes = frames[0].axes
     gap = small_product(axes.T, frames[1].point - frames[0].point)
     turn = small_product(axes.T, frames[1].axes)
-    coefficients, constant = affine_form(joint, time)
     of_gap, of_turn = coefficients[:, :3], coefficients[:, 3:].reshape(-1, 3, 3)
     by_point = of_gap @ axes.T
     by_turns = (
@@ -134,6 +142,7 @@ def geometric_stiffness(
 
     Blocks (12, 12): rows of the first and second end, columns of the first and second end.
     """
+    second = _seen(second, at.coefficients)
     weights = multipliers @ at.coefficients
     force, moments = weights[:3], weights[3:].reshape(3, 3)
     on_first, on_second = small_product(moments, at.turn.T), small_product(at.turn.T, moments)

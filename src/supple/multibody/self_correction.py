@@ -168,7 +168,8 @@ def self_correct(
     to three orders, so that e_k is d_k but for a per cent, and the rounds end where d_k does not shrink. So
     the run that meets the tolerance is the last but one. The size of the missing motion (`Round.indicator`)
     is a second opinion, asked for in the first round, where rho is unknown and taken as zero: sharp for slow
-    motion, loose near a resonance of what the basis lacks. Modes inside the band in which the loads excite the body belong in the basis from the start.
+    motion, loose near a resonance of what the basis lacks. Modes inside the band in which the loads excite
+    the body belong in the basis from the start.
 
     Parameters
     ----------

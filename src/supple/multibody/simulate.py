@@ -23,6 +23,7 @@ from supple.integrate import (
     Tolerances,
     concatenate,
 )
+from supple.multibody.compiler_options import MARCHING
 from supple.multibody.equations import Configuration
 from supple.multibody.full_body import FullBody
 from supple.multibody.initial_state import consistent_start
@@ -188,7 +189,9 @@ def _simulate_compiled(
         model, state, times = _resumed(system, times, step, resume)
     settings = controls(step, method, tolerances)
     size = max(1, int(np.ceil(len(times) / CHUNKS)))
-    compiled = march.lower(model, settings, state, jnp.asarray(times[:size])).compile()
+    model_arrays = jax.device_put(model)  # once, not with every chunk
+    lowered = march.lower(model_arrays, settings, state, jnp.asarray(times[:size]))
+    compiled = lowered.compile(compiler_options=MARCHING)
     ready = clock.perf_counter()
     if resume is None:
         first = jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], state)
@@ -198,30 +201,32 @@ def _simulate_compiled(
         record(parts[0])
     last_mark = ready
     n_done = 0
+    counted = _counts(jax.device_get(state))
     while n_done < len(times):
         chunk = times[n_done : n_done + size]
-        before = state
         # A short last chunk repeats its end, where nothing is left to do: all chunks share one compilation.
         padded = np.pad(chunk, (0, size - len(chunk)), mode="edge")
-        state, states = compiled(model, settings, state, jnp.asarray(padded))
+        state, states = compiled(model_arrays, settings, state, jnp.asarray(padded))
         states = jax.device_get(states)
         good = int(np.sum(~states.failed[: len(chunk)]))
         mark = clock.perf_counter()
-        statistics = Statistics(
-            steps=int(state.steps - before.steps),
-            iterations=int(state.iterations - before.iterations),
-            cuts=int(state.cuts - before.cuts),
-            seconds=mark - last_mark,
-        )
-        last_mark = mark
+        last = jax.tree.map(lambda leaf: leaf[-1], states)
+        steps, iterations, cuts = _counts(last) - counted
+        statistics = Statistics(int(steps), int(iterations), int(cuts), seconds=mark - last_mark)
+        counted, last_mark = _counts(last), mark
         if good:
             parts.append(as_solution(system, model, _leading(states, good), statistics))
             record(parts[-1])
-        if bool(state.failed):
-            raise ConvergenceError(failure_message(float(state.time), np.asarray(state.imbalance)))
+        if last.failed:
+            raise ConvergenceError(failure_message(float(last.time), last.imbalance))
         n_done += len(chunk)
         progress(n_done / len(times))
     return concatenate(parts)
+
+
+def _counts(state: State) -> np.ndarray:
+    """Steps, iterations and cuts so far."""
+    return np.array([state.steps, state.iterations, state.cuts])
 
 
 def _leading(states: State, count: int) -> State:

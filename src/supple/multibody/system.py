@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
-import jax.numpy as jnp
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from supple.algebra.rotation import rotation_exp
 from supple.body import RigidBody
 from supple.errors import ModelError
 from supple.multibody.full_body import FullBody
@@ -57,7 +56,8 @@ class Placed:
             object.__setattr__(self, item, _vector(f"{item} of body '{name}'", getattr(self, item)))
         rotation = np.array(self.rotation, dtype=float)
         if rotation.shape == (3,):
-            rotation = np.array(rotation_exp(jnp.asarray(_vector(f"rotation of body '{name}'", rotation))))
+            _vector(f"rotation of body '{name}'", rotation)
+            rotation = Rotation.from_rotvec(rotation).as_matrix()
         if rotation.shape != (3, 3) or not np.allclose(rotation.T @ rotation, np.eye(3), atol=1e-9):
             raise ModelError(
                 f"rotation of body '{name}' must be a rotation vector (3,) or an orthonormal matrix (3, 3)"

@@ -1,8 +1,9 @@
 """What every joint is: two ends, axes in the initial configuration, and constraint equations.
 
 The equations are written in the *joint frames* of both ends (`JointFrame`): points and axes that coincide in
-the initial configuration. Jacobians and second derivatives follow from the equations by differentiation on
-the group, so a new joint is one short function.
+the initial configuration. They may depend on the frames through `A_1^T (r_2 - r_1)` and `A_1^T A_2` only, and
+affinely; Jacobian and geometric stiffness then follow (`joint_linearization`), so a new joint is one short
+function.
 """
 
 from __future__ import annotations
@@ -105,7 +106,10 @@ class Joint(ABC):
     @staticmethod
     @abstractmethod
     def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:
-        """The equations `g = 0`, (n_constraints,); `value` is the law's at this time, or None."""
+        """The equations `g = 0`, (n_constraints,), affine in the second frame as the first one sees it.
+
+        `value` is the law's at this time, or None.
+        """
 
 
 def closing(first: JointFrame, second: JointFrame) -> jax.Array:
