@@ -118,7 +118,8 @@ def _position_scale(model: Model) -> jax.Array:
 
 def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
     """`norm / scale`, and 0 where nothing is out of balance."""
-    return jnp.where(norm > 0, norm / jnp.where(scale > 0, scale, 1.0), 0.0)
+    # Asked this way round, NaN stays NaN: no comparison with it holds.
+    return jnp.where(norm == 0, 0.0, norm / jnp.where(scale > 0, scale, 1.0))
 
 
 def position_rounding(length: Any, origins: Any) -> Any:
