@@ -230,7 +230,7 @@ def film(run: BeamRun, path: Path, progress: Callable[[float], None]) -> Path:
     )
 
 
-_FILM_STEP, _FILM_END = 0.14, 12.0
+_FILM_STEP, _FILM_END = 0.36, 12.0
 
 
 def _label(rom: ReducedRun) -> str:

@@ -71,13 +71,13 @@ class Configuration(NamedTuple):
 class Motion(NamedTuple):
     """What the equations are evaluated at."""
 
-    time: jax.Array
+    time: AnyArray
     configuration: Configuration
-    velocity: jax.Array
+    velocity: AnyArray
     """(n,)"""
-    acceleration: jax.Array
+    acceleration: AnyArray
     """(n,)"""
-    multipliers: jax.Array
+    multipliers: AnyArray
     """(m,)"""
 
 

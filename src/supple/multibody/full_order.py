@@ -165,13 +165,11 @@ class FullOrderSystem:
     def border_configuration(self, configuration: Configuration) -> Configuration:
         """Configuration of the compiled part."""
         coordinates = tuple(
-            jnp.asarray(
-                own if index not in self.interior_of else self.interior_of[index].interface_rows @ own
-            )
+            np.asarray(own if index not in self.interior_of else self.interior_of[index].interface_rows @ own)
             for index, own in enumerate(configuration.coordinates)
         )
         return Configuration(
-            jnp.asarray(configuration.origins), jnp.asarray(configuration.rotations), coordinates
+            np.asarray(configuration.origins), np.asarray(configuration.rotations), coordinates
         )
 
     def advance(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
@@ -188,11 +186,11 @@ class FullOrderSystem:
         """All residuals at a state; `position` scales the constraints' imbalance."""
         configuration = self.border_configuration(state.configuration)
         motion = Motion(
-            jnp.asarray(state.time),
+            np.float64(state.time),
             configuration,
-            jnp.asarray(self.to_border(state.velocity)),
-            jnp.asarray(self.to_border(state.acceleration)),
-            jnp.asarray(state.multipliers),
+            self.to_border(state.velocity),
+            self.to_border(state.acceleration),
+            np.asarray(state.multipliers),
         )
         terms = jax.tree.map(np.asarray, _border_terms(self.model, motion))
         states, residuals, gaps = [], [], []
@@ -284,9 +282,9 @@ class FullOrderSystem:
                 model,
                 motion,
                 evaluation.border.linearization,
-                jnp.asarray(self.to_border(increments)),
-                jnp.asarray(velocity),
-                jnp.asarray(position),
+                self.to_border(increments),
+                np.float64(velocity),
+                np.float64(position),
             )
         )
         joint_targets, frame_targets = targets

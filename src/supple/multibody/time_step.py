@@ -262,6 +262,7 @@ def _local_error(model: Model, rule: StepRule, start: State, trial: _Trial) -> j
     return jnp.max(jnp.abs(error))
 
 
+@jax.jit
 def next_step(
     h: jax.Array | float,
     intended: jax.Array | float,
