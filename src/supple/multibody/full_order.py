@@ -61,6 +61,7 @@ from supple.multibody.simulate import (
     Recorder,
     body_motions,
     failure_message,
+    joint_forces,
 )
 from supple.multibody.system import System, n_coordinates
 from supple.multibody.time_step import next_step, position_rounding
@@ -590,12 +591,6 @@ def _as_solution(prepared: FullOrderSystem, states: list[FullState], statistics:
             for index in range(len(prepared.slices))
         ),
     )
-    multipliers = np.zeros((len(states), prepared.model.n_equations))
-    multipliers[:, list(prepared.model.active)] = [s.multipliers for s in states]
-    forces, begin = {}, 0
-    for joint in prepared.system.joints:
-        forces[joint.name] = multipliers[:, begin : begin + joint.n_constraints]
-        begin += joint.n_constraints
     return Solution(
         times=np.array([s.time for s in states]),
         bodies=body_motions(
@@ -605,7 +600,7 @@ def _as_solution(prepared: FullOrderSystem, states: list[FullState], statistics:
             np.array([s.velocity for s in states]),
             np.array([s.acceleration for s in states]),
         ),
-        joint_forces=forces,
+        joint_forces=joint_forces(prepared.system, prepared.model, np.array([s.multipliers for s in states])),
         statistics=statistics,
     )
 

@@ -18,6 +18,7 @@ from supple.body import RigidBody
 from supple.errors import ModelError
 from supple.multibody.floating_inertia import InertiaArrays, inertia_arrays
 from supple.multibody.full_body import FullBody
+from supple.multibody.full_inertia import cross_matrix
 from supple.multibody.joints import GROUND, At
 from supple.multibody.joints.joint import Joint
 from supple.multibody.loads import DeadForce, ForceElement
@@ -150,9 +151,7 @@ class Model:
 def rigid_gram(body: RigidBody) -> np.ndarray:
     """Inertia Gram matrix of a rigid body about its frame origin, (6, 6)."""
     mass, centre = float(body.mass), np.asarray(body.centre)
-    cross = np.array(
-        [[0, -centre[2], centre[1]], [centre[2], 0, -centre[0]], [-centre[1], centre[0], 0]], dtype=float
-    )
+    cross = cross_matrix(centre)
     inertia = np.asarray(body.inertia) - mass * cross @ cross
     return np.block([[mass * np.eye(3), -mass * cross], [mass * cross, inertia]])
 

@@ -262,7 +262,7 @@ def as_solution(system: System, model: Model, states: State, statistics: Statist
     return Solution(
         times=states.time,
         bodies=body_motions(system, model.slices, states.configuration, states.velocity, states.acceleration),
-        joint_forces=_joint_forces(system, model, states.multipliers),
+        joint_forces=joint_forces(system, model, states.multipliers),
         statistics=statistics,
     )
 
@@ -292,7 +292,7 @@ def body_motions(
     return motions
 
 
-def _joint_forces(system: System, model: Model, multipliers: np.ndarray) -> dict[str, np.ndarray]:
+def joint_forces(system: System, model: Model, multipliers: np.ndarray) -> dict[str, np.ndarray]:
     """Multipliers by joint; zero for the equations that were left out as redundant."""
     every = np.zeros((*multipliers.shape[:-1], model.n_equations))
     every[..., list(model.active)] = multipliers
