@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.benchmark.as_far_as_it_goes import as_far_as_it_goes, first_instants
 from supple.benchmark.beam_motion import spin_up_beam
 from supple.benchmark.planar_beam import ROTATING_BEAM
 from supple.benchmark.spin_up import SpinUp
@@ -27,9 +27,8 @@ from supple.body import (
     RigidInterface,
     flexible_body,
 )
-from supple.errors import ConvergenceError
 from supple.fem import GREEN_LAGRANGE, VON_KARMAN, HomogeneousWall, Isotropic, MembraneKinematics, shell_model
-from supple.integrate import FixedStep, Solution, concatenate
+from supple.integrate import FixedStep, Solution
 from supple.mesh import Mesh, strip
 from supple.multibody import GROUND, At, FullBody, Placed, PrescribedRotation, System, simulate
 from supple.reduction import (
@@ -305,23 +304,14 @@ def _run_reduced(
     began = perf_counter()
     reduced = reduce(body, FRAMES[full.frame], choice.recipe, derivatives=choice.derivatives)
     offline = perf_counter() - began
-    parts: list[Solution] = []
-    failed_at = None
-    try:
-        simulate(
-            _system(reduced, spin),
-            duration=problem.duration,
-            output_step=problem.output_step,
-            step=FixedStep(problem.step),
-            progress=progress,
-            record=parts.append,
-        )
-    except ConvergenceError:
-        # A basis without the derivatives it needs may well break down: a result of this benchmark.
-        failed_at = float(parts[-1].times[-1])
-        progress(1.0)
-    solution = concatenate(parts)
-    reference = _until(full.solution, len(solution.times))
+    solution, failed_at = as_far_as_it_goes(
+        _system(reduced, spin),
+        duration=problem.duration,
+        output_step=problem.output_step,
+        step=FixedStep(problem.step),
+        progress=progress,
+    )
+    reference = first_instants(full.solution, len(solution.times))
     return ReducedRun(
         full=full,
         basis=choice.basis_name,
@@ -336,12 +326,3 @@ def _run_reduced(
         failed_at=failed_at,
     )
 
-
-def _until(solution: Solution, n_times: int) -> Solution:
-    """The first part of a solution."""
-    bodies: dict[str, Any] = {
-        name: type(motion)(**{key: value[:n_times] for key, value in vars(motion).items()})
-        for name, motion in solution.bodies.items()
-    }
-    forces = {name: values[:n_times] for name, values in solution.joint_forces.items()}
-    return Solution(solution.times[:n_times], bodies, forces, solution.statistics)

@@ -15,7 +15,7 @@ import numpy as np
 
 from supple.errors import ModelError
 
-__all__ = ["Constant", "Table", "TimeFunction", "TimeLaw", "as_time_law", "check_law_shape"]
+__all__ = ["Constant", "Table", "TimeFunction", "TimeLaw", "Turning", "as_time_law", "check_law_shape"]
 
 
 @jax.tree_util.register_dataclass
@@ -108,12 +108,55 @@ class TimeFunction:
         return float("inf")
 
 
-TimeLaw = Constant | Table | TimeFunction
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Turning:
+    """Vectors given in axes that turn: v(t) = R(axis, angle(t)) vectors(t), R by Rodrigues' formula.
+
+    vectors : a law of (..., 3), in the turning axes
+    axis : (3,) unit vector
+    angle : a law, or a function of time, rad
+
+    Exact between the rows of a table, where a table of the turned vectors would cut corners.
+    """
+
+    vectors: Any
+    axis: Any
+    angle: Any
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.axis, (np.ndarray, list, tuple)):
+            return  # a tracer: see Table
+        axis = np.asarray(self.axis, dtype=float)
+        if axis.shape != (3,) or not abs(np.linalg.norm(axis) - 1) < 1e-9:
+            raise ValueError(f"the axis of turning vectors must be a unit vector, got {self.axis}")
+        object.__setattr__(self, "axis", axis)
+        object.__setattr__(self, "vectors", as_time_law(self.vectors))
+        object.__setattr__(self, "angle", as_time_law(self.angle))
+
+    def __call__(self, time: Any) -> Any:
+        """The vectors at a time, in the axes that do not turn."""
+        v, a, angle = jnp.asarray(self.vectors(time)), jnp.asarray(self.axis), self.angle(time)
+        along = (v @ a)[..., None] * a
+        return along + jnp.cos(angle) * (v - along) + jnp.sin(angle) * jnp.cross(a, v)
+
+    @property
+    def begin(self) -> float:
+        """First time at which the law is defined."""
+        return max(self.vectors.begin, self.angle.begin)
+
+    @property
+    def end(self) -> float:
+        """Last time at which the law is defined."""
+        return min(self.vectors.end, self.angle.end)
+
+
+TimeLaw = Constant | Table | TimeFunction | Turning
 
 
 def as_time_law(value: Any) -> TimeLaw:
     """The law meant by a law, a function of time, a number or an array."""
-    if isinstance(value, (Constant, Table, TimeFunction)):
+    if isinstance(value, (Constant, Table, TimeFunction, Turning)):
         return value
     if callable(value):
         return TimeFunction(value)

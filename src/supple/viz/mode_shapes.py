@@ -1,7 +1,8 @@
-"""A table of mode shapes with their frequencies."""
+"""A table of mode shapes, or of other displacement fields, with their titles."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -20,12 +21,17 @@ Array = NDArray[np.float64]
 _PIXELS_PER_INCH = 200
 
 
+def mode_titles(frequencies: Array) -> list[str]:
+    """Such as "mode 1:  0.675 Hz", of frequencies (m,) in Hz."""
+    return [f"mode {i}:  {frequency:.3g} Hz" for i, frequency in enumerate(frequencies, start=1)]
+
+
 def plot_mode_shapes(
     path: Path | str,
     nodes: Array,
     skin: Skin,
     modes: Array,
-    frequencies: Array,
+    titles: Sequence[str],
     *,
     n_columns: int = 2,
     amplitude: float = 0.1,
@@ -37,7 +43,7 @@ def plot_mode_shapes(
     ----------
     nodes : array (N, 3)            at rest
     modes : array (m, N, 3)         displacements; their scale is free
-    frequencies : array (m,)        Hz
+    titles : str, one per mode      such as those of `mode_titles`
     amplitude : float               largest displacement drawn, as a share of the body's diagonal
     camera : Camera                 a three-quarter view by default
 
@@ -47,10 +53,10 @@ def plot_mode_shapes(
     ResultFileError     the file cannot be written
     """
     check_nodes(nodes, skin)
-    if modes.ndim != 3 or not len(modes) or modes.shape[1:] != nodes.shape or len(frequencies) != len(modes):
+    if modes.ndim != 3 or not len(modes) or modes.shape[1:] != nodes.shape or len(titles) != len(modes):
         raise ModelError(
-            f"cannot draw modes of shape {modes.shape} with {len(frequencies)} frequencies over nodes "
-            f"of shape {nodes.shape}; give (m, N, 3) and (m,)"
+            f"cannot draw modes of shape {modes.shape} with {len(titles)} titles over nodes "
+            f"of shape {nodes.shape}; give (m, N, 3) and one title each"
         )
     if n_columns < 1:
         raise ModelError(f"mode shapes: n_columns is {n_columns}; give at least one")
@@ -72,7 +78,7 @@ def plot_mode_shapes(
     with textbook_style():
         figure = new_figure(n_rows * (cell * page.n_rows / page.n_columns + 0.22) + 0.1)
         grid = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
-        for i, (axes, shape, frequency) in enumerate(zip(grid, shapes, frequencies, strict=False)):
+        for i, (axes, shape, title) in enumerate(zip(grid, shapes, titles, strict=False)):
             picture = render(
                 shape,
                 skin,
@@ -83,7 +89,7 @@ def plot_mode_shapes(
             )
             draw_outline(axes, nodes, skin, camera)
             show(axes, picture, page)
-            axes.set_title(f"mode {i + 1}:  {frequency:.3g} Hz", fontsize=8.5, pad=2.0)
+            axes.set_title(title, fontsize=8.5, pad=2.0)
         for axes in grid[len(modes) :]:
             axes.set_axis_off()
         draw_cross(grid[0], camera)

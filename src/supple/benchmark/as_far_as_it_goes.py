@@ -1,0 +1,31 @@
+"""Simulate although the model may break down: a basis without the derivatives it needs does, as a result."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from supple.errors import ConvergenceError
+from supple.integrate import BodyMotion, Solution, concatenate
+from supple.multibody import System, simulate
+from supple.multibody.simulate import Progress
+
+
+def as_far_as_it_goes(system: System, *, progress: Progress, **options: Any) -> tuple[Solution, float | None]:
+    """The motion, and the time at which it broke off, or None; options as for `simulate`."""
+    parts: list[Solution] = []
+    try:
+        simulate(system, **options, progress=progress, record=parts.append)
+    except ConvergenceError:
+        progress(1.0)
+        return concatenate(parts), float(parts[-1].times[-1])
+    return concatenate(parts), None
+
+
+def first_instants(solution: Solution, n_times: int) -> Solution:
+    """The first part of a solution."""
+    bodies = {
+        name: BodyMotion(**{key: value[:n_times] for key, value in vars(motion).items()})
+        for name, motion in solution.bodies.items()
+    }
+    forces = {name: values[:n_times] for name, values in solution.joint_forces.items()}
+    return Solution(solution.times[:n_times], bodies, forces, solution.statistics)

@@ -1,0 +1,85 @@
+"""Self-correction on the blade, from 5 modes and 5 derivatives to an error, and what the full run says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from supple.benchmark.blade import FRAMES, Blade, BladeCase
+from supple.benchmark.blade_full import OUTPUT_STEP, STEP, TOLERANCES, FullRun
+from supple.benchmark.blade_reduced import error_against
+from supple.body import FlexibleBody, RayleighDamping
+from supple.multibody import Round, SelfCorrection, SelfCorrectionError, self_correct
+from supple.reduction import AmplitudeProduct, CompressedDerivatives, CraigBampton, StaticLoad
+
+__all__ = ["CorrectedRun", "correct_blade"]
+
+
+@dataclass(frozen=True, eq=False)
+class CorrectedRun:
+    """The rounds of a self-correction beside the truth.
+
+    allowed : float                 the error to reach, m
+    reached : bool
+    true_errors : (k,) | None       largest RMS error of each round against the full run of the same frame,
+                                    over the same time; None without a full run
+    """
+
+    case: BladeCase
+    frame: str
+    allowed: float
+    reached: bool
+    rounds: tuple[Round, ...]
+    true_errors: tuple[float, ...] | None
+
+
+def correct_blade(
+    blade: Blade,
+    body: FlexibleBody,
+    damping: RayleighDamping,
+    case: BladeCase,
+    frame: str,
+    *,
+    allowed: float,
+    duration: float,
+    full: FullRun | None,
+    progress: Callable[[float], None],
+) -> CorrectedRun:
+    """Reduce the blade as far as the error allows, without a look at the full run; then look."""
+    wind = AmplitudeProduct(StaticLoad(blade.steady_load(body, case)[:, 0]))
+    loads = blade.loads(case, duration)
+    found: list[Round] = []
+
+    def finished(round_: Round) -> None:
+        found.append(round_)
+        progress(len(found) / (len(found) + 1))
+
+    try:
+        self_correct(
+            lambda reduced: blade.system(reduced, case, loads),
+            body,
+            FRAMES[frame],
+            CraigBampton(n_modes=5),
+            derivatives=CompressedDerivatives(5, weights=wind),
+            target=SelfCorrection(absolute=allowed, max_rounds=MAX_ROUNDS),
+            damping=damping,
+            duration=duration,
+            output_step=OUTPUT_STEP,
+            step=STEP,
+            tolerances=TOLERANCES,
+            announce=finished,
+        )
+        reached = True
+    except SelfCorrectionError:
+        # What was reached is a result of this benchmark, and the report says that it was not enough.
+        reached = False
+    progress(1.0)
+    truth = None
+    if full is not None:
+        truth = tuple(
+            error_against(full.body, full.solution, each.body, each.solution).max_rms for each in found
+        )
+    return CorrectedRun(case, frame, allowed, reached, tuple(found), truth)
+
+
+MAX_ROUNDS = 5
