@@ -11,6 +11,21 @@ class MeshError(SuppleError, ValueError):
     """A mesh that no method can use: NaN, inverted or degenerate cells, orphan nodes, empty sets."""
 
 
+class CellError(MeshError):
+    """A mesh with an unusable cell: inverted, flat, or naming a node twice.
+
+    kind, number : the first such cell, by the name of its type and its number within the type
+    """
+
+    def __init__(self, message: str, kind: str, number: int) -> None:
+        super().__init__(message)
+        self.kind = kind
+        self.number = number
+
+    def __reduce__(self):
+        return CellError, (str(self), self.kind, self.number)
+
+
 class ImportFormatError(SuppleError, ValueError):
     """A file that breaks the rules of its format, or uses a part of it that is not supported."""
 
@@ -45,6 +60,10 @@ class SuppleWarning(UserWarning):
 
 class ValidityWarning(SuppleWarning):
     """A motion near or beyond what the chosen kinematics can describe."""
+
+
+class LoadSpectrumWarning(SuppleWarning):
+    """Loads that excite modes which a reduced body lacks."""
 
 
 class RedundantConstraintWarning(SuppleWarning):

@@ -6,7 +6,7 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import ArpackNoConvergence
 
 import supple.algebra.eigen as module
-from supple.algebra import lowest_modes
+from supple.algebra import count_below, grounded_factor, lowest_modes
 from supple.errors import AccuracyError, ModelError
 
 
@@ -186,3 +186,43 @@ def test_matrices_of_different_size(chain):
         ModelError, match=r"stiffness \(10, 10\) and mass \(11, 11\) must be square and of one size"
     ):
         lowest_modes(chain(10)[0], chain(11)[1], 2)
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 300])
+def test_eigenvalues_below_a_value_are_counted(chain, solver, count):
+    stiffness, mass = chain(300)
+    exact = np.concatenate([[-1.0], chain_eigenvalues(300, 300), [5.0]])
+    value = 0.5 * (exact[count] + exact[count + 1])
+    assert count_below(stiffness, mass, value, solver=solver) == count
+
+
+def test_a_constraint_takes_its_eigenvalues_away(truss, solver):
+    D = (truss.mass @ truss.rigid_modes).T
+    exact = dense_eigenvalues(truss)
+    value = 0.5 * (exact[9] + exact[10])
+    assert count_below(truss.stiffness, truss.mass, value, solver=solver) == 10
+    assert count_below(truss.stiffness, truss.mass, value, constraint=D, solver=solver) == 4
+
+
+def test_a_known_factor_lends_its_analysis_where_patterns_agree(truss):
+    grounded = grounded_factor(truss.stiffness, truss.rigid_modes)
+    exact = dense_eigenvalues(truss)
+    value = 0.5 * (exact[29] + exact[30])
+    assert count_below(truss.stiffness, truss.mass, value, grounded=grounded) == 30
+    n = truss.stiffness.shape[0]
+    wider = truss.mass + 1e-9 * sparse.csc_array(np.eye(n, k=n - 1) + np.eye(n, k=1 - n))
+    assert count_below(truss.stiffness, wider, value, grounded=grounded) == 30
+
+
+@pytest.mark.parametrize("limit", [0, 10_000], ids=["sparse", "dense"])
+def test_low_modes_beside_very_stiff_parts_keep_their_digits(monkeypatch, limit):
+    """A chain hung by unit springs, mass by mass, from one 2^40 times as stiff, which does not move."""
+    monkeypatch.setattr(module, "LARGEST_DENSE", limit)
+    n, stiff = 40, 2.0**40
+    fixed = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    stiffness = sparse.csc_array(
+        np.kron(np.diag([stiff, 1.0]), fixed) + np.kron([[1.0, -1.0], [-1.0, 1.0]], np.eye(n))
+    )
+    values = lowest_modes(stiffness, sparse.eye_array(2 * n, format="csc"), 5).values
+    exact = 1 + 4 * np.sin(np.arange(1, 6) * np.pi / (2 * n + 2)) ** 2
+    np.testing.assert_allclose(values, exact, rtol=1e-8)

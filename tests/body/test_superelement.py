@@ -94,6 +94,17 @@ def test_a_missing_file_is_named(tmp_path):
         read_superelement("arm", nodes=missing, stiffness=missing, mass=missing, dofs_per_node=3)
 
 
+def test_an_unsymmetric_matrix_is_named_with_its_file(solid, tmp_path):
+    K = solid.stiffness.copy()
+    K[0, 1] += 1e9
+    mmwrite(tmp_path / "nodes.mtx", solid.mesh.nodes)
+    mmwrite(tmp_path / "K.mtx", K, precision=17, symmetry="general")
+    mmwrite(tmp_path / "M.mtx", solid.mass, precision=17)
+    files = {"nodes": tmp_path / "nodes.mtx", "stiffness": tmp_path / "K.mtx", "mass": tmp_path / "M.mtx"}
+    with pytest.raises(ModelError, match=r"the stiffness is not symmetric.*node 0 u.*read from .*K\.mtx"):
+        read_superelement("arm", **files, dofs_per_node=3)
+
+
 def test_it_knows_rotations_where_it_has_them(shell, solid):
     def rotations(model):
         return superelement(

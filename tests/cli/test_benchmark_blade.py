@@ -73,7 +73,7 @@ def test_derivatives_beat_five_times_as_many_linear_columns(report):
 
 
 def test_self_correction_meets_its_error_and_knows_it(report):
-    """A thousandth of the tip's amplitude within three rounds, with fewer coordinates than any fixed basis."""
+    """A thousandth of the tip's amplitude in three rounds, with fewer coordinates than a fixed basis."""
     for frame in ("nodal-fixed", "mean-axis"):
         rounds = [row for row in report["self_correcting"] if row["frame"] == frame]
         last = rounds[-1]

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from supple.cli.case_schema import Case
 from supple.cli.read_case import read_case
+from supple.fem import Isotropic, solid_model
+from supple.mesh import CellType, block
 
 ROOT = Path(__file__).parents[2]
 
@@ -38,6 +42,39 @@ def test_the_example_of_the_mesh_page_is_a_valid_case(tmp_path):
     assert read_case(tmp_path / "wing.toml").case.body[0].name == "wing"
 
 
+def test_the_examples_of_the_import_page_are_valid_cases(tmp_path):
+    page = (ROOT / "docs" / "how-to" / "imported_models.md").read_text(encoding="utf-8")
+    rest = '\ntitle = "arm"\n[simulation]\nduration = 1.0\noutput_step = 0.1\nstep = 0.1\n'
+    for name in ("arm.bdf", "arm.pch"):
+        (tmp_path / name).touch()
+    found = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    for text in found:
+        title, simulation = rest.split("[simulation]")
+        (tmp_path / "arm.toml").write_text(f"{title}\n{text}\n[simulation]{simulation}", encoding="utf-8")
+        assert read_case(tmp_path / "arm.toml").case.body[0].name == "arm"
+    assert len(found) == 2
+
+
+def test_the_scripts_of_the_import_page_run(tmp_path, monkeypatch, bulk):
+    """The bulk data and matrices of a block, written by the page's own function, give its two bodies."""
+    mesh = block(1.0, 0.3, 0.2, 3, 1, 1, CellType.TETRA4)
+    model = solid_model(mesh, Isotropic(2.1e11, 0.3, 7850.0))
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.bdf").write_text(bulk.text(mesh, *bulk.solid()))
+    page = (ROOT / "docs" / "how-to" / "imported_models.md").read_text(encoding="utf-8")
+    writer, script = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    names: dict[str, Any] = {}
+    exec(compile(writer, "imported_models.md", "exec"), names)
+    ids = np.arange(1, mesh.n_nodes + 1)
+    freedoms = np.column_stack([np.repeat(ids, 3), np.tile([1, 2, 3], len(ids))])
+    names["write_matrices"](
+        "arm.h5", ids, mesh.nodes, freedoms, model.stiffness, model.mass, {"root": ids[:4]}
+    )
+    exec(compile(script.replace("arm.pch", "arm.h5"), "imported_models.md", "exec"), names)
+    assert names["check"].is_accepted
+    assert abs(names["same"].stiffness - names["arm"].stiffness).max() == 0
+
+
 def test_the_blade_example_is_a_valid_case():
     case = read_case(ROOT / "examples" / "blade.toml").case
     assert case.joint[0].law is not None
@@ -47,7 +84,7 @@ def test_the_blade_example_is_a_valid_case():
 @pytest.mark.slow
 def test_the_script_of_the_reduction_page_runs():
     page = (ROOT / "docs" / "how-to" / "reduce_in_python.md").read_text(encoding="utf-8")
-    (script,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    script = "\n".join(re.findall(r"```python\n(.*?)```", page, re.DOTALL))
     names: dict[str, object] = {}
     exec(compile(script, "reduce_in_python.md", "exec"), names)
     assert names["displacement"].shape == (101, 63, 3)

@@ -11,8 +11,12 @@ import pytest
 from typer.testing import CliRunner
 
 from supple import __version__
+from supple.body import RigidInterface, flexible_body
+from supple.cli import build_system
 from supple.cli.main import app
+from supple.fem import LaminateWall, shell_model
 from supple.integrate import BodyMotion
+from supple.mesh import strip
 from supple.results import ResultFile, read_header, read_solution
 
 ROOT_WEIGHT = 7850.0 * 1.0 * 0.1 * 0.01 * 9.81
@@ -51,6 +55,27 @@ def test_run_writes_results_and_prints_tables(case_folder):
         -ROOT_WEIGHT / (8 * stiffness), rel=1e-2
     )
     assert numbers["tracked"]["strip.root"]["last deflection"] == pytest.approx([0, 0, 0], abs=1e-12)
+
+
+def test_a_run_coloured_by_stress_draws_its_contours(case_folder):
+    case = case_folder / "strip.toml"
+    text = case.read_text().replace("animation = false", 'colour = "von-mises"')
+    case.write_text(text.replace("pictures = false\n", "").replace("duration = 0.4", "duration = 0.01"))
+    call("run", case, "-o", case_folder / "out")
+    assert (case_folder / "out" / "strip-stress.png").is_file()
+    assert (case_folder / "out" / "motion.gif").is_file()
+
+
+def test_stress_that_cannot_be_drawn_is_known_before_the_run(case_folder, monkeypatch):
+    """A laminate does not say the stress of its plies; nor is it a matter for the end of a long run."""
+    laminate = LaminateWall(1e7 * np.eye(3), np.zeros((3, 3)), 1e2 * np.eye(3), 10.0, 1e-4)
+    model = shell_model(strip(1.0, 0.1, 4, 2), laminate)
+    body = flexible_body("strip", model, [RigidInterface("root", "root")])
+    monkeypatch.setattr(build_system, "build_flexible_body", lambda *_: body)
+    case = case_folder / "strip.toml"
+    case.write_text(case.read_text().replace("animation = false", 'colour = "von-mises"'))
+    assert "stress needs a HomogeneousWall" in call("run", case, "-o", case_folder / "out", code=2)
+    assert not (case_folder / "out" / "strip.h5").exists()
 
 
 def test_a_wrong_case_is_an_error_message_and_not_a_traceback(case_folder):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from supple.cli.build_reduction import build_derivatives, corrects_itself
 from supple.cli.case_schema import NoDerivatives, Picked, Rubin
 from supple.cli.read_case import read_case
 from supple.errors import CaseError
@@ -110,9 +111,36 @@ def test_a_good_case_is_read_into_typed_tables(folder):
 
 
 def test_derivatives_are_off_unless_asked_for(folder):
-    case = read(folder, GOOD.replace(', derivatives = { kind = "picked", number = 5 }', "")).case
-    assert isinstance(case.body[0].reduction, Rubin)
-    assert case.body[0].reduction.derivatives == NoDerivatives(kind="none")
+    body = read(folder, GOOD.replace(', derivatives = { kind = "picked", number = 5 }', "")).case.body[0]
+    assert isinstance(body.reduction, Rubin)
+    assert body.reduction.derivatives is None
+    assert build_derivatives(None) == build_derivatives(NoDerivatives(kind="none"))
+
+
+SIZES = 'reduction = { basis = "rubin", modes = 10, derivatives = { kind = "picked", number = 5 } }'
+DAMPING = 'damping = { kind = "rayleigh-ratio", ratio = 0.02, modes = [1, 2] }'
+
+
+@pytest.mark.parametrize(
+    ("reduction", "corrects"),
+    [
+        (SIZES, False),
+        ('reduction = { basis = "rubin", modes = 10 }', False),
+        ('reduction = { basis = "guyan" }', False),
+        ('reduction = { basis = "none" }', False),
+        ("", True),
+        ('reduction = { basis = "craig-bampton" }', True),
+        ('reduction = { basis = "guyan", accuracy = { absolute = 1e-4 } }', True),
+        (SIZES.replace(" } }", " }, accuracy = { relative = 1e-2 } }"), True),
+    ],
+)
+def test_a_reduction_corrects_itself_unless_its_size_is_fixed(folder, reduction, corrects):
+    body = read(folder, GOOD.replace(SIZES, reduction)).case.body[0]
+    assert corrects_itself(body) is corrects
+
+
+def test_a_rigid_body_has_nothing_to_correct(folder):
+    assert not corrects_itself(read(folder, GOOD).case.body[1])
 
 
 # (what stands in GOOD, what is written instead, what the message says at the line of the new text)
@@ -188,7 +216,7 @@ ONE_MISTAKE = {
     "two kinds of body": (
         'name = "hub"',
         'name = "hub"\nshell = {thickness = 1, youngs_modulus = 1, poissons_ratio = 0, density = 1}',
-        "a body needs exactly one of shell, solid, superelement, rigid; this one has shell and rigid",
+        "a body needs exactly one of shell, solid, nastran, matrices, superelement, rigid, reduced; this one",
     ),
     "no mesh": ('mesh = "blade.inp"\n', "", 'body[1]: a shell body needs a mesh; add mesh = "FILE.inp"'),
     "a mesh for a rigid body": (
@@ -219,7 +247,7 @@ ONE_MISTAKE = {
     "no nodes": (
         'nodes = "TIP"',
         "",
-        "interface[2]: an interface needs either nodes (a node set's name) or node_",
+        "interface[2]: an interface needs one of nodes (a node set's name), node_indices",
     ),
     "repeated body name": (
         'name = "hub"',
@@ -336,6 +364,26 @@ ONE_MISTAKE = {
         'damping = { kind = "rayleigh-ratio", ratio = 0.02, modes = [1, 2] }',
         'reduction = { basis = "none" }\ndamping = { kind = "modal", ratio = 0.02 }',
         "damping.kind: a body that is not reduced takes rayleigh or rayleigh-ratio damping",
+    ),
+    "modal damping of a reduction that corrects itself": (
+        f"{SIZES}\n{DAMPING}",
+        'damping = { kind = "modal", ratio = 0.02 }',
+        "damping.kind: a reduction that corrects itself takes rayleigh or rayleigh-ratio damping; or fix its",
+    ),
+    "derivatives without modes": (
+        "modes = 10, ",
+        "",
+        "reduction.derivatives: a basis of fixed size needs modes too; add modes = 10, or accuracy",
+    ),
+    "two errors to reach": (
+        "modes = 10, ",
+        "accuracy = { relative = 1e-3, absolute = 1e-3 }, ",
+        "reduction.accuracy.absolute: give the error either as relative or as absolute (m), not both",
+    ),
+    "an error of nothing": (
+        "modes = 10, ",
+        "accuracy = { relative = 0.0 }, ",
+        "accuracy.relative: should be greater than 0, got 0.0 (largest RMS error",
     ),
     "twice the same mode": (
         "modes = [1, 2]",

@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from supple.errors import ModelError
-from supple.fem import HomogeneousWall, LaminateWall, shell_model, solid_model, stress_recovery, von_mises
+from supple.fem import (
+    HomogeneousWall,
+    LaminateWall,
+    shell_model,
+    solid_model,
+    strain_recovery,
+    stress_recovery,
+    von_mises,
+    von_mises_strain,
+)
 from supple.mesh import CellType, Mesh, block, plate
 
 SOLIDS = (CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20)
@@ -45,6 +54,22 @@ def test_finite_uniform_strain_of_a_solid(cell_type, material, distorted, rng):
     nodes = recovery.at_nodes(u)
     assert nodes.shape == (model.mesh.n_nodes, 1, 6)
     np.testing.assert_allclose(tensor(nodes[:, 0]), np.broadcast_to(S, (len(nodes), 3, 3)), atol=atol)
+
+
+def test_recovered_strain_is_the_green_lagrange_strain(material, rng):
+    model = solid_model(block(1.0, 0.9, 0.8, 2, 1, 1, CellType.TETRA10), material)
+    H = 0.1 * rng.normal(size=(3, 3))
+    E = 0.5 * (H + H.T + H.T @ H)
+    nodes = strain_recovery(model).at_nodes((model.mesh.nodes @ H.T).ravel())
+    halved = nodes[:, 0] * [1, 1, 1, 0.5, 0.5, 0.5]
+    np.testing.assert_allclose(tensor(halved), np.broadcast_to(E, (len(nodes), 3, 3)), atol=1e-14)
+
+
+def test_von_mises_strain_is_von_mises_stress_over_three_shear_moduli(material, rng):
+    strain = rng.normal(size=(7, 6))
+    stress = strain @ material.elasticity
+    expected = von_mises(stress) / (3 * material.shear_modulus)
+    np.testing.assert_allclose(von_mises_strain(strain), expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("cell_type", [CellType.TETRA10, CellType.HEXA20], ids=lambda kind: kind.name)

@@ -316,5 +316,5 @@ def test_an_error_in_an_included_file_names_that_file(tmp_path):
 
 
 def test_a_mesh_that_cannot_be_used_names_the_file(read):
-    with pytest.raises(MeshError, match=r"mesh\.inp: 1 degenerate TRIANGLE3 cell \(0\)"):
+    with pytest.raises(MeshError, match=r"mesh\.inp, line 11: element 1: 1 degenerate TRIANGLE3 cell \(0\)"):
         read(SQUARE.replace("20, 1., 0.", "20, 0.5, 0.5"))

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
-from scipy import linalg
+from scipy import linalg, sparse
 
+from supple.algebra import lowest_modes
 from supple.body import (
     AveragingInterface,
     FlexibleBody,
@@ -16,6 +19,7 @@ from supple.body import (
 )
 from supple.fem import HomogeneousWall, Isotropic, shell_model, solid_model
 from supple.mesh import CellType, block, strip
+from supple.reduction.interface_columns import motion_rows
 
 LENGTH = 10.0
 
@@ -104,3 +108,42 @@ def averaging_body():
 def loose_body():
     """A body without interfaces."""
     return _strip_body(2)
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A slender bar along x with an interface at x = 0 and no Poisson effect, so that bar theory is exact."""
+
+    body: FlexibleBody
+    length: float
+    axial_stiffness: float
+    mass_per_length: float
+
+
+@pytest.fixture(scope="session")
+def bar():
+    length, width, height, modulus, density = 1.0, 0.05, 0.04, 7e10, 2700.0
+    mesh = block(length, width, height, 10, 1, 1, CellType.HEXA20)
+    model = solid_model(mesh, Isotropic(modulus, 0.0, density))
+    body = flexible_body("bar", model, (RigidInterface("root", "root"),))
+    return Bar(body, length, modulus * width * height, density * width * height)
+
+
+def _exact_eigenvalues(body, n_values, *, held=False, added_mass=None):
+    """Lowest eigenvalues of the full body: free (elastic ones), held at its interfaces, or loaded there."""
+    B = motion_rows(body.interfaces)
+    mass = body.mass if added_mass is None else sparse.csc_array(body.mass + B.T @ added_mass @ B)
+    constraint = B if held else (mass @ body.rigid_modes).T
+    return lowest_modes(body.stiffness, mass, n_values, constraint=constraint).values
+
+
+@pytest.fixture(scope="session")
+def exact_eigenvalues():
+    return _exact_eigenvalues
+
+
+@pytest.fixture(scope="session")
+def added_mass(solid_body):
+    """Rigid bodies at both interfaces of the block, each of about half its mass."""
+    one = np.diag([150.0, 150.0, 150.0, 8.0, 60.0, 60.0])
+    return linalg.block_diag(one, one)

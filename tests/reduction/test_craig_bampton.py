@@ -44,7 +44,8 @@ def test_frequencies_fall_to_those_of_the_full_body(strip_body, frame, lowest_sq
     reduced = [reduce(strip_body, frame, recipe, derivatives=NoDerivatives()) for recipe in recipes]
     errors = np.array([body.frequencies[:3] ** 2 / exact - 1.0 for body in reduced])
     assert (errors > -1e-7).all()
-    assert (np.diff(errors, axis=0) < 0).all()
+    # Modes of the other symmetry change nothing but round-off.
+    assert (np.diff(errors, axis=0) < 1e-9).all()
     assert errors[-1].max() < 1e-3
 
 

@@ -24,6 +24,7 @@ from supple.viz import (
     Skin,
     animate,
     displacement_magnitude,
+    mode_titles,
     plot_error_over_parameter,
     plot_mesh,
     plot_mode_shapes,
@@ -215,27 +216,27 @@ def test_mode_shapes(tmp_path, ink, beam):
     x = beam.nodes[:, 0] / 10.0
     modes = np.stack([np.stack([0 * x, 0 * x, np.sin(k * np.pi * x)], axis=1) for k in (1, 2, 3)])
     path = plot_mode_shapes(
-        tmp_path / "modes.png", beam.nodes, skin_of(beam), modes, np.array([1.0, 4.0, 9.0])
+        tmp_path / "modes.png", beam.nodes, skin_of(beam), modes, mode_titles(np.array([1.0, 4.0, 9.0]))
     )
     assert 0.02 < ink(path) < 0.5
 
 
 def test_mode_shapes_do_not_depend_on_the_scale_of_the_modes(tmp_path, beam):
     modes = bent(beam, 1.0)[None]
-    one = plot_mode_shapes(tmp_path / "1.png", beam.nodes, skin_of(beam), modes, np.ones(1))
-    two = plot_mode_shapes(tmp_path / "2.png", beam.nodes, skin_of(beam), 1e4 * modes, np.ones(1))
+    one = plot_mode_shapes(tmp_path / "1.png", beam.nodes, skin_of(beam), modes, ["one"])
+    two = plot_mode_shapes(tmp_path / "2.png", beam.nodes, skin_of(beam), 1e4 * modes, ["one"])
     with Image.open(one) as first, Image.open(two) as second:
         np.testing.assert_allclose(np.asarray(first, int), np.asarray(second, int), atol=2)
 
 
 def test_bad_modes(tmp_path, beam):
     path, seen, modes = tmp_path / "a.png", skin_of(beam), np.ones((2, 63, 3))
-    with pytest.raises(ModelError, match=r"modes of shape \(2, 63, 3\) with 3 frequencies"):
-        plot_mode_shapes(path, beam.nodes, seen, modes, np.ones(3))
+    with pytest.raises(ModelError, match=r"modes of shape \(2, 63, 3\) with 3 titles"):
+        plot_mode_shapes(path, beam.nodes, seen, modes, ["one"] * 3)
     with pytest.raises(ModelError, match="mode 2 has no finite displacement"):
-        plot_mode_shapes(path, beam.nodes, seen, modes * np.array([1.0, 0.0])[:, None, None], np.ones(2))
+        plot_mode_shapes(path, beam.nodes, seen, modes * np.array([1.0, 0.0])[:, None, None], ["one"] * 2)
     with pytest.raises(ModelError, match="n_columns is 0"):
-        plot_mode_shapes(path, beam.nodes, seen, modes, np.ones(2), n_columns=0)
+        plot_mode_shapes(path, beam.nodes, seen, modes, ["one"] * 2, n_columns=0)
 
 
 # --- films

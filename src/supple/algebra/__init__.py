@@ -6,7 +6,8 @@ from supple.algebra.constrained_solve import (
     constrained_factor,
     grounded_factor,
 )
-from supple.algebra.eigen import Eigenpairs, lowest_modes
+from supple.algebra.eigen import Eigenpairs, count_below, lowest_modes
+from supple.algebra.growing_modes import GrowingModes, RitzModes
 from supple.algebra.orthonormalize import OrthonormalBasis, mass_orthonormalize
 from supple.algebra.read_only import read_only
 from supple.algebra.sparse_factor import (
@@ -25,12 +26,15 @@ __all__ = [
     "DirectSolver",
     "Eigenpairs",
     "GroundedFactor",
+    "GrowingModes",
     "Inertia",
     "OrthonormalBasis",
+    "RitzModes",
     "Rslab",
     "SparseFactor",
     "SuperLU",
     "constrained_factor",
+    "count_below",
     "factorize_general",
     "factorize_symmetric",
     "grounded_factor",

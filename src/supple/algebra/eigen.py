@@ -12,7 +12,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 from supple.algebra.constrained_solve import ConstrainedFactor, GroundedFactor, constrained_factor
 from supple.algebra.constraint_rows import constraint_rows
 from supple.algebra.orthonormalize import mass_orthonormalize
-from supple.algebra.sparse_factor import DirectSolver, factorize_symmetric
+from supple.algebra.sparse_factor import DirectSolver, SparseFactor, factorize_symmetric
 from supple.errors import AccuracyError, ModelError
 
 # Below this size a dense solution is as fast and finds every mode at once.
@@ -83,18 +83,74 @@ def lowest_modes(
     return Eigenpairs(values, _fixed_sign(vectors))
 
 
+def count_below(
+    stiffness: Any,
+    mass: Any,
+    value: float,
+    *,
+    constraint: Any = None,
+    grounded: GroundedFactor | None = None,
+    solver: DirectSolver | None = None,
+) -> int:
+    """How many eigenvalues of K x = lambda M x on {x : D x = 0} lie below a value, by Sylvester's law.
+
+        neg(K - t M) + pos(D (K - t M)^-1 D^T) - m     (Haynsworth)
+
+    One sparse factor; no eigenvector is needed. A free body's rigid motions count as eigenvalues zero.
+
+    Parameters
+    ----------
+    stiffness, mass : sparse array (n, n)   symmetric, M positive definite
+    value           : float                 t, rad^2/s^2, away from any eigenvalue
+    constraint      : array (m, n) or None  D of full row rank
+    grounded        : GroundedFactor        a factor of this stiffness, whose symbolic analysis will be reused
+                                            where the mass has no entries besides those of the stiffness
+    Raises
+    ------
+    ModelError      wrong shapes
+    AccuracyError   the value is an eigenvalue to working precision
+    """
+    shifted = sparse.csc_array(stiffness - value * mass)
+    D = constraint_rows(constraint, shifted.indptr.size - 1)
+    if grounded is not None and _same_pattern(shifted, grounded.stiffness):
+        return _count_negative(grounded.factor.refactorize(shifted), D)
+    return _count_negative(factorize_symmetric(shifted, solver=solver), D)
+
+
+def _same_pattern(one: sparse.csc_array, other: sparse.csc_array) -> bool:
+    return np.array_equal(one.indptr, other.indptr) and np.array_equal(one.indices, other.indices)
+
+
 def _dense_modes(
     stiffness: sparse.csc_array, mass: sparse.csc_array, n_modes: int, D: NDArray[np.float64]
 ) -> Eigenpairs:
     K, M = stiffness.toarray(), mass.toarray()
     Z = np.linalg.qr(D.T, mode="complete").Q[:, len(D) :] if len(D) else np.eye(len(K))
     K, M = Z.T @ K @ Z, Z.T @ M @ Z
-    values, vectors = linalg.eigh(0.5 * (K + K.T), 0.5 * (M + M.T), subset_by_index=(0, n_modes - 1))
-    if values[0] < -_first_shift(stiffness, mass):
-        raise ModelError(
-            f"the stiffness is not positive semi-definite: it has the eigenvalue {values[0]:.3e}"
-        )
+    K, M = 0.5 * (K + K.T), 0.5 * (M + M.T)
+    shift = _first_shift(stiffness, mass)
+    values, vectors = _lowest_by_inverse(K, M, shift, n_modes)
+    elastic = values[values > 1e3 * shift]
+    if 0 < elastic.size < n_modes:
+        # Beside rigid motions, nearly infinite in the inverse, elastic modes lose digits: shift closer.
+        values, vectors = _lowest_by_inverse(K, M, 1e-3 * float(elastic[0]), n_modes)
     return Eigenpairs(values, _fixed_sign(Z @ vectors))
+
+
+def _lowest_by_inverse(
+    K: NDArray[np.float64], M: NDArray[np.float64], shift: float, n_modes: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest modes as the highest of M x = mu (K + s M) x, where round-off is relative to the lowest."""
+    last = len(K) - 1
+    try:
+        mu, vectors = linalg.eigh(M, K + shift * M, subset_by_index=(last - n_modes + 1, last))
+    except linalg.LinAlgError as error:
+        raise ModelError(
+            "the stiffness is not positive semi-definite: "
+            f"it has the eigenvalue {linalg.eigh(K, M, eigvals_only=True)[0]:.3e}"
+        ) from error
+    mu, vectors = mu[::-1], vectors[:, ::-1]
+    return 1 / mu - shift, vectors / np.sqrt(mu)
 
 
 def _first_shift(stiffness: sparse.csc_array, mass: sparse.csc_array) -> float:
@@ -223,9 +279,12 @@ def _count_below(
     shift: float,
     solver: DirectSolver | None,
 ) -> int:
-    """Number of constrained eigenvalues below a value, from inertias alone."""
-    D = inverse.constraint
-    factor = factorize_symmetric(inverse.grounded.stiffness - (value + shift) * mass, solver=solver)
+    shifted = inverse.grounded.stiffness - (value + shift) * mass
+    return _count_negative(factorize_symmetric(shifted, solver=solver), inverse.constraint)
+
+
+def _count_negative(factor: SparseFactor, D: NDArray[np.float64]) -> int:
+    """Number of negative eigenvalues of a factored symmetric matrix on {x : D x = 0}."""
     flexibility = D @ factor.solve(D.T)
     signs = np.linalg.eigvalsh(0.5 * (flexibility + flexibility.T))
     return factor.inertia.negative + int(np.sum(signs > 0)) - D.shape[0]

@@ -51,7 +51,7 @@ class BladeBenchmark:
 
     @classmethod
     def whole(cls, seconds: float = 20.0, long: float = 100.0) -> BladeBenchmark:
-        """Both cases and frames over `seconds`, or past the start; one run over `long`; reduced runs 100 s."""
+        """Both cases and frames over `seconds`, or past the start; one over `long`; reduced runs 100 s."""
         gl = "green-lagrange"
         fast = max(seconds, 1.5 * PAPER_SPEED.start)
         full = [FullCase(RATED, "nodal-fixed", gl, False, max(seconds, long))]

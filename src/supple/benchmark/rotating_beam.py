@@ -325,4 +325,3 @@ def _run_reduced(
         offline_seconds=offline,
         failed_at=failed_at,
     )
-

@@ -1,29 +1,65 @@
 """Flexible bodies: a finite-element model with interfaces, a floating frame and its inertia Gram matrix."""
 
+from supple.body.connection_interfaces import connection_interface, connection_named
 from supple.body.damping import ModalDamping, RayleighDamping, rayleigh_from_ratios
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
 from supple.body.frame import Frame, MeanAxisFrame, NodalFixedFrame, frame_projector
 from supple.body.inertia_gram import inertia_gram
 from supple.body.interface import AveragingInterface, BodyInterface, RigidInterface
+from supple.body.labelled_superelement import (
+    NodalMatrices,
+    labelled_superelement,
+    nodal_matrices,
+    read_labelled_superelement,
+    read_nodal_matrices,
+)
+from supple.body.mass_properties import MassProperties, mesh_mass_properties, rigid_mass_properties
+from supple.body.model_check import (
+    Finding,
+    ModelCheck,
+    Verdict,
+    check_elements,
+    check_model,
+    check_nodal_matrices,
+)
+from supple.body.nastran_body import nastran_model, read_nastran_body
 from supple.body.rigid_body import RigidBody
 from supple.body.superelement import read_superelement, superelement
 
 __all__ = [
     "AveragingInterface",
     "BodyInterface",
+    "Finding",
     "FlexibleBody",
     "Frame",
+    "MassProperties",
     "MeanAxisFrame",
     "ModalDamping",
+    "ModelCheck",
     "NodalFixedFrame",
+    "NodalMatrices",
     "RayleighDamping",
     "RigidBody",
     "RigidInterface",
+    "Verdict",
+    "check_elements",
+    "check_model",
+    "check_nodal_matrices",
+    "connection_interface",
+    "connection_named",
     "flexible_body",
     "frame_projector",
     "inertia_gram",
+    "labelled_superelement",
+    "mesh_mass_properties",
+    "nastran_model",
+    "nodal_matrices",
     "rayleigh_from_ratios",
+    "read_labelled_superelement",
+    "read_nastran_body",
+    "read_nodal_matrices",
     "read_superelement",
+    "rigid_mass_properties",
     "superelement",
 ]

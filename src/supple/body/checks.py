@@ -92,12 +92,8 @@ def check_positive_mass(
 def check_moves_rigidly(
     body: str, stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64], tolerance: float
 ) -> None:
-    """K R = 0, row by row against the largest forces that can cancel there, |K_ij| <= sqrt(K_ii K_jj)."""
-    force = np.abs(stiffness @ rigid_modes)
-    root = np.sqrt(np.maximum(stiffness.diagonal(), 0))[:, None]
-    pattern = sparse.csc_array((np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), stiffness.shape)
-    cancelled = root * (pattern @ (root * np.abs(rigid_modes)))
-    ratio = np.divide(force, cancelled, out=np.zeros_like(force), where=cancelled > 0)
+    """K R = 0, up to round-off of the forces that cancel in it."""
+    ratio = rigid_force_ratios(stiffness, rigid_modes)
     row, mode = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     if ratio[row, mode] > tolerance:
         raise ModelError(
@@ -106,6 +102,16 @@ def check_moves_rigidly(
             f"coordinate {row}. A body must be free: leave supports out of its matrices and hold it by "
             "joints; for matrices printed with few digits, raise rigid_tolerance"
         )
+
+
+def rigid_force_ratios(stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """|K R| (n, 6), row by row against the largest forces that can cancel there, |K_ij| <= sqrt(K_ii "
+    "K_jj)."""
+    force = np.abs(stiffness @ rigid_modes)
+    root = np.sqrt(np.maximum(stiffness.diagonal(), 0))[:, None]
+    pattern = sparse.csc_array((np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), stiffness.shape)
+    cancelled = root * (pattern @ (root * np.abs(rigid_modes)))
+    return np.divide(force, cancelled, out=np.zeros_like(force), where=cancelled > 0)
 
 
 def checked_grounded_stiffness(

@@ -80,14 +80,18 @@ def read_superelement(
     Raises
     ------
     ImportFormatError   a file that is not Matrix Market
-    ModelError          as for `superelement`
+    ModelError          as for `superelement`, naming the files
     """
-    return superelement(
-        name,
-        read_matrix(nodes).toarray(),
-        read_matrix(stiffness),
-        read_matrix(mass),
-        dofs_per_node=dofs_per_node,
-        interfaces=interfaces,
-        rigid_tolerance=rigid_tolerance,
-    )
+    points, K, M = read_matrix(nodes).toarray(), read_matrix(stiffness), read_matrix(mass)
+    try:
+        return superelement(
+            name,
+            points,
+            K,
+            M,
+            dofs_per_node=dofs_per_node,
+            interfaces=interfaces,
+            rigid_tolerance=rigid_tolerance,
+        )
+    except ModelError as error:
+        raise ModelError(f"{error} (read from {nodes}, {stiffness}, {mass})") from error

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-
-from rich.box import SIMPLE_HEAD
-from rich.progress import Progress, TaskID
-from rich.table import Table
 
 from supple.benchmark.rotating_beam import BeamRun, RotatingBeam, run_rotating_beam
 from supple.benchmark.rotating_beam_report import draw_figures, film, report, tables
-from supple.cli.console import console, progress_bars
+from supple.cli.console import bar, console, print_table, progress_bars
 from supple.results import write_json, write_solution
 
 __all__ = ["benchmark_rotating_beam"]
@@ -23,15 +18,15 @@ def benchmark_rotating_beam(problem: RotatingBeam, json: Path | None, folder: Pa
     target.parent.mkdir(parents=True, exist_ok=True)
     run: BeamRun | None = None
     with progress_bars() as bars:
-        for run in run_rotating_beam(problem, lambda label: _bar(bars, label)):
+        for run in run_rotating_beam(problem, lambda label: bar(bars, label)):
             write_json(target, report(run))
             _store_latest(run, folder)
         if run is None:
             return
         pictures = draw_figures(run, folder)
-        pictures.append(film(run, folder / "beam.gif", _bar(bars, "film of the beam")))
+        pictures.append(film(run, folder / "beam.gif", bar(bars, "film of the beam")))
     for title, heads, rows in tables(run):
-        console.print(_table(title, heads, rows))
+        print_table(title, heads, rows)
     console.print(f"report    {target}", highlight=False, soft_wrap=True)
     console.print(f"motions   {folder / 'motions'}", highlight=False, soft_wrap=True)
     for picture in pictures:
@@ -51,18 +46,3 @@ def _store_latest(run: BeamRun, folder: Path) -> None:
     motions = folder / "motions"
     motions.mkdir(parents=True, exist_ok=True)
     write_solution(motions / f"{label}.h5", solution, case=f"rotating beam {label}")
-
-
-def _bar(bars: Progress, label: str) -> Callable[[float], None]:
-    task: TaskID = bars.add_task(label, total=1.0)
-    return lambda fraction: bars.update(task, completed=fraction)
-
-
-def _table(title: str, heads: list[str], rows: list[list[str]]) -> Table:
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
-    for head in heads:
-        words = head in ("model", "columns")
-        table.add_column(head, justify="left" if words else "right", no_wrap=True)
-    for row in rows:
-        table.add_row(*row)
-    return table

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -13,15 +13,27 @@ from supple.body import (
     Frame,
     MeanAxisFrame,
     ModalDamping,
+    ModelCheck,
     NodalFixedFrame,
+    NodalMatrices,
     RayleighDamping,
     RigidBody,
     RigidInterface,
+    check_elements,
+    check_model,
+    check_nodal_matrices,
+    connection_interface,
+    connection_named,
     flexible_body,
+    labelled_superelement,
+    nastran_model,
     rayleigh_from_ratios,
+    read_nodal_matrices,
     read_superelement,
+    rigid_mass_properties,
 )
 from supple.cli import case_schema as schema
+from supple.cli.build_reduction import build_basis, build_derivatives, corrects_itself
 from supple.cli.did_you_mean import did_you_mean
 from supple.cli.line_index import KeyPath
 from supple.cli.read_case import CaseFile
@@ -35,18 +47,11 @@ from supple.fem import (
     shell_model,
     solid_model,
 )
-from supple.importers import read_mesh
+from supple.importers import Connection, NastranModel, read_matrix, read_mesh, read_nastran
 from supple.mesh import Mesh
 from supple.multibody import FullBody
 from supple.reduction import (
-    CompressedDerivatives,
-    CraigBampton,
-    Guyan,
-    NoDerivatives,
-    NormalModes,
-    PickedDerivatives,
     ReducedBody,
-    Rubin,
     reduce,
 )
 
@@ -63,7 +68,12 @@ def read_meshes(case_file: CaseFile) -> dict[str, Mesh]:
     CaseError   interfaces, loads or output that name a node set no mesh has: all of them, with their lines
     """
     case = case_file.case
-    meshes = {body.name: read_mesh(case_file.resolve(body.mesh)) for body in case.body if body.mesh}
+    # Matrices stand for elements of any kind, also such as a mesh cannot have: only their nodes are read.
+    meshes = {
+        body.name: read_mesh(case_file.resolve(body.mesh))
+        for body in case.body
+        if body.mesh and body.matrices is None
+    }
     mistakes = [
         (path, message)
         for path, body, name in _node_set_names(case)
@@ -99,22 +109,25 @@ def _missing(name: str, mesh: Mesh) -> str:
 
 
 def build_body(
-    case_file: CaseFile, table: schema.Body, mesh: Mesh | None, notify: Notify
+    table: schema.Body, flexible: FlexibleBody | None, notify: Notify
 ) -> RigidBody | ReducedBody | FullBody:
-    """The body of a table, reduced unless its basis is "none"; `notify` hears of each long step."""
+    """The body of a table; full if its basis is "none", or if its reduction is to correct itself.
+
+    flexible : from `build_flexible_body`; None for a rigid body
+    notify : hears of each long step
+    """
     if table.rigid is not None:
         return _rigid_body(table, table.rigid)
-    notify(f"assembling body '{table.name}'")
-    body = build_flexible_body(case_file, table, mesh)
-    assert table.reduction is not None  # a rule of the case file
+    assert flexible is not None
     frame = build_frame(table)
-    damping = build_damping(table, body, frame)
-    if isinstance(table.reduction, schema.FullOrder):
+    damping = build_damping(table, flexible, frame)
+    if isinstance(table.reduction, schema.FullOrder) or corrects_itself(table):
         assert not isinstance(damping, ModalDamping)  # a rule of the case file
-        return FullBody(body, frame, damping)
-    notify(f"reducing body '{table.name}' ({body.n} freedoms)")
+        return FullBody(flexible, frame, damping)
+    assert table.reduction is not None  # it would correct itself
+    notify(f"reducing body '{table.name}' ({flexible.n} freedoms)")
     return reduce(
-        body,
+        flexible,
         frame,
         build_basis(table.reduction),
         derivatives=build_derivatives(table.reduction.derivatives),
@@ -123,8 +136,51 @@ def build_body(
 
 
 def build_flexible_body(case_file: CaseFile, table: schema.Body, mesh: Mesh | None) -> FlexibleBody:
-    """The elastic body that a table describes, not yet reduced."""
-    interfaces = [_interface(interface) for interface in table.interface]
+    """The elastic body that a table describes, not yet reduced.
+
+    Raises
+    ------
+    ModelError   whatever is wrong with the model: all findings of its check, if that refuses it
+    """
+    try:
+        body = _flexible_body(case_file, table, mesh)
+    except ModelError:
+        check_body(case_file, table, mesh, n_frequencies=0).raise_if_refused(table.name)
+        raise
+    return body.linearized() if table.linear else body
+
+
+def checked_line(body: FlexibleBody) -> str:
+    """What the checks of a body found, in a line: they refuse all but free, symmetric, positive models."""
+    found = rigid_mass_properties(body.nodal_mass, body.nodes, body.dofs_per_node)
+    return f"checked body '{body.name}': free, no mechanism, symmetric, mass {found.mass:.5g}"
+
+
+def check_body(
+    case_file: CaseFile, table: schema.Body, mesh: Mesh | None, *, n_frequencies: int
+) -> ModelCheck:
+    """Check of the nodal matrices of an elastic body, before its interfaces."""
+    if table.matrices is not None:
+        matrices = _nodal_matrices(case_file, table, table.matrices)
+        return check_nodal_matrices(
+            matrices, n_frequencies=n_frequencies, rigid_tolerance=table.matrices.rigid_tolerance
+        )
+    if table.superelement is not None:
+        nodes, stiffness, mass = (
+            read_matrix(case_file.resolve(getattr(table.superelement, what)))
+            for what in ("nodes", "stiffness", "mass")
+        )
+        return check_model(
+            nodes.toarray(),
+            stiffness,
+            mass,
+            dofs_per_node=table.superelement.dofs_per_node,
+            n_frequencies=n_frequencies,
+        )
+    return check_elements(build_model(case_file, table, _known(table, mesh)), n_frequencies=n_frequencies)
+
+
+def _flexible_body(case_file: CaseFile, table: schema.Body, mesh: Mesh | None) -> FlexibleBody:
     if table.superelement is not None:
         matrices = table.superelement
         return read_superelement(
@@ -133,15 +189,28 @@ def build_flexible_body(case_file: CaseFile, table: schema.Body, mesh: Mesh | No
             stiffness=case_file.resolve(matrices.stiffness),
             mass=case_file.resolve(matrices.mass),
             dofs_per_node=matrices.dofs_per_node,
-            interfaces=interfaces,
+            interfaces=[_interface(interface, ()) for interface in table.interface],
         )
-    if mesh is None:
-        raise ModelError(f"body '{table.name}' has no mesh; read the meshes of the case first")
-    body = flexible_body(table.name, _model(table, mesh), interfaces)
-    return body.linearized() if table.linear else body
+    if table.matrices is not None:
+        nodal = _nodal_matrices(case_file, table, table.matrices)
+        return labelled_superelement(
+            table.name,
+            nodal,
+            [_interface(interface, nodal.connections) for interface in table.interface],
+            rigid_tolerance=table.matrices.rigid_tolerance,
+        )
+    model = build_model(case_file, table, _known(table, mesh))
+    connections = _nastran_file(case_file, table).connections if table.nastran is not None else ()
+    return flexible_body(
+        table.name, model, [_interface(interface, connections) for interface in table.interface]
+    )
 
 
-def _model(table: schema.Body, mesh: Mesh) -> FiniteElementModel:
+def build_model(case_file: CaseFile, table: schema.Body, mesh: Mesh) -> FiniteElementModel:
+    """The elements of a shell, solid or Nastran body."""
+    if table.nastran is not None:
+        kinematics = _KINEMATICS[table.nastran.kinematics]
+        return nastran_model(_nastran_file(case_file, table), kinematics=kinematics)
     if table.solid is not None:
         solid = table.solid
         return solid_model(mesh, Isotropic(solid.youngs_modulus, solid.poissons_ratio, solid.density))
@@ -152,7 +221,33 @@ def _model(table: schema.Body, mesh: Mesh) -> FiniteElementModel:
     return shell_model(mesh, wall, kinematics=_KINEMATICS[shell.kinematics])
 
 
-def _interface(table: schema.Interface) -> RigidInterface | AveragingInterface:
+def _known(table: schema.Body, mesh: Mesh | None) -> Mesh:
+    if mesh is None:
+        raise ModelError(f"body '{table.name}' has no mesh; read the meshes of the case first")
+    return mesh
+
+
+def _nastran_file(case_file: CaseFile, table: schema.Body) -> NastranModel:
+    assert table.mesh is not None  # a rule of the case file
+    return read_nastran(case_file.resolve(table.mesh))
+
+
+def _nodal_matrices(case_file: CaseFile, table: schema.Body, given: schema.Matrices) -> NodalMatrices:
+    assert table.mesh is not None  # a rule of the case file
+    return read_nodal_matrices(
+        nodes=case_file.resolve(table.mesh),
+        stiffness=case_file.resolve(given.stiffness),
+        mass=case_file.resolve(given.mass),
+        stiffness_name=given.stiffness_name,
+        mass_name=given.mass_name,
+    )
+
+
+def _interface(
+    table: schema.Interface, connections: Sequence[Connection]
+) -> RigidInterface | AveragingInterface:
+    if table.connection is not None:
+        return connection_interface(connection_named(table.connection, connections), table.name)
     kind = RigidInterface if table.kind == "rigid" else AveragingInterface
     nodes = table.nodes if table.nodes is not None else np.array(table.node_indices)
     return kind(table.name, nodes, position=table.position)
@@ -174,32 +269,6 @@ def build_frame(table: schema.Body) -> MeanAxisFrame | NodalFixedFrame:
     if isinstance(table.frame, schema.NodalFixed):
         return NodalFixedFrame(table.frame.interface)
     return MeanAxisFrame()
-
-
-def build_basis(table: schema.ReducedOrder) -> Rubin | CraigBampton | NormalModes | Guyan:
-    """The recipe of the linear columns."""
-    match table:
-        case schema.Rubin(modes=modes):
-            return Rubin(n_modes=modes)
-        case schema.CraigBampton(modes=modes):
-            return CraigBampton(n_modes=modes)
-        case schema.NormalModes(modes=modes):
-            return NormalModes(modes)
-        case schema.Guyan():
-            return Guyan()
-
-
-def build_derivatives(
-    table: schema.Derivatives,
-) -> CompressedDerivatives | PickedDerivatives | NoDerivatives:
-    """The choice of modal derivatives."""
-    match table:
-        case schema.AllPairsCompressed(number=number):
-            return CompressedDerivatives(number)
-        case schema.Picked(number=number):
-            return PickedDerivatives(number)
-        case schema.NoDerivatives():
-            return NoDerivatives()
 
 
 def build_damping(

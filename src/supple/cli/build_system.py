@@ -9,10 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from supple.body import FlexibleBody
 from supple.cli import case_schema as schema
-from supple.cli.build_bodies import Notify, build_body, read_meshes
+from supple.cli.build_bodies import Notify, build_body, build_flexible_body, checked_line, read_meshes
+from supple.cli.build_reduction import build_start, corrects_itself
 from supple.cli.read_case import CaseFile
+from supple.cli.reduced_file import read_body
 from supple.cli.time_laws import time_function
+from supple.fem import stress_recovery
 from supple.integrate import AdaptiveStep, FixedStep
 from supple.mesh import Mesh
 from supple.multibody import (
@@ -31,6 +35,7 @@ from supple.multibody import (
     PrescribedRotation,
     PrescribedTranslation,
     Prismatic,
+    ReductionStart,
     Revolute,
     SpringDamper,
     System,
@@ -42,11 +47,16 @@ from supple.multibody.model import initial_point
 
 @dataclass(frozen=True, eq=False)
 class BuiltCase:
-    """The system of a case with the meshes of its bodies, by body name."""
+    """The system of a case, with the meshes and the elements of its bodies, by body name.
+
+    starts : of the bodies that stand in the system in full, to be reduced as far as their accuracy allows
+    """
 
     case_file: CaseFile
     system: System
     meshes: Mapping[str, Mesh]
+    flexible: Mapping[str, FlexibleBody]
+    starts: Mapping[str, ReductionStart]
 
 
 def build_case(case_file: CaseFile, notify: Notify) -> BuiltCase:
@@ -62,12 +72,30 @@ def build_case(case_file: CaseFile, notify: Notify) -> BuiltCase:
     case = case_file.case
     notify("reading meshes")
     meshes = read_meshes(case_file)
-    bodies = tuple(_placed(case_file, table, meshes.get(table.name), notify) for table in case.body)
+    flexible = {}
+    for table in case.body:
+        if table.rigid is None and table.reduced is None:
+            notify(f"assembling body '{table.name}'")
+            flexible[table.name] = build_flexible_body(case_file, table, meshes.get(table.name))
+            notify(checked_line(flexible[table.name]))
+    if case.output.colour == "von-mises":
+        _check_stress(flexible)
+    bodies = tuple(_placed(case_file, table, flexible.get(table.name), notify) for table in case.body)
     joints = tuple(build_joint(table, case_file.path.parent) for table in case.joint)
     unloaded = System(bodies=bodies, joints=joints, gravity=np.array(case.gravity))
     loads = [build_load(table, case, meshes, case_file.path.parent) for table in case.load]
     springs = [build_spring(table, unloaded) for table in case.spring]
-    return BuiltCase(case_file, replace(unloaded, loads=(*loads, *springs)), meshes)
+    starts = {
+        table.name: build_start(table, flexible[table.name]) for table in case.body if corrects_itself(table)
+    }
+    return BuiltCase(case_file, replace(unloaded, loads=(*loads, *springs)), meshes, flexible, starts)
+
+
+def _check_stress(flexible: Mapping[str, FlexibleBody]) -> None:
+    """ModelError where elements have no stress to draw: better now than when the run is over."""
+    for body in flexible.values():
+        if body.model is not None:
+            stress_recovery(body.model)
 
 
 def build_step(table: schema.Simulation) -> FixedStep | AdaptiveStep:
@@ -78,9 +106,11 @@ def build_step(table: schema.Simulation) -> FixedStep | AdaptiveStep:
     return AdaptiveStep(table.adaptive.first, table.adaptive.largest, table.adaptive.tolerance)
 
 
-def _placed(case_file: CaseFile, table: schema.Body, mesh: Mesh | None, notify: Notify) -> Placed:
+def _placed(case_file: CaseFile, table: schema.Body, flexible: FlexibleBody | None, notify: Notify) -> Placed:
     return Placed(
-        build_body(case_file, table, mesh, notify),
+        build_body(table, flexible, notify)
+        if table.reduced is None
+        else read_body(case_file.resolve(table.reduced), table.name),
         position=np.array(table.position),
         rotation=np.array(table.rotation),
         velocity=np.array(table.velocity),

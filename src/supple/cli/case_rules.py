@@ -13,13 +13,14 @@ from typing import Any, get_args
 from supple.cli.case_schema import JointKind
 from supple.cli.did_you_mean import did_you_mean
 from supple.cli.line_index import KeyPath
+from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, NODE_SUFFIXES
 
 Raw = Mapping[str, Any]
 Mistakes = Iterator[tuple[KeyPath, str]]
 
-_BODY_KINDS = ("shell", "solid", "superelement", "rigid")
+_BODY_KINDS = ("shell", "solid", "nastran", "matrices", "superelement", "rigid", "reduced")
+_KINDS_WITH_MESH = ("shell", "solid", "nastran", "matrices")
 _ELASTIC_ONLY = ("frame", "reduction", "damping", "linear")
-_MESH_SUFFIXES = (".inp", ".msh")
 
 
 def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
@@ -41,6 +42,7 @@ def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
         _ends_exist,
         _loads_suit_their_place,
         _nonlinear_options_have_strains,
+        _sizes_are_fixed_or_corrected,
         _time_steps_are_given_once,
         _damped_modes_differ,
     )
@@ -61,23 +63,23 @@ def _bodies_are_of_one_kind(raw: Raw) -> Mistakes:
             yield path, f"a body needs exactly one of {', '.join(_BODY_KINDS)}; {seen}"
             continue
         kind = given[0]
-        if kind in ("shell", "solid") and "mesh" not in body:
-            yield path, f'a {kind} body needs a mesh; add mesh = "FILE.inp" (or .msh)'
-        if kind in ("superelement", "rigid") and "mesh" in body:
+        if kind in _KINDS_WITH_MESH and "mesh" not in body:
+            yield path, f'a {kind} body needs a mesh; add mesh = "FILE{_mesh_suffixes(body)[0]}"'
+        if kind not in _KINDS_WITH_MESH and "mesh" in body:
             yield (*path, "mesh"), f"a {kind} body takes no mesh; remove the key"
-        if kind == "rigid":
+        if kind in ("rigid", "reduced"):
             for key in (key for key in _ELASTIC_ONLY if key in body):
-                yield (*path, key), f"a rigid body takes no {key}; remove the key"
-        else:
-            examples = {"frame": '{kind = "mean-axis"}', "reduction": '{basis = "rubin", modes = 10}'}
-            for key in (key for key in examples if key not in body):
-                yield path, f"a {kind} body needs {key}; for example {key} = {examples[key]}"
+                yield (*path, key), f"a {kind} body takes no {key}; remove the key"
+        elif "frame" not in body:
+            yield path, f'a {kind} body needs frame; for example frame = {{kind = "mean-axis"}}'
 
 
 def _interfaces_suit_their_body(raw: Raw) -> Mistakes:
     for path, body in _tables(raw, "body"):
+        if "reduced" in body:
+            continue
         for place, interface in _tables(body, "interface", path):
-            sources = [key for key in ("nodes", "node_indices") if key in interface]
+            sources = [key for key in ("nodes", "node_indices", "connection") if key in interface]
             if "rigid" in body:
                 if sources:
                     yield (
@@ -89,8 +91,17 @@ def _interfaces_suit_their_body(raw: Raw) -> Mistakes:
             elif len(sources) != 1:
                 yield (
                     place,
-                    "an interface needs either nodes (a node set's name) or node_indices, not both or none",
+                    "an interface needs one of nodes (a node set's name), node_indices and connection (an "
+                    f"RBE2 or RBE3); this one has {' and '.join(sources) or 'none'}",
                 )
+            elif sources == ["connection"]:
+                if "nastran" not in body and "matrices" not in body:
+                    yield (
+                        (*place, "connection"),
+                        "only nastran and matrices bodies have connections; give nodes",
+                    )
+                for key in (key for key in ("kind", "position") if key in interface):
+                    yield (*place, key), f"a connection has its own {key}; remove the key"
             elif "superelement" in body and "nodes" in interface:
                 yield (*place, "nodes"), "a superelement has no node sets; give node_indices (from 0) instead"
 
@@ -203,7 +214,9 @@ def _end_exists(raw: Raw, path: KeyPath, end: Any, *, ground: bool, node_sets: b
         yield path, f"{end!r} is not {wanted}{nearest}; for example {next(iter(bodies), 'blade')}.root"
     elif name not in bodies:
         yield path, _unknown("body", name, list(bodies))
-    elif place not in _interface_names(bodies[name]) and not (node_sets and "mesh" in bodies[name]):
+    elif place not in _interface_names(bodies[name]) and not (
+        node_sets and "mesh" in bodies[name] and "matrices" not in bodies[name]
+    ):
         yield path, _unknown(f"interface of {name!r}", place, _interface_names(bodies[name]))
 
 
@@ -242,7 +255,7 @@ def _nonlinear_options_have_strains(raw: Raw) -> Mistakes:
             continue
         derivatives = reduction.get("derivatives")
         wanted = isinstance(derivatives, Mapping) and derivatives.get("kind") in ("compressed", "picked")
-        if wanted and ("superelement" in body or body.get("linear") is True):
+        if wanted and ("superelement" in body or "matrices" in body or body.get("linear") is True):
             yield (
                 (*path, "reduction", "derivatives"),
                 "a linear body has no modal derivatives; remove the key",
@@ -253,6 +266,36 @@ def _nonlinear_options_have_strains(raw: Raw) -> Mistakes:
             yield (
                 (*path, "damping", "kind"),
                 "a body that is not reduced takes rayleigh or rayleigh-ratio damping",
+            )
+
+
+def _sizes_are_fixed_or_corrected(raw: Raw) -> Mistakes:
+    """A reduction has a fixed size, or corrects itself: then with a damping that the full body can have."""
+    for path, body in _tables(raw, "body"):
+        reduction = body.get("reduction", {})
+        elastic = "rigid" not in body and "reduced" not in body
+        if not (elastic and isinstance(reduction, Mapping)) or reduction.get("basis") == "none":
+            continue
+        accuracy = reduction.get("accuracy")
+        if isinstance(accuracy, Mapping) and "relative" in accuracy and "absolute" in accuracy:
+            yield (
+                (*path, "reduction", "accuracy", "absolute"),
+                "give the error either as relative or as absolute (m), not both",
+            )
+        sized = "modes" in reduction or reduction.get("basis") == "guyan"
+        if "derivatives" in reduction and not sized and accuracy is None:
+            yield (
+                (*path, "reduction", "derivatives"),
+                "a basis of fixed size needs modes too; add modes = 10, or accuracy = {relative = 1e-3} "
+                "to start with these derivatives and correct itself",
+            )
+        damping = body.get("damping")
+        modal = isinstance(damping, Mapping) and damping.get("kind") == "modal"
+        if modal and (accuracy is not None or not sized):
+            yield (
+                (*path, "damping", "kind"),
+                "a reduction that corrects itself takes rayleigh or rayleigh-ratio damping; or fix its size "
+                "with modes = 10 and derivatives = {..}",
             )
 
 
@@ -271,13 +314,25 @@ def _files_exist(raw: Raw, folder: Path) -> Mistakes:
     for path, name in _files(raw):
         if not (folder / name).is_file():
             yield path, f"there is no file {folder / name}; file names are relative to the case file"
-        elif path[-1] == "mesh" and Path(name).suffix.lower() not in _MESH_SUFFIXES:
-            yield path, f"{name!r} is not a mesh that can be read: {' or '.join(_MESH_SUFFIXES)}"
+    for path, body in _tables(raw, "body"):
+        mesh = body.get("mesh")
+        if isinstance(mesh, str) and Path(mesh).suffix.lower() not in _mesh_suffixes(body):
+            allowed = " or ".join(_mesh_suffixes(body))
+            yield (*path, "mesh"), f"{mesh!r} is not a mesh that can be read: {allowed}"
+
+
+def _mesh_suffixes(body: Raw) -> tuple[str, ...]:
+    """Suffixes of the mesh files that a body of this kind takes."""
+    if "nastran" in body:
+        return NASTRAN_SUFFIXES
+    return NODE_SUFFIXES if "matrices" in body else MESH_SUFFIXES
 
 
 def _files(raw: Raw) -> Iterator[tuple[KeyPath, str]]:
     for path, body in _tables(raw, "body"):
         yield from _strings(body, ("mesh",), path)
+        if isinstance(body.get("matrices"), Mapping):
+            yield from _strings(body["matrices"], ("stiffness", "mass"), (*path, "matrices"))
         if isinstance(body.get("superelement"), Mapping):
             yield from _strings(body["superelement"], ("stiffness", "mass", "nodes"), (*path, "superelement"))
     for key in ("joint", "load"):

@@ -46,6 +46,31 @@ class Solid(Table):
     density: Positive = Field(description="mass per volume, kg/m3")
 
 
+class Nastran(Table):
+    """The elements, materials and walls of a Nastran bulk data file."""
+
+    kinematics: Literal["green-lagrange", "von-karman"] = Field(
+        "green-lagrange",
+        description="membrane strain of shells; von-karman only for flat ones bending out of their plane",
+    )
+
+
+class Matrices(Table):
+    """A linear body from matrices exported by another program, with the nodes of its mesh file."""
+
+    stiffness: str = Field(
+        description="DMIG .pch, OUTPUT4 .op4, HDF5 .h5, Abaqus .mtx or CalculiX .sti, beside the case file"
+    )
+    mass: str = Field(description="likewise, or CalculiX .mas; may be the same file")
+    stiffness_name: str | None = Field(
+        None, description="matrix to take from a DMIG or OUTPUT4 file; the one with K.. if left out"
+    )
+    mass_name: str | None = Field(None, description="likewise; the one with M.. if left out")
+    rigid_tolerance: Positive | None = Field(
+        None, description="largest relative force against rigid motion; from the printed digits if left out"
+    )
+
+
 class Superelement(Table):
     """A linear body from matrices made elsewhere."""
 
@@ -69,8 +94,11 @@ class Interface(Table):
     """A named place where joints, loads and springs take hold of a body."""
 
     name: str = Field(min_length=1, description="used as BODY.NAME by joints, loads and output")
-    nodes: str | None = Field(None, description="a node set of the mesh (shell and solid bodies)")
+    nodes: str | None = Field(None, description="a node set of the mesh")
     node_indices: NodeIndices | None = Field(None, description="node numbers from 0, instead of a node set")
+    connection: str | None = Field(
+        None, description="rbe2_ID or rbe3_ID of a Nastran mesh, instead of nodes, kind and position"
+    )
     kind: Literal["rigid", "averaging"] = Field("rigid", description="rigid (RBE2) or averaging (RBE3)")
     position: Vector | None = Field(
         None, description="body axes, m; elastic bodies: the set's centroid if left out"
@@ -113,35 +141,53 @@ class NoDerivatives(Table):
 Derivatives = Annotated[AllPairsCompressed | Picked | NoDerivatives, Field(discriminator="kind")]
 
 
+class Accuracy(Table):
+    """The error down to which a reduction corrects itself; 1e-3 relative if neither is given."""
+
+    relative: Positive | None = Field(
+        None,
+        description="largest RMS error of the nodes over their largest displacement from the first interface",
+    )
+    absolute: Positive | None = Field(None, description="largest RMS error of the nodes, m")
+    instants: int = Field(50, ge=1, description="output times at which a run's residual is evaluated")
+    directions: int = Field(3, ge=1, description="columns added a round")
+    largest_size: int = Field(60, ge=1, description="coordinates")
+    max_rounds: int = Field(8, ge=1, description="enrichments before giving up")
+
+
 class Rubin(Table):
     """Free-interface modes and attachment modes."""
 
     basis: Literal["rubin"]
-    modes: int = Field(ge=1, description="vibration modes, besides the attachment modes")
-    derivatives: Derivatives = Field(default=NoDerivatives(kind="none"))
+    modes: int | None = Field(None, ge=1, description="vibration modes, besides the attachment modes")
+    derivatives: Derivatives | None = None
+    accuracy: Accuracy | None = None
 
 
 class CraigBampton(Table):
     """Fixed-interface modes and constraint modes."""
 
     basis: Literal["craig-bampton"]
-    modes: int = Field(ge=0, description="fixed-interface modes, besides the constraint modes")
-    derivatives: Derivatives = Field(default=NoDerivatives(kind="none"))
+    modes: int | None = Field(None, ge=0, description="fixed-interface modes, besides the constraint modes")
+    derivatives: Derivatives | None = None
+    accuracy: Accuracy | None = None
 
 
 class NormalModes(Table):
     """Vibration modes only."""
 
     basis: Literal["normal-modes"]
-    modes: int = Field(ge=1, description="vibration modes")
-    derivatives: Derivatives = Field(default=NoDerivatives(kind="none"))
+    modes: int | None = Field(None, ge=1, description="vibration modes")
+    derivatives: Derivatives | None = None
+    accuracy: Accuracy | None = None
 
 
 class Guyan(Table):
     """Static shapes of the interfaces only."""
 
     basis: Literal["guyan"]
-    derivatives: Derivatives = Field(default=NoDerivatives(kind="none"))
+    derivatives: Derivatives | None = None
+    accuracy: Accuracy | None = None
 
 
 class FullOrder(Table):
@@ -188,12 +234,19 @@ class Body(Table):
 
     name: str = Field(min_length=1, description="used as NAME.INTERFACE by joints, loads and output")
     mesh: str | None = Field(
-        None, description="mesh file beside the case file: Gmsh .msh or Abaqus/CalculiX .inp"
+        None,
+        description="mesh file beside the case file: Gmsh .msh, Abaqus/CalculiX .inp or Nastran .bdf; "
+        "for matrices also HDF5 .h5",
     )
     shell: Shell | None = None
     solid: Solid | None = None
+    nastran: Nastran | None = None
+    matrices: Matrices | None = None
     superelement: Superelement | None = None
     rigid: Rigid | None = None
+    reduced: str | None = Field(
+        None, description="file of a reduced body, made by supple reduce, beside the case file"
+    )
     interface: Annotated[tuple[Interface, ...], Field(strict=False)] = ()
     frame: Annotated[MeanAxis | NodalFixed, Field(discriminator="kind")] | None = None
     reduction: Reduction | None = None
@@ -340,6 +393,10 @@ class Output(Table):
     )
     pictures: bool = Field(True, description="draw mesh, modes, motion and deformed bodies (PNG)")
     animation: bool = Field(True, description="draw the motion (GIF)")
+    colour: Literal["deflection", "von-mises"] = Field(
+        "deflection",
+        description="what colours the film; von-mises also draws contours where the stress is largest",
+    )
 
 
 class Case(Table):

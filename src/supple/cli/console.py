@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 import typer
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import (
@@ -17,6 +18,7 @@ from rich.progress import (
     TextColumn,
     TimeElapsedColumn,
 )
+from rich.table import Table
 
 from supple.errors import SuppleError, SuppleWarning
 
@@ -37,6 +39,26 @@ def progress_bars() -> Progress:
         TimeElapsedColumn(),
         console=console,
     )
+
+
+def bar(bars: Progress, label: str) -> Callable[[float], None]:
+    """One more bar; the function returned takes the share that is done."""
+    task = bars.add_task(label, total=1.0)
+    return lambda fraction: bars.update(task, completed=fraction)
+
+
+_WORDS = {"model", "columns", "basis", "one", "other", "body", "element", "motion", "interfaces"}
+"""Heads of columns that hold words, which stand on the left; numbers stand on the right."""
+
+
+def print_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table of a report."""
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    for head in heads:
+        table.add_column(head, justify="left" if head in _WORDS else "right", no_wrap=True)
+    for row in rows:
+        table.add_row(*row)
+    console.print(table)
 
 
 @contextmanager

@@ -7,28 +7,33 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
+from supple.cli.build_reduction import corrects_itself
+from supple.cli.check import print_check
 from supple.cli.console import console
 from supple.cli.read_case import read_case
 from supple.errors import ImportFormatError
-from supple.importers import read_mesh
+from supple.export import holds_reduced_body, read_reduced_body
+from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, read_mesh
 from supple.mesh import Mesh
 from supple.results import read_header, read_solution
 
 
 def print_info(path: Path) -> None:
-    """Print what the file at `path` holds, by its suffix: .toml, .inp or .msh, .h5.
+    """Print what the file at `path` holds: a case, mesh or result; also the check of a whole model.
 
     Raises
     ------
     CaseError, ImportFormatError, MeshError, ResultFileError    a file that cannot be read, or of another kind
     """
-    readers = {".toml": _case, ".inp": _mesh, ".msh": _mesh, ".h5": _result}
+    readers = {".toml": _case, ".h5": _hdf5} | dict.fromkeys(MESH_SUFFIXES, _mesh)
     reader = readers.get(path.suffix.lower())
     if reader is None:
         raise ImportFormatError(
             f"{path}: no such kind of file is known; give one that ends in {', '.join(readers)}"
         )
     console.print(reader(path))
+    if path.suffix.lower() in NASTRAN_SUFFIXES:
+        print_check(path, n_frequencies=6)
 
 
 def _case(path: Path) -> Table:
@@ -36,9 +41,12 @@ def _case(path: Path) -> Table:
     table = _named(f"Case {path}", case.title)
     for body in case.body:
         kind = next(
-            key for key in ("shell", "solid", "superelement", "rigid") if getattr(body, key) is not None
+            key
+            for key in ("shell", "solid", "nastran", "matrices", "superelement", "rigid", "reduced")
+            if getattr(body, key) is not None
         )
         basis = f", basis {body.reduction.basis}" if body.reduction else ""
+        basis += ", corrects itself" if corrects_itself(body) else ""
         interfaces = ", ".join(interface.name for interface in body.interface) or "none"
         table.add_row(f"body {body.name}", f"{kind}{basis}; interfaces: {interfaces}")
     for joint in case.joint:
@@ -72,6 +80,22 @@ def _add_sets(table: Table, mesh: Mesh) -> None:
         table.add_row(f"cell set {name}", f"{sum(len(cells) for cells in members.values())} cells")
 
 
+def _hdf5(path: Path) -> Table:
+    return _reduced_body(path) if holds_reduced_body(path) else _result(path)
+
+
+def _reduced_body(path: Path) -> Table:
+    body = read_reduced_body(path)
+    table = _named(f"Reduced body {path}", body.name)
+    kind = "linear" if body.is_linear else "nonlinear"
+    table.add_row("coordinates", f"{body.r} of {len(body.nodal_basis)} freedoms, {kind}; {body.frame}")
+    table.add_row("mass", f"{body.gram[0, 0]:g}")
+    table.add_row("lowest frequencies", f"{_listed(body.frequencies[:6] / (2 * np.pi))} Hz in its frame")
+    for interface in body.interfaces:
+        table.add_row(f"interface {interface.name}", f"at {_point(interface.position)}")
+    return table
+
+
 def _result(path: Path) -> Table:
     header = read_header(path)
     state = (
@@ -99,4 +123,8 @@ def _named(title: str, first: str) -> Table:
 
 
 def _point(position: np.ndarray) -> str:
-    return "(" + ", ".join(f"{value:.4g}" for value in position) + ")"
+    return f"({_listed(position)})"
+
+
+def _listed(values: np.ndarray) -> str:
+    return ", ".join(f"{value:.4g}" for value in values)

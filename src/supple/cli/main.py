@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -63,8 +64,23 @@ def run(
 
 
 @app.command()
+def reduce(
+    case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder for the bodies; default: results/CASE.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Reduce the bodies of a case file and keep each (HDF5), for cases with reduced = "FILE"."""
+    from supple.cli.reduce_case import reduce_case
+
+    with reported_errors(debug=debug), reported_warnings():
+        reduce_case(case, output or Path("results") / case.stem)
+
+
+@app.command()
 def info(
-    path: Annotated[Path, typer.Argument(help="Case (.toml), mesh (.inp, .msh) or result (.h5).")],
+    path: Annotated[Path, typer.Argument(help="Case (.toml), mesh (.inp, .msh, .bdf ..) or result (.h5).")],
     debug: Debug = False,
 ) -> None:
     """Say what a case, mesh or result file holds."""
@@ -72,6 +88,21 @@ def info(
 
     with reported_errors(debug=debug), reported_warnings():
         print_info(path)
+
+
+@app.command()
+def check(
+    path: Annotated[
+        Path, typer.Argument(help="Case (.toml), Nastran model (.bdf ..) or HDF5 matrices (.h5).")
+    ],
+    modes: Annotated[int, typer.Option(min=0, help="Elastic modes to compute; 0 leaves modes out.")] = 6,
+    debug: Debug = False,
+) -> None:
+    """Say whether the models of a file can be used; exit with an error if one cannot."""
+    from supple.cli.check import print_check
+
+    with reported_errors(debug=debug), reported_warnings():
+        print_check(path, n_frequencies=modes)
 
 
 @benchmark_app.command("rotating-beam")
@@ -93,3 +124,123 @@ def rotating_beam(
     keep_compiled_programs()
     with reported_errors(debug=debug), reported_warnings():
         benchmark_rotating_beam(RotatingBeam.quick() if quick else RotatingBeam(), json, output)
+
+
+@benchmark_app.command("eigenvalue-error")
+def eigenvalue_error(
+    quick: Annotated[bool, typer.Option("--quick", help="Coarse meshes: under a minute.")] = False,
+    json: Annotated[
+        Path | None, typer.Option("--json", help="Report file; default: in the output folder.")
+    ] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures.")] = Path(
+        "results/eigenvalue-error"
+    ),
+    debug: Debug = False,
+) -> None:
+    """Reduce the bodies of [Han2020] to three tolerances; set counts, estimates and errors side by side."""
+    from supple.benchmark.eigenvalue_error import EigenvalueErrors
+    from supple.cli.benchmark_eigenvalue_error import benchmark_eigenvalue_error
+
+    with reported_errors(debug=debug), reported_warnings():
+        benchmark_eigenvalue_error(EigenvalueErrors.quick() if quick else EigenvalueErrors(), json, output)
+
+
+class Element(StrEnum):
+    """Tetrahedra that a machine's flexible body may be made of."""
+
+    TET4 = "tet4"
+    TET10 = "tet10"
+
+    @property
+    def cell_type_name(self) -> str:
+        """Name of the CellType."""
+        return f"TETRA{self.value.removeprefix('tet')}"
+
+
+_MACHINE_QUICK = typer.Option("--quick", help="Coarse mesh, two tolerances, short time: under a minute.")
+
+
+@benchmark_app.command("quadruple-pendulum")
+def quadruple_pendulum(
+    quick: Annotated[bool, _MACHINE_QUICK] = False,
+    element: Annotated[Element, typer.Option(help="Of the flexible body; --quick takes tet4.")] = (
+        Element.TET10
+    ),
+    json: Annotated[
+        Path | None, typer.Option("--json", help="Report file; default: in the output folder.")
+    ] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures and motions.")] = Path(
+        "results/quadruple-pendulum"
+    ),
+    debug: Debug = False,
+) -> None:
+    """Let the pendulum of [Han2020] section 5.1 fall, its last link reduced to three tolerances."""
+    from supple.benchmark.quadruple_pendulum import QuadruplePendulum
+    from supple.cli.benchmark_tolerances import benchmark_tolerances
+    from supple.cli.compilation_cache import keep_compiled_programs
+    from supple.mesh import CellType
+
+    keep_compiled_programs()
+    with reported_errors(debug=debug), reported_warnings():
+        problem = (
+            QuadruplePendulum.quick()
+            if quick
+            else QuadruplePendulum(cell_type=CellType[element.cell_type_name])
+        )
+        benchmark_tolerances(problem.machine(), problem.tolerances, json, output)
+
+
+@benchmark_app.command("slider-crank")
+def slider_crank(
+    quick: Annotated[bool, _MACHINE_QUICK] = False,
+    element: Annotated[Element, typer.Option(help="Of the flexible body; --quick takes tet4.")] = (
+        Element.TET10
+    ),
+    json: Annotated[
+        Path | None, typer.Option("--json", help="Report file; default: in the output folder.")
+    ] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures and motions.")] = Path(
+        "results/slider-crank"
+    ),
+    debug: Debug = False,
+) -> None:
+    """Drive the slider-crank of [Han2020] section 5.2, its rod reduced to three tolerances."""
+    from supple.benchmark.slider_crank import SliderCrank
+    from supple.cli.benchmark_tolerances import benchmark_tolerances
+    from supple.cli.compilation_cache import keep_compiled_programs
+    from supple.mesh import CellType
+
+    keep_compiled_programs()
+    with reported_errors(debug=debug), reported_warnings():
+        problem = SliderCrank.quick() if quick else SliderCrank(cell_type=CellType[element.cell_type_name])
+        benchmark_tolerances(problem.machine(), problem.tolerances, json, output)
+
+
+@benchmark_app.command("blade")
+def blade(
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Coarse blade, four seconds of motion: under a minute.")
+    ] = False,
+    seconds: Annotated[
+        float, typer.Option("--seconds", min=1.0, help="Motion that the full-order runs cover, s.")
+    ] = 20.0,
+    longest: Annotated[
+        float, typer.Option("--longest", min=1.0, help="Motion that one of them covers, s.")
+    ] = 100.0,
+    json: Annotated[
+        Path | None, typer.Option("--json", help="Report file; default: in the output folder.")
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="Folder for figures and motions; a run goes on from there.")
+    ] = Path("results/blade-benchmark"),
+    debug: Debug = False,
+) -> None:
+    """The 61.5 m blade of [Wu2019] section 6.2 in the wind: full (two hours), reduced, self-correcting."""
+    from supple.benchmark.blade_benchmark import BladeBenchmark
+    from supple.cli.benchmark_blade import benchmark_blade
+    from supple.cli.compilation_cache import keep_compiled_programs
+
+    keep_compiled_programs()
+    with reported_errors(debug=debug), reported_warnings():
+        size = BladeBenchmark.quick() if quick else BladeBenchmark.whole(seconds, longest)
+        benchmark_blade(size, json, output)

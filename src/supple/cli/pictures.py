@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from supple.cli.build_bodies import build_model
 from supple.cli.build_system import BuiltCase
 from supple.cli.tracked_motion import TrackedMotion, deflections
 from supple.integrate import BodyMotion, Solution
 from supple.mesh import Mesh
 from supple.multibody import FullBody
 from supple.reduction import ReducedBody, held_modes
-from supple.results import node_positions
+from supple.results import node_positions, von_mises_history
 from supple.viz import (
     Camera,
     Panel,
@@ -21,10 +22,13 @@ from supple.viz import (
     Skin,
     animate,
     displacement_magnitude,
+    mode_titles,
+    plot_contour,
     plot_mesh,
     plot_mode_shapes,
     plot_time_history,
     skin_of,
+    stress_field,
 )
 
 ElasticBody = ReducedBody | FullBody
@@ -62,6 +66,9 @@ def draw_pictures(
         motion = solution.bodies[body.name]
         path = stem.with_name(f"{body.name}-deformed.png")
         pictures.append(_draw_deformed(path, body, motion, solution.times, surface))
+        if _shows_stress(built):
+            path = stem.with_name(f"{body.name}-stress.png")
+            pictures.append(_draw_stress(path, built, body, solution, surface))
     if tracked:
         pictures.append(_draw_tracked(folder / "tracked-motion.png", tracked, solution.times))
     panels = [
@@ -77,14 +84,17 @@ def draw_pictures(
 def draw_film(
     built: BuiltCase, solution: Solution, path: Path, progress: Callable[[float], None]
 ) -> Path | None:
-    """Film all bodies that have a mesh, coloured by deflection; None when there is none."""
-    chosen = np.unique(np.linspace(0, len(solution.times) - 1, N_FRAMES).astype(int))
+    """Film all bodies that have a mesh, coloured by deflection or stress; None when there is none."""
+    chosen = _instants(solution.times, N_FRAMES)
     positions, values, surfaces, traced, n_nodes = [], [], [], [], 0
     for body, mesh in _elastic_bodies(built):
         motion = _at(solution.bodies[body.name], chosen)
         deflection = np.linalg.norm(deflections(body, motion), axis=2)
         positions.append(node_positions(body, motion))
-        values.append(deflection)
+        if _shows_stress(built):
+            values.append(1e-6 * _stress(built, body, motion))
+        else:
+            values.append(deflection)
         surface = skin_of(mesh)
         surfaces.append(Skin(surface.triangles + n_nodes, surface.mesh_lines.copy()))
         # The path of the node that moves most against its body tells how the body swings.
@@ -104,6 +114,7 @@ def draw_film(
         together,
         camera=_upright_camera(moving, built.system.gravity),
         values=np.concatenate(values, axis=1),
+        values_label="von Mises stress (MPa)" if _shows_stress(built) else "deflection (m)",
         traced_nodes=traced,
         frames_per_second=FRAMES_PER_SECOND,
         progress=progress,
@@ -122,35 +133,50 @@ def _upright_camera(positions: np.ndarray, gravity: np.ndarray) -> Camera | None
 
 
 def _elastic_bodies(built: BuiltCase) -> list[tuple[ElasticBody, Mesh]]:
+    """Elastic bodies that have something to show: beams alone have no faces."""
     bodies = [placed.body for placed in built.system.bodies]
+    shown = {name: mesh for name, mesh in built.meshes.items() if any(k.dimension > 1 for k in mesh.cells)}
     return [
-        (body, built.meshes[body.name])
+        (body, shown[body.name])
         for body in bodies
-        if isinstance(body, ReducedBody | FullBody) and body.name in built.meshes
+        if isinstance(body, ReducedBody | FullBody) and body.name in shown
     ]
+
+
+def _stress(built: BuiltCase, body: ElasticBody, motion: BodyMotion) -> np.ndarray:
+    """Von Mises stress (t, N) of all nodes, Pa."""
+    (table,) = (table for table in built.case_file.case.body if table.name == body.name)
+    model = build_model(built.case_file, table, built.meshes[body.name])
+    return von_mises_history(body, model, motion.coordinates)
+
+
+def _shows_stress(built: BuiltCase) -> bool:
+    return built.case_file.case.output.colour == "von-mises"
 
 
 def _draw_modes(path: Path, body: ReducedBody, surface: Skin) -> Path:
     """Modes of the body clamped at its first interface, or in its frame when it has none."""
     if body.interfaces:
         modes = held_modes(body, body.interfaces[0].name, n_modes=N_MODES)
-        return plot_mode_shapes(path, body.nodes, surface, modes.shapes, modes.frequencies / (2 * np.pi))
+        return plot_mode_shapes(
+            path, body.nodes, surface, modes.shapes, mode_titles(modes.frequencies / (2 * np.pi))
+        )
     values, vectors = np.linalg.eigh(body.stiffness)
     shapes = body.expand(vectors[:, :N_MODES].T)
-    return plot_mode_shapes(path, body.nodes, surface, shapes, np.sqrt(values[:N_MODES]) / (2 * np.pi))
+    return plot_mode_shapes(
+        path, body.nodes, surface, shapes, mode_titles(np.sqrt(values[:N_MODES]) / (2 * np.pi))
+    )
 
 
 def _draw_deformed(
     path: Path, body: ElasticBody, motion: BodyMotion, times: np.ndarray, surface: Skin
 ) -> Path:
     """The body when it is bent most, enlarged if that were too little to see."""
-    instants = np.unique(np.linspace(0, len(times) - 1, N_INSTANTS).astype(int))
+    instants = _instants(times, N_INSTANTS)
     displaced = deflections(body, _at(motion, instants))
     size = np.linalg.norm(displaced, axis=2).max(axis=1)
     worst = int(np.argmax(size))
-    diagonal = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
-    scale = max(1.0, VISIBLE * diagonal / size[worst]) if size[worst] > 0 else 1.0
-    enlarged = "true to scale" if scale == 1.0 else f"enlarged {scale:.3g} times"
+    scale, enlarged = _enlargement(body, displaced[worst])
     return plot_mesh(
         path,
         body.nodes + scale * displaced[worst],
@@ -158,6 +184,32 @@ def _draw_deformed(
         colour_by=displacement_magnitude(displaced[worst]),
         undeformed=body.nodes,
         title=f"{body.name} at t = {times[instants[worst]]:.4g} s, deflection {enlarged}",
+    )
+
+
+def _enlargement(body: ElasticBody, displaced: np.ndarray) -> tuple[float, str]:
+    """Factor that makes displacements (N, 3) large enough to see, and what to say of it."""
+    size = float(np.linalg.norm(displaced, axis=1).max())
+    diagonal = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
+    scale = max(1.0, VISIBLE * diagonal / size) if size > 0 else 1.0
+    return scale, "true to scale" if scale == 1.0 else f"enlarged {scale:.3g} times"
+
+
+def _draw_stress(path: Path, built: BuiltCase, body: ElasticBody, solution: Solution, surface: Skin) -> Path:
+    """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
+    instants = _instants(solution.times, N_INSTANTS)
+    sampled = _at(solution.bodies[body.name], instants)
+    stress = _stress(built, body, sampled)
+    worst = int(np.argmax(stress.max(axis=1)))
+    displaced = deflections(body, _at(sampled, np.array([worst])))[0]
+    scale, enlarged = _enlargement(body, displaced)
+    return plot_contour(
+        path,
+        body.nodes + scale * displaced,
+        surface,
+        stress_field(stress[worst]),
+        undeformed=body.nodes,
+        title=f"{body.name} at t = {solution.times[instants[worst]]:.4g} s, deflection {enlarged}",
     )
 
 
@@ -176,6 +228,11 @@ def _joint_series(
     joint_sizes: dict[str, dict[str, np.ndarray]], what: str, times: np.ndarray
 ) -> list[Series]:
     return [Series(name, times, sizes[what]) for name, sizes in joint_sizes.items() if what in sizes]
+
+
+def _instants(times: np.ndarray, number: int) -> np.ndarray:
+    """Places of at most so many times, spread evenly over all."""
+    return np.unique(np.linspace(0, len(times) - 1, number).astype(int))
 
 
 def _at(motion: BodyMotion, instants: np.ndarray) -> BodyMotion:

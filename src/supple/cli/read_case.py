@@ -15,6 +15,7 @@ from supple.cli.case_rules import broken_rules
 from supple.cli.case_schema import Case
 from supple.cli.did_you_mean import did_you_mean
 from supple.cli.line_index import KeyPath, LineIndex, index_lines
+from supple.cli.reduced_file import with_interfaces_of_files
 from supple.errors import CaseError
 
 
@@ -56,7 +57,8 @@ def read_case(path: str | Path) -> CaseFile:
             f"{path} is not valid TOML: {error}; strings need quotes, keys need a value"
         ) from error
     lines = index_lines(text)
-    mistakes = broken_rules(raw, path.parent)
+    raw, mistakes = with_interfaces_of_files(raw, path.parent)
+    mistakes += broken_rules(raw, path.parent)
     try:
         case = Case.model_validate(raw)
     except ValidationError as error:

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.progress import Progress
 
 from supple.cli.build_system import BuiltCase, build_case, build_step
 from supple.cli.console import console, progress_bars
+from supple.cli.correct_case import correct_case, draw_correction
+from supple.cli.correction_summary import correction_table
 from supple.cli.read_case import CaseFile, read_case
 from supple.cli.summary import body_table, cost_line, joint_loads, joint_table, place_table, summarize
 from supple.cli.tracked_motion import TrackedMotion, track
 from supple.integrate import GeneralizedAlpha, Solution
-from supple.multibody import Checkpoint, Validity, simulate
+from supple.multibody import Checkpoint, Validity, simulate, warn_of_missing_modes
+from supple.multibody.simulate import output_times
+from supple.reduction import ReducedBody
 from supple.results import ResultFile, read_last_instant, read_solution, write_json
 
 
@@ -37,17 +42,28 @@ def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = F
     result_path = folder / f"{path.stem}.h5"
     with progress_bars() as bars:
         built = _build(case_file, bars)
-        solution = _simulate(built, result_path, bars, resume=resume, strict=strict)
+        look_at_loads(built)
+        corrections: Sequence[Mapping[str, Any]] = ()
+        if built.starts:
+            corrected = correct_case(built, folder, bars, resume=resume, strict=strict)
+            built, solution, corrections = corrected.built, corrected.solution, corrected.numbers
+            draw_correction(built, corrections, folder)
+        else:
+            solution = _simulate(built, result_path, bars, resume=resume, strict=strict)
         tracked = [
             track(place, built.system, built.meshes, solution) for place in case_file.case.output.track
         ]
         _draw(built, solution, tracked, folder, bars)
     numbers = summarize(built.system, tracked, solution)
-    tables = [body_table(numbers), joint_table(numbers)] + ([place_table(numbers)] if tracked else [])
+    tables = [correction_table(corrections)] if corrections else []
+    tables += [body_table(numbers), joint_table(numbers)] + ([place_table(numbers)] if tracked else [])
     for table in tables:
         console.print(table)
     console.print(cost_line(solution), highlight=False)
-    write_json(folder / f"{path.stem}.json", {"title": case_file.case.title, **numbers})
+    write_json(
+        folder / f"{path.stem}.json",
+        {"title": case_file.case.title, "self_correction": corrections, **numbers},
+    )
     console.print(f"Results are in {folder}/", highlight=False)
 
 
@@ -55,6 +71,16 @@ def _build(case_file: CaseFile, bars: Progress) -> BuiltCase:
     steps = _Steps(bars)
     with steps.last_finished():
         return build_case(case_file, steps.begin)
+
+
+def look_at_loads(built: BuiltCase) -> None:
+    """Warn of loads that excite modes which a reduction of fixed size lacks."""
+    run = built.case_file.case.simulation
+    times = output_times(run.duration, run.output_step)
+    for placed in built.system.bodies:
+        # A body that was reduced before has left its elements behind.
+        if isinstance(placed.body, ReducedBody) and placed.body.name in built.flexible:
+            warn_of_missing_modes(built.system, times, built.flexible[placed.body.name], placed.body)
 
 
 def _simulate(built: BuiltCase, result_path: Path, bars: Progress, *, resume: bool, strict: bool) -> Solution:

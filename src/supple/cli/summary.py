@@ -20,7 +20,7 @@ N_FREQUENCIES = 5
 def summarize(system: System, tracked: Sequence[TrackedMotion], solution: Solution) -> dict[str, Any]:
     """Numbers of a finished run: bodies, tracked places, joint forces, cost."""
     return {
-        "bodies": {placed.body.name: _body_numbers(placed.body) for placed in system.bodies},
+        "bodies": {placed.body.name: body_numbers(placed.body) for placed in system.bodies},
         "tracked": {place.place: _place_numbers(place, solution.times) for place in tracked},
         "joints": {
             name: _joint_numbers(loads, solution.times)
@@ -30,7 +30,8 @@ def summarize(system: System, tracked: Sequence[TrackedMotion], solution: Soluti
     }
 
 
-def _body_numbers(body: Any) -> dict[str, Any]:
+def body_numbers(body: Any) -> dict[str, Any]:
+    """Kind, size, mass and frequencies of a body."""
     if isinstance(body, RigidBody):
         return {"kind": "rigid", "mass": body.mass}
     if isinstance(body, FullBody):

@@ -1,6 +1,7 @@
 """Finite elements as quadratic-strain arrays: materials, one element per module, mass, assembly, stress."""
 
 from supple.fem.assembly import Assembly, assemble
+from supple.fem.beam_section import BeamSection
 from supple.fem.kinematics import GREEN_LAGRANGE, VON_KARMAN, MembraneKinematics
 from supple.fem.material import Isotropic
 from supple.fem.model import FiniteElementModel, lumped_mass, shell_model, solid_model
@@ -8,12 +9,19 @@ from supple.fem.nodal_rotation import nodal_rotation_operator
 from supple.fem.quadratic_strain import QuadraticStrain
 from supple.fem.section import Section
 from supple.fem.shell_wall import HomogeneousWall, LaminateWall, ShellWall
-from supple.fem.stress import StressRecovery, stress_recovery, von_mises
+from supple.fem.stress import (
+    StressRecovery,
+    strain_recovery,
+    stress_recovery,
+    von_mises,
+    von_mises_strain,
+)
 
 __all__ = [
     "GREEN_LAGRANGE",
     "VON_KARMAN",
     "Assembly",
+    "BeamSection",
     "FiniteElementModel",
     "HomogeneousWall",
     "Isotropic",
@@ -28,6 +36,8 @@ __all__ = [
     "nodal_rotation_operator",
     "shell_model",
     "solid_model",
+    "strain_recovery",
     "stress_recovery",
     "von_mises",
+    "von_mises_strain",
 ]

@@ -15,18 +15,22 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CellMass:
-    """Mass of the cells of one section, the same for every direction.
+    """Mass of the cells of one section; translations have the same in every direction.
 
     Parameters
     ----------
     nodes : int array (E, k)
     translational : float array (E, k, k)       kg
-    rotary : float array (E, k, k) or None      kg m^2, on the rotations of shells
+    rotary : float array (E, k, k) or None      kg m^2, on the rotations of shells; m, on those of beams
+    rotary_inertia : float array (E, 3, 3) or None
+        kg m, of beams: the rotary part couples rotations of nodes a and b by rotary_ab * rotary_inertia; the
+        identity (shells) when None
     """
 
     nodes: NDArray[np.int64]
     translational: FloatArray
     rotary: FloatArray | None = None
+    rotary_inertia: FloatArray | None = None
 
     def lumped(self) -> CellMass:
         """Diagonal mass with the same total: the consistent diagonal, scaled.
@@ -35,7 +39,7 @@ class CellMass:
         (1976) 245-249. Unlike row sums it stays positive on quadratic cells.
         """
         rotary = None if self.rotary is None else _scaled_diagonal(self.rotary)
-        return CellMass(self.nodes, _scaled_diagonal(self.translational), rotary)
+        return CellMass(self.nodes, _scaled_diagonal(self.translational), rotary, self.rotary_inertia)
 
 
 def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], wall: ShellWall) -> CellMass:
@@ -53,12 +57,21 @@ def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], wall: ShellWall) -
 
 
 def mass_matrix(masses: tuple[CellMass, ...], n_nodes: int, dofs_per_node: int) -> csc_array:
-    """Mass matrix of all nodal freedoms (n, n), kg and kg m^2; directions and rotations do not couple."""
+    """Mass matrix of all nodal freedoms (n, n), kg and kg m^2; translations and rotations do not couple."""
     translations = np.diag(np.arange(dofs_per_node) < 3).astype(float)
     matrix = kron(_between_nodes([(m.nodes, m.translational) for m in masses], n_nodes), translations)
-    rotary = [(m.nodes, m.rotary) for m in masses if m.rotary is not None]
+    rotary = [(m.nodes, m.rotary) for m in masses if m.rotary is not None and m.rotary_inertia is None]
     if rotary:
         matrix = matrix + kron(_between_nodes(rotary, n_nodes), np.eye(dofs_per_node) - translations)
+    beams = [
+        (m.nodes, m.rotary, m.rotary_inertia)
+        for m in masses
+        if m.rotary is not None and m.rotary_inertia is not None
+    ]
+    for i, j in np.ndindex(3, 3) if beams else ():
+        parts = [(nodes, values * inertia[:, i, j, None, None]) for nodes, values, inertia in beams]
+        place = coo_array(([1.0], ([3 + i], [3 + j])), shape=(6, 6))
+        matrix = matrix + kron(_between_nodes(parts, n_nodes), place)
     return csc_array(matrix)
 
 

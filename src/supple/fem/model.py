@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from supple.errors import ModelError, SuppleWarning
+from supple.fem.beam2 import beam_mass, beam_strain
+from supple.fem.beam_section import BeamSection
 from supple.fem.hexa8 import HEXA8_ELEMENT
 from supple.fem.hexa20 import HEXA20_ELEMENT
 from supple.fem.kinematics import GREEN_LAGRANGE, MembraneKinematics
@@ -62,21 +64,22 @@ class FiniteElementModel:
 
 def shell_model(
     mesh: Mesh,
-    wall: ShellWall | Mapping[str, ShellWall],
+    wall: ShellWall | BeamSection | Mapping[str, ShellWall | BeamSection],
     *,
     kinematics: MembraneKinematics = GREEN_LAGRANGE,
 ) -> FiniteElementModel:
-    """Model of a mesh of triangles as a flat-faceted shell.
+    """Model of a mesh of triangles as a flat-faceted shell, and of its lines as beams.
 
     Parameters
     ----------
-    mesh : Mesh                         of TRIANGLE3 cells
-    wall : ShellWall, or {cell set name: ShellWall} with every cell in just one set
+    mesh : Mesh                         of TRIANGLE3 and LINE2 cells
+    wall : ShellWall (triangles) or BeamSection (lines), or {cell set name: either} with every cell in one set
     kinematics : MembraneKinematics     GREEN_LAGRANGE, or VON_KARMAN for flat structures
 
     Raises
     ------
-    ModelError   cells that are not triangles, or without a wall, or with two; a wall thicker than the mesh
+    ModelError   cells that are neither triangles nor lines, or without a wall, or with two, or with one of
+                 the other kind; a wall thicker than the mesh; a beam along the orientation of its section
     MeshError    unknown cell set
     Warns
     -----
@@ -113,6 +116,10 @@ def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
 
 def _shell_block(mesh: Mesh, section: Section, kinematics: MembraneKinematics) -> QuadraticStrain:
     wall = section.property
+    if section.cell_type is CellType.LINE2:
+        if not isinstance(wall, BeamSection):
+            raise ModelError(f"lines need a BeamSection, not {type(wall).__name__}; give their cell set one")
+        return beam_strain(section.corners(mesh), _dofs(section.nodes(mesh), 6), wall)
     if section.cell_type is not CellType.TRIANGLE3:
         raise ModelError(
             f"a shell model takes TRIANGLE3 cells; the mesh has {section.cell_type.name}. "
@@ -165,6 +172,8 @@ def _cell_masses(mesh: Mesh, given: tuple[Section, ...]) -> tuple[CellMass, ...]
 
 def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
     corners, nodes = section.corners(mesh), section.nodes(mesh)
+    if isinstance(section.property, BeamSection):
+        return beam_mass(corners, nodes, section.property)
     if isinstance(section.property, Isotropic):
         element = SOLID_ELEMENTS[section.cell_type]
         return CellMass(nodes, solid_mass(element, corners, section.property.density))

@@ -51,7 +51,7 @@ class QuadraticStrain:
             if array is not None:
                 array.setflags(write=False)
 
-    def of(self, elements: slice) -> QuadraticStrain:
+    def of(self, elements: slice | NDArray[np.int64]) -> QuadraticStrain:
         """The same arrays for some of the elements."""
         own = {
             name: getattr(self, name)[elements]

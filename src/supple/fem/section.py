@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
+from supple.fem.beam_section import BeamSection
 from supple.fem.material import Isotropic
 from supple.fem.shell_wall import ShellWall
 from supple.mesh import CellType, Mesh
 
 IntArray = NDArray[np.int64]
-Property = ShellWall | Isotropic
+Property = ShellWall | BeamSection | Isotropic
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +26,7 @@ class Section:
     ----------
     cell_type : CellType
     cells : int array (E,)                      numbers of the cells within their type
-    property : ShellWall (shells) or Isotropic (solids)
+    property : ShellWall (shells), BeamSection (beams) or Isotropic (solids)
     """
 
     cell_type: CellType

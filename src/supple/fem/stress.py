@@ -1,17 +1,21 @@
 """Stress recovery: second Piola-Kirchhoff stress at points of the cells and at nodes; von Mises stress.
 
 All stresses are in global axes, components xx yy zz yz xz xy; for small strains they are the true stresses
-in axes that turn with the material.
+in axes that turn with the material. Strains likewise, with engineering shears.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_array
 
 from supple.errors import ModelError
+from supple.fem.beam_section import BeamSection
+from supple.fem.material import Isotropic
 from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel
 from supple.fem.quadratic_strain import QuadraticStrain, strain
 from supple.fem.section import Section
@@ -29,7 +33,7 @@ VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 @dataclass(frozen=True, eq=False)
 class SectionStress:
-    """Stress of the cells of one section.
+    """Stress, or strain, of the cells of one section.
 
     Parameters
     ----------
@@ -49,13 +53,48 @@ class SectionStress:
         stress = strain(self.arrays, displacement[self.arrays.dofs]) @ self.arrays.D
         return stress @ self.to_global.swapaxes(1, 2)
 
+    def linearized(self) -> SectionStress:
+        """The same without the quadratic strain."""
+        return replace(self, arrays=replace(self.arrays, N=np.zeros_like(self.arrays.N)))
+
+    def shares(self, n_nodes: int, cells_at_node: NDArray[np.int64]) -> csc_array:
+        """What each point gives to the mean over the cells at each node: (N l, E g)."""
+        k, n_layers, n_points = self.to_nodes.shape
+        n_cells = len(self.nodes)
+        layers, points = np.arange(n_layers)[:, None], np.arange(n_points)
+        shape = (n_cells, k, n_layers, n_points)
+        rows = np.broadcast_to(self.nodes[..., None, None] * n_layers + layers, shape)
+        columns = np.broadcast_to(np.arange(n_cells)[:, None, None, None] * n_points + points, shape)
+        values = self.to_nodes / cells_at_node[self.nodes][..., None, None]
+        used = values != 0.0
+        return csc_array(
+            (values[used], (rows[used], columns[used])), shape=(n_nodes * n_layers, n_cells * n_points)
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class StressRecovery:
-    """Stress of a model from its nodal displacements; made once, used for every frame."""
+    """Stress, or strain, of a model from its nodal displacements; made once, used for every frame."""
 
     n_nodes: int
     sections: tuple[SectionStress, ...]
+
+    def linearized(self) -> StressRecovery:
+        """The stress of the linear strain alone, which belongs to a body's linear stiffness."""
+        return replace(self, sections=tuple(section.linearized() for section in self.sections))
+
+    @property
+    def n_layers(self) -> int:
+        """Layers l at a node: 1 (solids) or 3 (shells)."""
+        return self.sections[0].to_nodes.shape[1]
+
+    @cached_property
+    def averaging(self) -> tuple[csc_array, ...]:
+        """For each section, the matrix (N l, E g) from its points to the layers at the nodes."""
+        cells_at_node = np.zeros(self.n_nodes, dtype=np.int64)
+        for section in self.sections:
+            np.add.at(cells_at_node, section.nodes, 1)
+        return tuple(section.shares(self.n_nodes, cells_at_node) for section in self.sections)
 
     def at_points(self, displacement: FloatArray) -> tuple[FloatArray, ...]:
         """Stress (E, g, 6) of each section, Pa.
@@ -70,14 +109,10 @@ class StressRecovery:
         Solids have one layer, shells three (bottom, middle, top). Where walls meet at an angle or in
         different thickness the average mixes them; look at the points there.
         """
-        n_layers = self.sections[0].to_nodes.shape[1]
-        total = np.zeros((self.n_nodes, n_layers, 6))
-        count = np.zeros(self.n_nodes)
-        for section in self.sections:
-            at_corners = np.einsum("klg,egc->eklc", section.to_nodes, section.at_points(displacement))
-            np.add.at(total, section.nodes, at_corners)
-            np.add.at(count, section.nodes, 1)
-        return total / count[:, None, None]
+        total = np.zeros((self.n_nodes * self.n_layers, 6))
+        for section, averaging in zip(self.sections, self.averaging, strict=True):
+            total += averaging @ section.at_points(displacement).reshape(-1, 6)
+        return total.reshape(self.n_nodes, self.n_layers, 6)
 
 
 def stress_recovery(model: FiniteElementModel) -> StressRecovery:
@@ -91,11 +126,48 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     return StressRecovery(model.mesh.n_nodes, tuple(_section(model, *pair) for pair in pairs))
 
 
+def strain_recovery(model: FiniteElementModel) -> StressRecovery:
+    """Prepare the recovery of Green-Lagrange strain, with a shell's strain through its thickness.
+
+    The strain is the material's compliance times the stress, so what is recovered and how it is averaged
+    are those of `stress_recovery`; its shears are engineering ones.
+
+    Raises
+    ------
+    ModelError   as for stress_recovery
+    """
+    recovery = stress_recovery(model)
+    pairs = zip(model.sections, recovery.sections, strict=True)
+    compliant = (
+        replace(stress, to_global=np.linalg.inv(_material(section).elasticity) @ stress.to_global)
+        for section, stress in pairs
+    )
+    return replace(recovery, sections=tuple(compliant))
+
+
 def von_mises(stress: FloatArray) -> FloatArray:
     """Von Mises stress (...) of stresses (..., 6): sqrt(3/2 s:s) of the deviator s."""
-    deviator = stress.copy()
-    deviator[..., :3] -= stress[..., :3].mean(axis=-1, keepdims=True)
-    return np.sqrt(1.5 * ((deviator[..., :3] ** 2).sum(axis=-1) + 2 * (deviator[..., 3:] ** 2).sum(axis=-1)))
+    xx, yy, zz, yz, xz, xy = np.moveaxis(stress, -1, 0)
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.sqrt(0.5 * normal + 3.0 * (yz**2 + xz**2 + xy**2))
+
+
+def von_mises_strain(strain: FloatArray) -> FloatArray:
+    """Von Mises equivalent strain (...) of strains (..., 6) with engineering shears: sqrt(2/3 e:e).
+
+    e is the deviator. In an isotropic material it is the von Mises stress over 3 G; in uniaxial tension
+    2 (1 + nu) / 3 times the stretch.
+    """
+    half = strain * [1.0, 1.0, 1.0, 0.5, 0.5, 0.5]
+    return von_mises(half) / 1.5
+
+
+def _material(section: Section) -> Isotropic:
+    given = section.property
+    if isinstance(given, Isotropic):
+        return given
+    assert isinstance(given, HomogeneousWall)  # stress_recovery has refused the others
+    return given.material
 
 
 def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain) -> SectionStress:
@@ -104,6 +176,8 @@ def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain
         to_nodes = extrapolation(SOLID_ELEMENTS[section.cell_type])[:, None]
         return SectionStress(nodes, block, np.broadcast_to(np.eye(6), (len(nodes), 6, 6)), to_nodes)
     wall = section.property
+    if isinstance(wall, BeamSection):
+        raise ModelError("no stress recovery for beams: their sections do not say where the stress acts")
     if not isinstance(wall, HomogeneousWall):
         raise ModelError(
             "stress needs a HomogeneousWall; an A-B-D matrix does not say the stress of each ply"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
-from supple.importers.file_mesh import FileMesh, UnusedNodes
+from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
 from supple.importers.keyword_file import (
     KeywordBlock,
     KeywordFile,
@@ -18,6 +18,8 @@ from supple.importers.keyword_file import (
     numbered_points,
     read_keyword_file,
 )
+from supple.importers.node_table import NodeTable
+from supple.importers.numbering import first_repeated, numbers_of
 from supple.importers.quadrilateral import split_quadrilaterals
 from supple.mesh import CellType, Mesh
 
@@ -91,6 +93,7 @@ def read_abaqus(
 
     cells: dict[CellType, list[IntArray]] = {}
     cell_ids: dict[CellType, list[IntArray]] = {}
+    origins: dict[CellType, tuple[CellOrigin, ...]] = {}
     for block in blocks:
         is_quad = block.type_name in _QUADRILATERALS
         kind = CellType.TRIANGLE3 if is_quad else _CELL_TYPES[block.type_name]
@@ -98,6 +101,7 @@ def read_abaqus(
             split_quadrilaterals(nodes.positions, block.nodes) if is_quad else block.nodes
         )
         cell_ids.setdefault(kind, []).append(np.repeat(block.ids, 2) if is_quad else block.ids)
+        origins[kind] = origins.get(kind, ()) + _origins(file, block, 2 if is_quad else 1)
 
     node_sets = _read_sets(file, "NSET", "node", nodes.ids, nodes.named)
     element_ids = np.concatenate([block.ids for block in blocks])
@@ -110,9 +114,26 @@ def read_abaqus(
         path,
         nodes.positions,
         {kind: np.vstack(parts) for kind, parts in cells.items()},
-        {name: _numbers(nodes.ids, ids)[0] for name, ids in node_sets.items()},
+        {name: numbers_of(nodes.ids, ids)[0] for name, ids in node_sets.items()},
         cell_sets,
+        origins,
     ).to_mesh(only=only, unused_nodes=unused_nodes)
+
+
+def read_abaqus_nodes(path: str | Path) -> NodeTable:
+    """Labelled nodes and node sets of an Abaqus or CalculiX file, for matrices that replace its elements.
+
+    Raises
+    ------
+    ImportFormatError   missing or cut file, missing or repeated ids, sets of unknown nodes
+    """
+    path = Path(path)
+    file = read_keyword_file(path)
+    _refuse_what_is_not_read(file)
+    nodes = _read_nodes(file, path)
+    sets = _read_sets(file, "NSET", "node", nodes.ids, nodes.named)
+    numbered = {name: numbers_of(nodes.ids, ids)[0] for name, ids in sets.items()}
+    return NodeTable(str(path), nodes.ids, nodes.positions, node_sets=numbered)
 
 
 def _refuse_what_is_not_read(file: KeywordFile) -> None:
@@ -176,7 +197,7 @@ def _read_element_block(file: KeywordFile, block: KeywordBlock, nodes: _Nodes) -
             f"an {name} element is an id and {n_nodes} nodes, on lines of its own; is the file cut short?",
         )
     rows, lines = read.values.reshape(-1, n_nodes + 1), read.lines[starts]
-    numbers, known = _numbers(nodes.ids, rows[:, 1:])
+    numbers, known = numbers_of(nodes.ids, rows[:, 1:])
     if not known.all():
         row, corner = np.argwhere(~known)[0]
         raise file.error(
@@ -185,6 +206,15 @@ def _read_element_block(file: KeywordFile, block: KeywordBlock, nodes: _Nodes) -
             "add the node, or remove the element",
         )
     return _ElementBlock(name, block.options.get("ELSET"), rows[:, 0], numbers, lines)
+
+
+def _origins(file: KeywordFile, block: _ElementBlock, cells: int) -> tuple[CellOrigin, ...]:
+    """The element behind each of its `cells` cells."""
+    return tuple(
+        CellOrigin(file.lines[line][0], file.lines[line][1], element)
+        for element, line in zip(block.ids.tolist(), block.lines.tolist(), strict=True)
+        for _ in range(cells)
+    )
 
 
 def _read_sets(
@@ -274,22 +304,13 @@ def _cells_with_ids(cell_ids: dict[CellType, list[IntArray]], ids: IntArray) -> 
     return {kind: members for kind, members in found.items() if members.size}
 
 
-def _numbers(ids: IntArray, wanted: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
-    """Where each wanted id stands in `ids`, and whether it is there at all."""
-    order = np.argsort(ids)
-    place = np.minimum(np.searchsorted(ids[order], wanted), len(ids) - 1)
-    return order[place], ids[order[place]] == wanted
-
-
 def _each_once(ids: IntArray) -> IntArray:
     return ids[np.sort(np.unique(ids, return_index=True)[1])]
 
 
 def _refuse_repeated(file: KeywordFile, what: str, ids: IntArray, lines: IntArray) -> None:
-    order = np.argsort(ids, kind="stable")
-    again = np.flatnonzero(ids[order][1:] == ids[order][:-1])
-    if again.size:
-        second = order[1:][again].min()
+    second = first_repeated(ids)
+    if second is not None:
         raise file.error(
             int(lines[second]), f"{what} {ids[second]} is defined a second time; renumber or remove it"
         )

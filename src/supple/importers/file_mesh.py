@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.errors import ImportFormatError, MeshError
+from supple.errors import CellError, ImportFormatError, MeshError
 from supple.mesh import CellType, Mesh
 
 IntArray = NDArray[np.int64]
@@ -25,14 +26,27 @@ class UnusedNodes(Enum):
 
 
 @dataclass(frozen=True)
+class CellOrigin:
+    """Where a cell comes from: an element of that id at a line of a file."""
+
+    path: Path
+    line: int
+    element: int
+
+
+@dataclass(frozen=True)
 class FileMesh:
-    """Nodes, cells and sets as a file has them, numbered from 0 in its order."""
+    """Nodes, cells and sets as a file has them, numbered from 0 in its order.
+
+    Where formats have lines, `cell_origins` says for each cell of a type which element it is.
+    """
 
     path: Path
     nodes: NDArray[np.float64]
     cells: dict[CellType, IntArray]
     node_sets: dict[str, IntArray]
     cell_sets: dict[str, dict[CellType, IntArray]]
+    cell_origins: Mapping[CellType, tuple[CellOrigin, ...]] = field(default_factory=dict)
 
     def to_mesh(self, *, only: str | None, unused_nodes: UnusedNodes) -> Mesh:
         """The checked mesh: of one cell set and its nodes, or of everything."""
@@ -43,8 +57,15 @@ class FileMesh:
             return Mesh(chosen.nodes, chosen.cells, chosen.node_sets, chosen.cell_sets)
         except MeshError as error:
             raise MeshError(
-                f"{self.path}: {error} (numbers count from 0, in the order of the file)"
+                f"{chosen._place_of(error)}: {error} (numbers count from 0, in the order of the file)"
             ) from error
+
+    def _place_of(self, error: MeshError) -> str:
+        origins = self.cell_origins.get(CellType[error.kind]) if isinstance(error, CellError) else None
+        if not isinstance(error, CellError) or origins is None:
+            return str(self.path)
+        origin = origins[error.number]
+        return f"{origin.path}, line {origin.line}: element {origin.element}"
 
     def _only(self, name: str) -> FileMesh:
         if name not in self.cell_sets:
@@ -52,6 +73,11 @@ class FileMesh:
             raise ImportFormatError(f"{self.path}: no cell set '{name}' to read; the file has {known}")
         kept = {kind: np.sort(members) for kind, members in self.cell_sets[name].items()}
         cells = {kind: self.cells[kind][members] for kind, members in kept.items()}
+        origins = {
+            kind: tuple(self.cell_origins[kind][member] for member in members)
+            for kind, members in kept.items()
+            if kind in self.cell_origins
+        }
         cell_sets = {}
         for other, by_kind in self.cell_sets.items():
             shared = {
@@ -61,7 +87,10 @@ class FileMesh:
             }
             cell_sets[other] = {kind: members for kind, members in shared.items() if members.size}
         return replace(
-            self, cells=cells, cell_sets={n: members for n, members in cell_sets.items() if members}
+            self,
+            cells=cells,
+            cell_sets={n: members for n, members in cell_sets.items() if members},
+            cell_origins=origins,
         )
 
     def _used(self) -> FileMesh:

@@ -19,7 +19,7 @@ from supple.mesh import CellType, Mesh
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-_CELL_TYPES = {kind.meshio_name: kind for kind in CellType}
+_CELL_TYPES = {kind.meshio_name: kind for kind in CellType if kind.dimension > 1}
 _QUADRILATERAL = "quad"
 _ENTITIES = ("point", "curve", "surface", "volume")  # Gmsh's words for dimensions 0 to 3
 

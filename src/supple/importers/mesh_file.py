@@ -8,15 +8,20 @@ from supple.errors import ImportFormatError
 from supple.importers.abaqus import read_abaqus
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh import read_gmsh
+from supple.importers.nastran import NASTRAN_SUFFIXES, read_nastran_mesh
 from supple.mesh import Mesh
 
-READERS = {".msh": read_gmsh, ".inp": read_abaqus}
+READERS = {".inp": read_abaqus, ".msh": read_gmsh} | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran_mesh)
+
+MESH_SUFFIXES = tuple(READERS)
 
 
 def read_mesh(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:
-    """Mesh of a Gmsh (.msh) or an Abaqus or CalculiX (.inp) file; see `read_gmsh` and `read_abaqus`.
+    """Mesh of a Gmsh (.msh), Abaqus or CalculiX (.inp) or Nastran (.bdf, .dat, .nas, .blk) file.
+
+    See `read_gmsh`, `read_abaqus` and `read_nastran`.
 
     Raises
     ------

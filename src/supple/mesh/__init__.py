@@ -6,6 +6,7 @@ from supple.mesh.blade_stations import BladeStations
 from supple.mesh.block import block
 from supple.mesh.box_beam import box_beam
 from supple.mesh.cell_type import CellType
+from supple.mesh.connecting_rod import Eye, RodCells, RodOutline, connecting_rod
 from supple.mesh.cylinder import cylinder
 from supple.mesh.cylinder_shell import cylinder_shell
 from supple.mesh.mesh import Mesh
@@ -18,11 +19,15 @@ __all__ = [
     "BladeGrid",
     "BladeStations",
     "CellType",
+    "Eye",
     "Mesh",
+    "RodCells",
+    "RodOutline",
     "ShearWebs",
     "TrailingEdge",
     "block",
     "box_beam",
+    "connecting_rod",
     "cylinder",
     "cylinder_shell",
     "loft_blade",

@@ -18,9 +18,10 @@ class CellType(Enum):
     of the first three; a hexahedron lists its bottom, then its top, both turning about the axis from bottom
     to top. Mid-edge nodes follow, in the order of `edges`.
 
-    Attributes: meshio_name, n_nodes, n_corners, dimension (2 surface, 3 solid), edges (pairs of corners).
+    Attributes: meshio_name, n_nodes, n_corners, dimension (1 line, 2 surface, 3 solid), edges (of corners).
     """
 
+    LINE2 = ("line", 2, 2, 1, ((0, 1),))
     TRIANGLE3 = ("triangle", 3, 3, 2, _TRIANGLE_EDGES)
     TETRA4 = ("tetra", 4, 4, 3, _TETRA_EDGES)
     TETRA10 = ("tetra10", 10, 4, 3, _TETRA_EDGES)

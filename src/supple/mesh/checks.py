@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from supple.errors import MeshError
+from supple.errors import CellError, MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.reference_cell import reference_nodes, shape_gradients
 
@@ -18,6 +18,8 @@ FloatArray = NDArray[np.float64]
 
 # A triangle whose height is below this fraction of its longest edge has no usable normal or curvature.
 FLATTEST_TRIANGLE = 1e-6
+# A line has no direction when it is shorter than this fraction of the whole mesh.
+SHORTEST_LINE = 1e-9
 # A solid cell is flat when its smallest Jacobian falls below this fraction of its longest extent cubed;
 # slender cells (1 : 1000 in two directions) reach 1e-6.
 FLATTEST_SOLID = 1e-10
@@ -76,9 +78,11 @@ def _check_repeated_nodes(cells: Mapping[CellType, IntArray]) -> None:
         ordered = np.sort(array, axis=1)
         bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
         if bad.size:
-            raise MeshError(
+            raise CellError(
                 f"{_some(f'{kind.name} cell', bad)} with a node named twice; cell {bad[0]} has nodes "
-                f"{array[bad[0]].tolist()}; write collapsed cells as their own, simpler type"
+                f"{array[bad[0]].tolist()}; write collapsed cells as their own, simpler type",
+                kind.name,
+                int(bad[0]),
             )
 
 
@@ -124,10 +128,24 @@ def _check_members(what: str, members: IntArray, count: int, of_what: str) -> No
 
 def _check_cell_geometry(nodes: FloatArray, cells: Mapping[CellType, IntArray]) -> None:
     for kind, array in cells.items():
-        if kind.dimension == 2:
+        if kind.dimension == 1:
+            _check_line_lengths(nodes, array)
+        elif kind.dimension == 2:
             _check_flat_triangles(nodes, array)
         else:
             _check_solid_jacobians(nodes, kind, array)
+
+
+def _check_line_lengths(nodes: FloatArray, lines: IntArray) -> None:
+    length = np.linalg.norm(nodes[lines[:, 1]] - nodes[lines[:, 0]], axis=1)
+    bad = np.flatnonzero(length <= SHORTEST_LINE * np.ptp(nodes, axis=0).max())
+    if bad.size:
+        raise CellError(
+            f"{_some('degenerate LINE2 cell', bad)}, with (almost) no length; {_cell(nodes, lines, bad[0])}; "
+            "move or merge its nodes, or remove it",
+            "LINE2",
+            int(bad[0]),
+        )
 
 
 def _check_flat_triangles(nodes: FloatArray, triangles: IntArray) -> None:
@@ -139,9 +157,11 @@ def _check_flat_triangles(nodes: FloatArray, triangles: IntArray) -> None:
     )
     bad = np.flatnonzero(twice_area <= FLATTEST_TRIANGLE * longest**2)
     if bad.size:
-        raise MeshError(
+        raise CellError(
             f"{_some('degenerate TRIANGLE3 cell', bad)}, with (almost) no area; "
-            f"{_cell(nodes, triangles, bad[0])}; move or merge its nodes, or remove it"
+            f"{_cell(nodes, triangles, bad[0])}; move or merge its nodes, or remove it",
+            "TRIANGLE3",
+            int(bad[0]),
         )
 
 
@@ -155,15 +175,19 @@ def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray) -
         np.minimum(smallest, np.linalg.det(np.einsum("eai,aj->eij", corners, gradient)), out=smallest)
     bad = np.flatnonzero(smallest < -FLATTEST_SOLID * extent**3)
     if bad.size:
-        raise MeshError(
+        raise CellError(
             f"{_some(f'inverted {kind.name} cell', bad)}: the Jacobian is negative at a node; "
-            f"{_cell(nodes, array, bad[0])}; reorder its nodes as CellType.{kind.name} says, or remesh there"
+            f"{_cell(nodes, array, bad[0])}; reorder its nodes as CellType.{kind.name} says, or remesh there",
+            kind.name,
+            int(bad[0]),
         )
     bad = np.flatnonzero(smallest <= FLATTEST_SOLID * extent**3)
     if bad.size:
-        raise MeshError(
+        raise CellError(
             f"{_some(f'degenerate {kind.name} cell', bad)}, with (almost) no volume at a node; "
-            f"{_cell(nodes, array, bad[0])}; move its nodes, or remesh there"
+            f"{_cell(nodes, array, bad[0])}; move its nodes, or remesh there",
+            kind.name,
+            int(bad[0]),
         )
 
 

@@ -1,8 +1,17 @@
 """Systems of bodies, joints and loads; floating-frame equations of motion, reduced and full."""
 
 from supple.multibody.batch import BatchSolution, simulate_batch
+from supple.multibody.correction_rounds import (
+    CorrectedSystem,
+    ReductionStart,
+    Round,
+    SelfCorrected,
+    SelfCorrection,
+    SelfCorrectionError,
+)
 from supple.multibody.energy import Balances, balances
 from supple.multibody.full_body import FullBody
+from supple.multibody.joint_gaps import joint_gaps
 from supple.multibody.joints import (
     GROUND,
     At,
@@ -17,6 +26,13 @@ from supple.multibody.joints import (
     Revolute,
     Universal,
 )
+from supple.multibody.load_spectrum import (
+    BandCoverage,
+    LoadSpectrum,
+    band_coverage,
+    load_spectra,
+    warn_of_missing_modes,
+)
 from supple.multibody.loads import (
     DeadForce,
     DeadTorque,
@@ -26,17 +42,17 @@ from supple.multibody.loads import (
     SpringDamper,
     TorsionSpringDamper,
 )
-from supple.multibody.residual_correction import ResidualCorrections, residual_corrections
-from supple.multibody.self_correction import (
-    Round,
-    SelfCorrected,
-    SelfCorrection,
-    SelfCorrectionError,
-    self_correct,
+from supple.multibody.residual_correction import (
+    ResidualCorrections,
+    residual_corrections,
+    system_corrections,
 )
+from supple.multibody.round_archive import MissedMotion, RoundArchive, RoundBases
+from supple.multibody.self_correction import self_correct
 from supple.multibody.simulate import Checkpoint, simulate
 from supple.multibody.system import Placed, System
-from supple.multibody.time_law import Constant, Table, TimeFunction, TimeLaw
+from supple.multibody.system_correction import self_correct_system
+from supple.multibody.time_law import Constant, Table, TimeFunction, TimeLaw, Turning
 from supple.multibody.validity import Validity
 
 __all__ = [
@@ -44,9 +60,11 @@ __all__ = [
     "At",
     "Balances",
     "Ball",
+    "BandCoverage",
     "BatchSolution",
     "Checkpoint",
     "Constant",
+    "CorrectedSystem",
     "Cylindrical",
     "DeadForce",
     "DeadTorque",
@@ -57,13 +75,18 @@ __all__ = [
     "FullBody",
     "Joint",
     "JointFrame",
+    "LoadSpectrum",
+    "MissedMotion",
     "Placed",
     "PrescribedRotation",
     "PrescribedTranslation",
     "Prismatic",
+    "ReductionStart",
     "ResidualCorrections",
     "Revolute",
     "Round",
+    "RoundArchive",
+    "RoundBases",
     "SelfCorrected",
     "SelfCorrection",
     "SelfCorrectionError",
@@ -73,11 +96,18 @@ __all__ = [
     "TimeFunction",
     "TimeLaw",
     "TorsionSpringDamper",
+    "Turning",
     "Universal",
     "Validity",
     "balances",
+    "band_coverage",
+    "joint_gaps",
+    "load_spectra",
     "residual_corrections",
     "self_correct",
+    "self_correct_system",
     "simulate",
     "simulate_batch",
+    "system_corrections",
+    "warn_of_missing_modes",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ __all__ = ["FullInterior", "InteriorForces", "InteriorState", "prepare_interior"
 
 
 _right_jacobian = jax.jit(rotation_right_jacobian)
+_law_value = jax.jit(lambda law, time: law(time))
 
 
 class InteriorState(NamedTuple):
@@ -69,6 +70,31 @@ class Elimination(NamedTuple):
     """Frame equations per frame acceleration, (6, 6)"""
 
 
+class _Factored(NamedTuple):
+    """A factored tangent, what it was factored for, and its answers to interface forces and multipliers."""
+
+    factor: SparseFactor
+    velocity: float
+    position: float
+    spin: np.ndarray
+    spin_rate: np.ndarray
+    responses: np.ndarray
+    """(n, 6 p + 6)"""
+
+    def serves(self, motion: FullMotion, velocity: float, position: float) -> bool:
+        """Whether Newton's iteration still converges fast with this tangent of a linear body."""
+        same_step = np.isclose(velocity, self.velocity, rtol=1e-9) and np.isclose(
+            position, self.position, rtol=1e-9, atol=0.0
+        )
+        turned = velocity * np.max(abs(motion.spin - self.spin))
+        turned += position * np.max(abs(motion.spin_rate - self.spin_rate))
+        return bool(same_step and turned <= LARGEST_TURN)
+
+
+LARGEST_TURN = 0.02
+"""Change of spin times step up to which a linear body's factor is kept: about Newton's contraction."""
+
+
 @dataclass(frozen=True, eq=False)
 class FullInterior:
     """A full body prepared for stepping; built by `prepare_interior`."""
@@ -87,6 +113,9 @@ class FullInterior:
     tangent_places: np.ndarray
     """Where the entries of the nonlinear tangent stand in the pattern."""
     loads: tuple[DeadForce, ...]
+    _kept: list[_Factored] = field(default_factory=list, init=False, repr=False)
+    """The last factor. A linear body's tangent changes with the step and the spin alone, so that one factor
+    serves many steps: a solution costs a tenth of a factorisation."""
 
     def _nodal(self, coordinates: np.ndarray) -> np.ndarray:
         body = self.full.body
@@ -113,7 +142,7 @@ class FullInterior:
         forces = []
         for load in self.loads:
             nodes = np.asarray(load.at, dtype=int)
-            values = np.broadcast_to(np.asarray(load.law(state.time)), (len(nodes), 3))
+            values = np.broadcast_to(np.asarray(_law_value(load.law, state.time)), (len(nodes), 3))
             forces.append((nodes, values @ state.rotation))
         return forces
 
@@ -167,24 +196,38 @@ class FullInterior:
         residual : (n,) unbalanced generalised forces; increment : (3,) of the frame's rotation in this step
         """
         motion = self._motion(state)
-        weights = FullInertia.weights(motion, velocity, position)
-        data = velocity * self.constant["damping"][0]
-        if position:
-            data = data + position * self._stiffness_data(state.coordinates)
-        for kind, factors in weights.items():
-            data = data + factors @ self.constant[kind]
+        factored = self._factored(motion, state.coordinates, velocity, position)
         columns, rows, corner = self._border(motion, state, increment, velocity, position)
-        right = np.column_stack([residual, self.interface_rows.T.toarray(), columns, self.frame_rows.T])
-        solved = -self._analysed.refactorize(self._matrix(data)).solve(right)
+        solved = -factored.factor.solve(np.column_stack([residual, columns]))
         p = 6 * len(self.full.interfaces)
         return Elimination(
             particular=solved[:, 0],
-            by_interface=solved[:, 1 : 1 + p],
-            by_frame=solved[:, 1 + p : 7 + p],
-            by_multiplier=solved[:, 7 + p :],
+            by_interface=factored.responses[:, :p],
+            by_frame=solved[:, 1:],
+            by_multiplier=factored.responses[:, p:],
             frame_rows=rows,
             frame_corner=corner,
         )
+
+    def _factored(
+        self, motion: FullMotion, coordinates: np.ndarray, velocity: float, position: float
+    ) -> _Factored:
+        """The interior's tangent, factored; a linear body's is kept while it serves."""
+        linear = self.full.body.model is None
+        if linear and self._kept and self._kept[0].serves(motion, velocity, position):
+            return self._kept[0]
+        data = velocity * self.constant["damping"][0]
+        if position:
+            data = data + position * self._stiffness_data(coordinates)
+        for kind, factors in FullInertia.weights(motion, velocity, position).items():
+            data = data + factors @ self.constant[kind]
+        factor = self._analysed.refactorize(self._matrix(data))
+        constant = np.column_stack([self.interface_rows.T.toarray(), self.frame_rows.T])
+        factored = _Factored(
+            factor, velocity, position, motion.spin, motion.spin_rate, -factor.solve(constant)
+        )
+        self._kept[:] = [factored]
+        return factored
 
     def _border(
         self,
@@ -278,5 +321,6 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[DeadForce, ...]) -
             for kind, group in matrices.items()
         },
         tangent_places=_places(pattern, shape.indices, columns),
-        loads=loads,
+        # Put where JAX computes once: the table of a long run is many megabytes.
+        loads=tuple(replace(load, force=jax.device_put(load.law)) for load in loads),
     )

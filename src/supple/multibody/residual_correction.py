@@ -18,6 +18,7 @@ is the missing motion, to first order and quasi-statically.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,10 +31,11 @@ from supple.multibody.equations import Configuration
 from supple.multibody.full_body import FullBody
 from supple.multibody.full_order import FullOrderSystem, FullState
 from supple.multibody.initial_state import consistent_start
+from supple.multibody.simulate import Progress
 from supple.multibody.system import System
 from supple.reduction import ReducedBody, ReductionBasis
 
-__all__ = ["ResidualCorrections", "residual_corrections"]
+__all__ = ["ResidualCorrections", "residual_corrections", "system_corrections"]
 
 _SLOWNESS = 100.0
 """How many times slower than the body's lowest vibration the missing motion is taken to be: slow enough that
@@ -67,60 +69,108 @@ class ResidualCorrections:
 def residual_corrections(
     system: System, full: FullBody, basis: ReductionBasis, solution: Solution, instants: np.ndarray
 ) -> ResidualCorrections:
-    """Motion that a finished run's basis misses at some of its output times.
+    """Motion that a finished run's basis misses at some of its output times; of one body, see below."""
+    return system_corrections(system, (full,), {full.name: basis}, solution, instants)[full.name]
+
+
+def system_corrections(
+    system: System,
+    fulls: Sequence[FullBody],
+    bases: Mapping[str, ReductionBasis],
+    solution: Solution,
+    instants: np.ndarray,
+    *,
+    progress: Progress | None = None,
+) -> dict[str, ResidualCorrections]:
+    """Motion that the bases of a finished run miss at some of its output times, by body.
+
+    All bodies are corrected by one and the same Newton step: each feels what the others miss.
 
     Parameters
     ----------
-    system : System             as it was simulated, with the reduced body
-    full : FullBody             the same body with all its coordinates
-    basis : ReductionBasis      of the reduced body
+    system : System             as it was simulated, with the reduced bodies
+    fulls : FullBody            those to correct, with all their coordinates
+    bases : ReductionBasis      of the reduced bodies, by name
     solution : Solution         of the run
     instants : int array (k,)   output times to look at, by their number
+    progress : function         called with the completed fraction of the instants
 
     Raises
     ------
     ModelError      the system has no such body, or one of another size
     AccuracyError   a tangent is singular: the body buckles, or its joints hold a mechanism in a dead centre
     """
-    index = system.body_index(full.name, "residual correction")
-    reduced = system.bodies[index].body
-    if not isinstance(reduced, ReducedBody) or reduced.r != basis.r:
-        raise ModelError(
-            f"residual correction: the system holds body '{full.name}' as a {type(reduced).__name__}, "
-            f"but the run to correct has it reduced to {basis.r} coordinates"
-        )
-    at_rest = np.zeros(full.r)
-    bodies = [
-        replace(placed, body=full, coordinates=at_rest, coordinate_rates=at_rest) if i == index else placed
-        for i, placed in enumerate(system.bodies)
-    ]
+    indices, reduced = zip(*(_found(system, full, bases[full.name]) for full in fulls), strict=True)
+    placed = list(system.bodies)
+    for index, full in zip(indices, fulls, strict=True):
+        at_rest = np.zeros(full.r)
+        placed[index] = replace(placed[index], body=full, coordinates=at_rest, coordinate_rates=at_rest)
     with warnings.catch_warnings():
         # The run has named them already.
         warnings.simplefilter("ignore", RedundantConstraintWarning)
         active = consistent_start(system, float(solution.times[0]), 1.0)[0].active
-    prepared = FullOrderSystem(replace(system, bodies=bodies), active)
-    position = (_SLOWNESS / reduced.frequencies[0]) ** 2
-    states = [_expanded(prepared, solution, full.name, basis.vectors, i) for i in instants]
-    steps = np.array([_newton_step(prepared, state, position)[prepared.slices[index]] for state in states])
+    prepared = FullOrderSystem(replace(system, bodies=placed), active)
+    position = (_SLOWNESS / min(body.frequencies[0] for body in reduced)) ** 2
+    vectors = {full.name: bases[full.name].vectors for full in fulls}
+    states, steps = [], np.empty((len(instants), prepared.n))
+    for row, instant in enumerate(instants):
+        states.append(_expanded(prepared, solution, vectors, instant))
+        steps[row] = _newton_step(prepared, states[-1], position)
+        if progress is not None:
+            progress((row + 1) / len(instants))
+    configurations = [state.configuration for state in states]
+    determined = len(active) >= 6 * len(placed)
+    return {
+        full.name: _of_body(
+            full,
+            solution.times[instants],
+            configurations,
+            index,
+            steps[:, prepared.slices[index]],
+            determined,
+        )
+        for index, full in zip(indices, fulls, strict=True)
+    }
+
+
+def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, ReducedBody]:
+    """Place of a body in the system, and its reduced form there."""
+    index = system.body_index(full.name, "residual correction")
+    body = system.bodies[index].body
+    if not isinstance(body, ReducedBody) or body.r != basis.r:
+        raise ModelError(
+            f"residual correction: the system holds body '{full.name}' as a {type(body).__name__}, "
+            f"but the run to correct has it reduced to {basis.r} coordinates"
+        )
+    return index, body
+
+
+def _of_body(
+    full: FullBody,
+    times: np.ndarray,
+    configurations: list[Configuration],
+    index: int,
+    steps: np.ndarray,
+    determined: bool,
+) -> ResidualCorrections:
+    """The part of one body in the steps (k, 6 + n) of the system."""
     return ResidualCorrections(
-        times=solution.times[instants],
+        times=times,
         deformation=steps[:, 6:].T,
         origin=steps[:, :3],
         rotation=steps[:, 3:6],
-        rms=_nodal_rms(
-            full, [state.configuration for state in states], index, steps, len(active) >= 6 * len(bodies)
-        ),
+        rms=_nodal_rms(full, configurations, index, steps, determined),
     )
 
 
 def _expanded(
-    prepared: FullOrderSystem, solution: Solution, name: str, vectors: np.ndarray, instant: int
+    prepared: FullOrderSystem, solution: Solution, vectors: Mapping[str, np.ndarray], instant: int
 ) -> FullState:
-    """State of the run at one output time, with all coordinates of the body of that name."""
+    """State of the run at one output time, with all coordinates of the bodies whose basis is given."""
 
     def now(item: str, body: str) -> np.ndarray:
         value = getattr(solution.bodies[body], item)[instant]
-        return vectors @ value if body == name and item.startswith("coordinate") else value
+        return vectors[body] @ value if body in vectors and item.startswith("coordinate") else value
 
     def joined(*items: str) -> np.ndarray:
         return np.concatenate([now(item, body) for body in names for item in items])

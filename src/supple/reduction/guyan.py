@@ -49,3 +49,17 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
         static_solver=solver,
         dropped=column_labels("constraint", [reference]),
     )
+
+
+def interface_shapes(body: FlexibleBody) -> np.ndarray:
+    """Static shapes due to a unit motion of every interface freedom, rigid motions within their span.
+
+        K Psi + B^T mu = 0,   B Psi = I
+
+    Returns (n, 6 n_interfaces), in the order of the body's interfaces.
+    Raises ModelError when the body has no interface.
+    Source: [Han2020] (12).
+    """
+    require_interfaces(body, "a set of constraint modes")
+    held = motion_rows(body.interfaces)
+    return body.constrained(held).solve(values=np.eye(len(held)))

@@ -10,6 +10,7 @@ import numpy as np
 from supple.algebra import ConstrainedFactor, mass_orthonormalize, read_only
 from supple.body import FlexibleBody, Frame, frame_projector
 from supple.errors import AccuracyError, ModelError
+from supple.reduction.eigenvalue_certificate import EigenvalueCertificate
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +23,7 @@ class LinearBasis:
     static_solver : solves K x = f with the interfaces and the frame held as this basis holds them;
                      the derivatives of its columns are static solutions of that same problem
     dropped : labels of columns not formed because the frame itself carries their motion
+    certificate : what is proven of their eigenvalues; None where nothing is
     """
 
     vectors: np.ndarray
@@ -29,6 +31,7 @@ class LinearBasis:
     labels: tuple[str, ...]
     static_solver: ConstrainedFactor
     dropped: tuple[str, ...] = ()
+    certificate: EigenvalueCertificate | None = None
 
     def __post_init__(self):
         object.__setattr__(self, "vectors", read_only(self.vectors))
@@ -36,7 +39,7 @@ class LinearBasis:
 
 
 class LinearBasisRecipe(Protocol):
-    """How to build a linear basis: CraigBampton, Rubin, NormalModes, Guyan or CompleteBasis."""
+    """How to build a linear basis: CraigBampton, CraigBamptonResidual, Rubin, Herting, NormalModes ..."""
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """The basis of a body whose motion is measured in a frame."""
@@ -76,6 +79,7 @@ def vibrating_basis(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> Linea
         labels=tuple(raw.labels[i] for i in kept),
         static_solver=raw.static_solver,
         dropped=raw.dropped + tuple(raw.labels[i] for i in dropped),
+        certificate=raw.certificate,
     )
 
 

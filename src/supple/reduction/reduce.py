@@ -27,7 +27,8 @@ def reduce(
 
     body : FlexibleBody
     frame : NodalFixedFrame(interface) or MeanAxisFrame()   the motion gamma is relative to
-    basis : Rubin(...), CraigBampton(...), NormalModes(...), Guyan() or CompleteBasis()
+    basis : Rubin(...), CraigBampton(...), CraigBamptonResidual(...), Herting(...), NormalModes(...), Guyan()
+            or CompleteBasis()
     derivatives : CompressedDerivatives(n), PickedDerivatives(n) or NoDerivatives()
     damping : RayleighDamping(...) or ModalDamping(...); None: undamped
     Raises

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from supple.algebra import read_only
 from supple.errors import ModelError
+from supple.reduction.eigenvalue_certificate import EigenvalueCertificate
 from supple.reduction.tensors import InternalForceTensors
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ class ReductionReport:
     singular_values_kept, singular_values_dropped : of the weighted derivatives, relative to the first
         (both empty unless the derivatives were compressed)
     seconds : wall time of each offline step
+    certificate : what is proven of the body's eigenvalues, by a basis that proves it (ErrorControlled)
     """
 
     linear: tuple[str, ...]
@@ -56,6 +58,7 @@ class ReductionReport:
     singular_values_kept: np.ndarray = field(default_factory=lambda: np.empty(0))
     singular_values_dropped: np.ndarray = field(default_factory=lambda: np.empty(0))
     seconds: Mapping[str, float] = field(default_factory=dict)
+    certificate: EigenvalueCertificate | None = None
 
     def __post_init__(self):
         _set_read_only(self)

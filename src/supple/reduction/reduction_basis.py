@@ -62,6 +62,7 @@ def reduction_basis(
         singular_values_kept=added.singular_values_kept,
         singular_values_dropped=added.singular_values_dropped,
         seconds=seconds,
+        certificate=linear.certificate,
     )
     return ReductionBasis(frame, V, report)
 

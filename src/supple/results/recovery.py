@@ -97,8 +97,12 @@ def time_slices(body: ElasticBody, n_times: int) -> Iterator[slice]:
 def _chosen(body: ElasticBody, nodes: ArrayLike | slice) -> NDArray[np.int64] | slice:
     if isinstance(nodes, slice):
         return nodes
+    return node_numbers(nodes, len(body.nodes))
+
+
+def node_numbers(nodes: ArrayLike, n_nodes: int) -> NDArray[np.int64]:
+    """Node numbers (k,) from 0; ModelError where one is outside a body of n_nodes."""
     numbers = np.atleast_1d(np.asarray(nodes, dtype=np.int64))
-    n_nodes = len(body.nodes)
     if numbers.size and not (0 <= numbers.min() and numbers.max() < n_nodes):
         raise ModelError(
             f"recovery: node numbers {numbers.min()} to {numbers.max()} in a body of {n_nodes} nodes"

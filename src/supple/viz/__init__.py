@@ -2,10 +2,15 @@
 
 from supple.viz.animation import animate
 from supple.viz.camera import Camera
+from supple.viz.contour import plot_contour, stress_field
+from supple.viz.eigenvalue_error import plot_eigenvalue_error
 from supple.viz.mesh_plot import NodalField, displacement_magnitude, plot_mesh
 from supple.viz.mesh_skin import Skin, skin_of
-from supple.viz.mode_shapes import plot_mode_shapes
+from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
+from supple.viz.response_errors import Response, plot_response_errors
 from supple.viz.rms_error import plot_error_over_parameter, plot_rms_error
+from supple.viz.scene import Actor, Scene, scene_of
+from supple.viz.self_correction import RoundErrors, plot_self_correction
 from supple.viz.style import PUBLISHED, REFERENCE, SOLID, Stroke
 from supple.viz.time_history import Panel, Series, plot_time_history
 
@@ -13,18 +18,29 @@ __all__ = [
     "PUBLISHED",
     "REFERENCE",
     "SOLID",
+    "Actor",
     "Camera",
     "NodalField",
     "Panel",
+    "Response",
+    "RoundErrors",
+    "Scene",
     "Series",
     "Skin",
     "Stroke",
     "animate",
     "displacement_magnitude",
+    "mode_titles",
+    "plot_contour",
+    "plot_eigenvalue_error",
     "plot_error_over_parameter",
     "plot_mesh",
     "plot_mode_shapes",
+    "plot_response_errors",
     "plot_rms_error",
+    "plot_self_correction",
     "plot_time_history",
+    "scene_of",
     "skin_of",
+    "stress_field",
 ]

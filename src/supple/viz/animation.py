@@ -7,7 +7,10 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
@@ -17,13 +20,15 @@ from supple.results.atomic_write import replacing
 from supple.viz.camera import Camera
 from supple.viz.mesh_plot import check_nodes, draw_cross, draw_length_bar
 from supple.viz.mesh_skin import Skin
-from supple.viz.shaded_surface import page_around, render, show
-from supple.viz.style import COLOUR_MAP, COLOURS, textbook_style
+from supple.viz.shaded_surface import Page, page_around, render, show
+from supple.viz.style import COLOUR_MAP, COLOURS, SURFACE_COLOUR, textbook_style
 
 Array = NDArray[np.float64]
 Array8 = NDArray[np.uint8]
 
 _PIXELS_PER_INCH = 100
+# Height of the strip with the colour bar, its numbers and its label.
+_BAR_PIXELS = 72
 # Place of white in a film's palette.
 _WHITE = 255
 
@@ -35,6 +40,7 @@ def animate(
     skin: Skin,
     *,
     values: Array | None = None,
+    values_label: str = "",
     traced_nodes: Sequence[int] = (),
     camera: Camera | None = None,
     frames_per_second: float = 20.0,
@@ -49,7 +55,8 @@ def animate(
     times : array (t,)              s, shown in the picture
     positions : array (t, N, 3)     of the nodes, as `node_positions` recovers them
     skin : Skin                     what is seen of the mesh
-    values : array (t, N)           nodal scalar to colour by, in one scale for the whole film
+    values : array (t, N)           nodal scalar to colour by, in one scale for the whole film; NaN is plain
+    values_label : str              what they are, with their unit, under a colour bar; no bar without
     traced_nodes : node numbers     whose paths are drawn
     camera : Camera                 a three-quarter view of the whole motion by default
     frames_per_second : float       up to 50, which is as fast as viewers play
@@ -62,20 +69,20 @@ def animate(
     ResultFileError     the file cannot be written
     """
     _check(path, times, positions, skin, values, traced_nodes, frames_per_second)
+    if values_label and values is None:
+        raise ModelError(f"cannot draw a colour bar of '{values_label}': give the values, too")
     camera = camera or Camera.three_quarter(positions.reshape(-1, 3))
     page = page_around(camera.project(positions)[0], n_columns, least_aspect=0.25)
-    low, high = (0.0, 1.0) if values is None else (values.min(), values.max())
-    colours = colormaps[COLOUR_MAP]
+    scale = ScalarMappable(cmap=colormaps[COLOUR_MAP].with_extremes(bad=SURFACE_COLOUR))
+    if values is not None:
+        scale.set_norm(Normalize(np.nanmin(values), np.nanmax(values)))
 
     def colouring(value: Array) -> Array:
-        return colours((value - low) / max(high - low, 1e-300))[:, :3]
+        return scale.to_rgba(value)[:, :3]
 
     with textbook_style():
-        figure = Figure(
-            figsize=(n_columns / _PIXELS_PER_INCH, page.n_rows / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH
-        )
+        figure, axes = _stage(page, scale, values_label)
         canvas = FigureCanvasAgg(figure)
-        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         image = show(axes, np.zeros((page.n_rows, page.n_columns, 4)), page)
         draw_cross(axes, camera)
         draw_length_bar(axes, page, length_unit)
@@ -95,6 +102,20 @@ def animate(
                 progress((i + 1) / len(times))
     _save_gif(Path(path), frames, frames_per_second)
     return Path(path)
+
+
+def _stage(page: Page, scale: ScalarMappable, label: str) -> tuple[Figure, Axes]:
+    """Axes as large as the page, pixel for pixel, over a bar of the colours where they have a label."""
+    bar = _BAR_PIXELS if label else 0
+    n_rows = page.n_rows + bar
+    figure = Figure(
+        figsize=(page.n_columns / _PIXELS_PER_INCH, n_rows / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH
+    )
+    axes = figure.add_axes((0.0, bar / n_rows, 1.0, page.n_rows / n_rows))
+    if label:
+        rim = figure.add_axes((0.25, 0.72 * bar / n_rows, 0.5, 0.16 * bar / n_rows))
+        figure.colorbar(scale, cax=rim, orientation="horizontal", label=label)
+    return figure, axes
 
 
 def _save_gif(path: Path, frames: list[Array8], frames_per_second: float) -> None:
@@ -149,10 +170,12 @@ def _check(
         )
     for frame in positions:
         check_nodes(frame, skin)
-    if values is not None and (values.shape != positions.shape[:2] or not np.isfinite(values).all()):
+    if values is not None and (
+        values.shape != positions.shape[:2] or np.isinf(values).any() or np.isnan(values).all()
+    ):
         raise ModelError(
             f"cannot colour by values of shape {values.shape}: "
-            f"give finite ones of shape {positions.shape[:2]}"
+            f"give finite ones of shape {positions.shape[:2]}, NaN where a body has none"
         )
     wrong = [node for node in traced_nodes if not 0 <= node < positions.shape[1]]
     if wrong:

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D, Affine2DBase, ScaledTranslation, Transform
 from numpy.typing import NDArray
 
@@ -81,31 +82,59 @@ def plot_mesh(
     ModelError          arrays of other shapes, values that are not finite, a skin beyond the nodes
     ResultFileError     the file cannot be written
     """
+    with textbook_style():
+        figure, _, _ = draw_surface(
+            nodes,
+            skin,
+            colour_by=colour_by,
+            undeformed=undeformed,
+            camera=camera,
+            title=title,
+            length_unit=length_unit,
+        )
+        return save_figure(figure, path)
+
+
+def draw_surface(
+    nodes: Array,
+    skin: Skin,
+    *,
+    colour_by: NodalField | None,
+    undeformed: Array | None,
+    camera: Camera | None,
+    title: str,
+    length_unit: str,
+    scale: ScalarMappable | None = None,
+) -> tuple[Figure, Axes, Camera]:
+    """The picture of plot_mesh before it is saved, to be drawn inside textbook_style.
+
+    scale : ScalarMappable      from values to colours; the whole range of the field when omitted
+    """
     check_nodes(nodes, skin)
     if undeformed is not None:
         check_nodes(undeformed, skin)
     rest = nodes if undeformed is None else undeformed
     camera = camera or Camera.three_quarter(rest)
     page = page_around(camera.project(np.concatenate([nodes, rest]))[0], N_COLUMNS)
-    with textbook_style():
-        height = TEXT_WIDTH * page.n_rows / page.n_columns
-        figure = new_figure(height + 0.7 * (colour_by is not None) + 0.3 * bool(title))
-        axes = figure.subplots()
-        values, scale = None, ScalarMappable(cmap=COLOUR_MAP)
-        if colour_by is not None:
-            values = _checked(colour_by, len(nodes))
-            scale.set_norm(Normalize(values.min(), values.max()))
-            figure.colorbar(scale, ax=axes, location="bottom", label=colour_by.label, shrink=0.5, aspect=30)
-        picture = render(
-            nodes, skin, camera, page, values=values, colouring=lambda value: scale.to_rgba(value)[:, :3]
-        )
-        if undeformed is not None:
-            draw_outline(axes, undeformed, skin, camera)
-        show(axes, picture, page)
-        draw_cross(axes, camera)
-        draw_length_bar(axes, page, length_unit)
-        axes.set_title(title)
-        return save_figure(figure, path)
+    height = TEXT_WIDTH * page.n_rows / page.n_columns
+    figure = new_figure(height + 0.7 * (colour_by is not None) + 0.3 * bool(title))
+    axes = figure.subplots()
+    values, colours = None, scale or ScalarMappable(cmap=COLOUR_MAP)
+    if colour_by is not None:
+        values = checked_values(colour_by, len(nodes))
+        if scale is None:
+            colours.set_norm(Normalize(values.min(), values.max()))
+        figure.colorbar(colours, ax=axes, location="bottom", label=colour_by.label, shrink=0.5, aspect=30)
+    picture = render(
+        nodes, skin, camera, page, values=values, colouring=lambda value: colours.to_rgba(value)[:, :3]
+    )
+    if undeformed is not None:
+        draw_outline(axes, undeformed, skin, camera)
+    show(axes, picture, page)
+    draw_cross(axes, camera)
+    draw_length_bar(axes, page, length_unit)
+    axes.set_title(title)
+    return figure, axes, camera
 
 
 def check_nodes(nodes: Array, skin: Skin) -> None:
@@ -177,7 +206,8 @@ def _round_length(length: float) -> float:
     return float(max(step * power for step in (1.0, 2.0, 5.0) if step * power <= length * (1.0 + 1e-9)))
 
 
-def _checked(field: NodalField, n_nodes: int) -> Array:
+def checked_values(field: NodalField, n_nodes: int) -> Array:
+    """The values of a field; ModelError where they are not finite ones of n_nodes nodes."""
     values = np.asarray(field.values, dtype=float)
     if values.shape != (n_nodes,) or not np.isfinite(values).all():
         raise ModelError(

@@ -69,9 +69,11 @@ def skin_of(mesh: Mesh) -> Skin:
     """The skin of a mesh.
 
     Faces that two solid cells share lie inside and are left out; faces with mid-edge nodes are cut at them,
-    so that a curved face looks curved.
+    so that a curved face looks curved. Beams (LINE2) have no faces and are not shown.
     """
-    parts = [_cell_skin(kind, cells) for kind, cells in mesh.cells.items()]
+    parts = [_cell_skin(kind, cells) for kind, cells in mesh.cells.items() if kind.dimension > 1]
+    if not parts:
+        raise ModelError("a mesh of beams alone has no skin; draw its deflection by the motion of its nodes")
     return Skin(np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts]))
 
 

@@ -1,0 +1,197 @@
+"""The quadruple pendulum in supple and in Exudyn, one after the other in one run: cost of a step.
+
+Three rigid cylinders and a flexible one on ball joints fall under gravity [Han2020]. supple reduces the
+flexible link to 30 modal coordinates, each eigenvalue within 1 %, and writes it with `write_exudyn`; Exudyn
+loads that file. Both use generalized-alpha with rho_inf = 0.8, the same step, the same relative Newton
+tolerance and one thread. Exudyn runs twice: with Newton's method, as supple, and with the modified one (its
+default), which keeps the Jacobian for as long as the iteration converges. What is compared is the free end,
+and the smaller the step the nearer the two codes come.
+
+Exudyn (BSD licence) is not a dependency: pip install exudyn==1.13.6
+Run: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/pendulum_against_exudyn.py
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from measure import keep
+
+from supple.benchmark.quadruple_pendulum import GRAVITY, QuadruplePendulum
+from supple.body import RigidBody
+from supple.export import interface_nodes, write_exudyn
+from supple.integrate import FixedStep, GeneralizedAlpha, Tolerances
+from supple.mesh import CellType
+from supple.multibody import System, simulate
+from supple.reduction import ErrorControlled, NoDerivatives, ReducedBody, reduce
+from supple.results import node_positions
+
+DURATION, OUTPUT_STEP, STEPS, TOLERANCE, REPEATS = 1.0, 0.02, (1e-3, 5e-4), 1e-6, 5
+
+Run = Callable[[], tuple[int, int, float, np.ndarray]]
+"""One run: steps, Newton iterations, wall seconds, and the free end's positions at the outputs (t, 3)."""
+
+
+def in_supple(system: System, link: ReducedBody, end: int, step: float) -> Run:
+    def run() -> tuple[int, int, float, np.ndarray]:
+        solution = simulate(
+            system,
+            duration=DURATION,
+            output_step=OUTPUT_STEP,
+            step=FixedStep(step),
+            method=GeneralizedAlpha(0.8),
+            tolerances=Tolerances(TOLERANCE),
+        )
+        cost = solution.statistics
+        return (
+            cost.steps,
+            cost.iterations,
+            cost.seconds,
+            node_positions(link, solution.bodies[link.name], [end])[:, 0],
+        )
+
+    return run
+
+
+def in_exudyn(system: System, file: Path, end: int, step: float, *, modified_newton: bool) -> Run:
+    try:
+        import exudyn as exu
+        from exudyn import itemInterface as items  # noqa: N813
+    except ImportError:
+        sys.exit("this comparison needs Exudyn, which is not installed here: pip install exudyn==1.13.6")
+
+    mbs = exu.SystemContainer().AddSystem()
+    joints = _add_bodies(mbs, items, system, file)
+    for first, second in joints[:-1]:
+        mbs.AddObject(items.SphericalJoint(markerNumbers=[first, second]))
+    flexible = joints[-1][0]
+    sensor = mbs.AddSensor(
+        items.SensorSuperElement(
+            bodyNumber=flexible,
+            meshNodeNumber=end,
+            storeInternal=True,
+            outputVariableType=exu.OutputVariableType.Position,
+        )
+    )
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.numberOfSteps = round(DURATION / step)
+    settings.timeIntegration.endTime = DURATION
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+    settings.timeIntegration.newton.relativeTolerance = TOLERANCE
+    settings.timeIntegration.newton.useModifiedNewton = modified_newton
+    settings.timeIntegration.verboseMode = 0
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = OUTPUT_STEP
+    settings.parallel.numberOfThreads = 1
+
+    def run() -> tuple[int, int, float, np.ndarray]:
+        began = perf_counter()
+        mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.GeneralizedAlpha)
+        seconds = perf_counter() - began
+        iterations = int(mbs.sys["dynamicSolver"].it.newtonStepsCount)
+        return (
+            settings.timeIntegration.numberOfSteps,
+            iterations,
+            seconds,
+            mbs.GetSensorStoredData(sensor)[:, 1:4],
+        )
+
+    return run
+
+
+def _add_bodies(mbs: Any, items: Any, system: System, file: Path) -> list[tuple[int, int]]:
+    """Add ground and bodies; marker pairs of the joints, and last (number of the flexible body, 0)."""
+    from exudyn.FEM import ObjectFFRFreducedOrderInterface
+    from exudyn.rigidBodyUtilities import RigidBodyInertia
+
+    first = system.bodies[0]
+    start = first.position + first.rotation @ first.body.interface("near")
+    ground = mbs.AddObject(items.ObjectGround(referencePosition=start.tolist()))
+    previous, pairs = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=ground)), []
+    for placed in system.bodies:
+        body, axes = placed.body, placed.rotation
+        if isinstance(body, RigidBody):
+            number = mbs.CreateRigidBody(
+                referencePosition=(placed.position + axes @ body.centre).tolist(),
+                referenceRotationMatrix=axes,
+                inertia=RigidBodyInertia(mass=body.mass, inertiaTensor=np.array(body.inertia)),
+                gravity=list(GRAVITY),
+            )
+            near, far = (
+                mbs.AddMarker(
+                    items.MarkerBodyPosition(
+                        bodyNumber=number, localPosition=(body.interface(name) - body.centre).tolist()
+                    )
+                )
+                for name in ("near", "far")
+            )
+            pairs.append((previous, near))
+            previous = far
+            continue
+        loaded = ObjectFFRFreducedOrderInterface()
+        loaded.LoadFromFile(str(file))
+        number = loaded.AddObjectFFRFreducedOrder(
+            mbs, positionRef=placed.position.tolist(), rotationMatrixRef=axes, gravity=list(GRAVITY)
+        )["oFFRFreducedOrder"]
+        nodes = interface_nodes(body, "near")
+        marker = items.MarkerSuperElementPosition(
+            bodyNumber=number, meshNodeNumbers=nodes, weightingFactors=[1 / len(nodes)] * len(nodes)
+        )
+        pairs += [(previous, mbs.AddMarker(marker)), (number, 0)]
+    return pairs
+
+
+def main() -> None:
+    machine = QuadruplePendulum(cell_type=CellType.TETRA4).machine()
+    link = reduce(
+        machine.body, machine.frame, ErrorControlled(0.01, machine.n_modes), derivatives=NoDerivatives()
+    )
+    system = machine.system(link)
+    end = int(machine.model.mesh.nodes_of("tip")[0])
+    rows = []
+    with TemporaryDirectory() as folder:
+        file = write_exudyn(Path(folder) / "link.npz", link)
+        for step in STEPS:
+            runs = {
+                "supple": in_supple(system, link, end, step),
+                "Exudyn": in_exudyn(system, file, end, step, modified_newton=False),
+                "Exudyn, modified Newton": in_exudyn(system, file, end, step, modified_newton=True),
+            }
+            rows += _compared(step, runs)
+    keep("pendulum_against_exudyn", rows, exudyn=version("exudyn"))
+
+
+def _compared(step: float, runs: dict[str, Run]) -> list[dict[str, Any]]:
+    """Best of some repeats of every code, taken in turns."""
+    for run in runs.values():
+        run()  # compiles, warms the caches
+    best: dict[str, tuple[int, int, float, np.ndarray]] = {}
+    for _ in range(REPEATS):
+        for code, run in runs.items():
+            outcome = run()
+            if code not in best or outcome[2] < best[code][2]:
+                best[code] = outcome
+    _, _, our_seconds, our_end = best["supple"]
+    return [
+        {
+            "step, s": step,
+            "code": code,
+            "iterations / step": iterations / steps,
+            "us / step": 1e6 * seconds / steps,
+            "time, of supple's": seconds / our_seconds,
+            "ends apart, m": float(np.linalg.norm(end - our_end, axis=1).max()),
+        }
+        for code, (steps, iterations, seconds, end) in best.items()
+    ]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,155 @@
+"""The lowest modes of a held structure when it is not known beforehand how many will be needed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, sparse
+
+from supple.algebra.constrained_solve import ConstrainedFactor
+from supple.algebra.eigen import Eigenpairs, lowest_modes
+from supple.errors import AccuracyError, ModelError
+
+Array = NDArray[np.float64]
+
+# Solving for eight right-hand sides takes twice the time of one; wider blocks need a longer Krylov space.
+BLOCK = 8
+
+# Of a mode in its equation: its eigenvalue is then good to the square of it.
+LARGEST_RESIDUAL = 1e-7
+
+# Krylov vectors that usually hold as many modes as are asked for, and by how much to grow where they do not.
+FIRST_VECTORS = 8 * BLOCK
+VECTORS_PER_MODE = 2.3
+SMALLEST_GROWTH = 1.05
+
+
+@dataclass(frozen=True, eq=False)
+class RitzModes:
+    """M-orthonormal modes basis @ weights, formed only when asked for.
+
+    values  : (k,)     eigenvalues, rad^2/s^2, ascending
+    basis   : (n, m)   M-orthonormal
+    weights : (m, k)   orthonormal
+    """
+
+    values: Array
+    basis: Array = field(repr=False)
+    weights: Array = field(repr=False)
+
+    @classmethod
+    def of(cls, modes: Eigenpairs) -> RitzModes:
+        """Modes that are known as vectors."""
+        return cls(modes.values, modes.vectors, np.eye(modes.values.size))
+
+    @cached_property
+    def vectors(self) -> Array:
+        """The modes (n, k)."""
+        return self.basis @ self.weights
+
+    def participation(self, loads: Array) -> Array:
+        """Work (k, b) of loads (n, b) on each mode, Phi^T loads."""
+        return self.weights.T @ (self.basis.T @ loads)
+
+    def combine(self, amounts: Array) -> Array:
+        """The motion Phi @ amounts (n, b) of amounts (k, b)."""
+        return self.basis @ (self.weights @ amounts)
+
+
+class GrowingModes:
+    """The lowest modes of K x + D^T mu = lambda M x, D x = 0, as many as are asked for, then more.
+
+    Block Lanczos on K^-1 M (constrained) with full reorthogonalisation and no restart, so that a longer list
+    costs what it adds, and the last one no more than it alone would have. The Krylov space Q and the
+    projected inverse T = Q^T M K^-1 M Q only ever grow. Where Q would fill half of a small problem, all modes
+    are found by a dense solution.
+
+    inverse : ConstrainedFactor     of the held stiffness
+    mass    : csc (n, n)            symmetric, positive definite
+    """
+
+    def __init__(self, inverse: ConstrainedFactor, mass: sparse.csc_array):
+        self.inverse, self.mass = inverse, mass
+        self.basis = np.empty((inverse.n, 0), order="F")
+        self.projected = np.empty((0, 0))
+        self.found = RitzModes(np.empty(0), self.basis, np.empty((0, 0)))
+        start = inverse.solve(mass @ np.random.default_rng(0).standard_normal((inverse.n, BLOCK)))
+        self.next_block, self.coupling = self._orthonormal(start)
+
+    @property
+    def available(self) -> int:
+        """How many modes there are in all."""
+        return self.inverse.n - len(self.inverse.constraint)
+
+    def at_least(self, n_modes: int) -> RitzModes:
+        """The lowest modes, n_modes or more of them, that satisfy their equation to 1e-7.
+
+        Raises
+        ------
+        ModelError      more modes than there are
+        AccuracyError   a motion carries no mass, or negative mass
+        """
+        if n_modes > self.available:
+            raise ModelError(f"{n_modes} modes asked of a structure with {self.available} freedoms")
+        while self.found.values.size < n_modes:
+            wanted = max(FIRST_VECTORS + VECTORS_PER_MODE * n_modes, SMALLEST_GROWTH * self.basis.shape[1])
+            reach = BLOCK * int(np.ceil(wanted / BLOCK))
+            if reach + BLOCK > self.available // 2:
+                everything = lowest_modes(
+                    self.inverse.grounded.stiffness,
+                    self.mass,
+                    self.available,
+                    constraint=self.inverse.constraint,
+                )
+                self.found = RitzModes.of(everything)
+            else:
+                self._grow(reach)
+                self.found = self._converged_modes()
+        return self.found
+
+    def _grow(self, size: int) -> None:
+        """Extend Q to (n, size)."""
+        done = self.basis.shape[1]
+        basis = np.empty((self.inverse.n, size), order="F")
+        basis[:, :done] = self.basis
+        projected = np.zeros((size, size))
+        projected[:done, :done] = self.projected
+        for first in range(done, size, BLOCK):
+            m = first + BLOCK
+            basis[:, first:m] = self.next_block
+            images = self.inverse.solve(self.mass @ self.next_block)
+            # First against the two blocks that the recurrence couples, then against what round-off leaves.
+            for known in (slice(max(0, m - 2 * BLOCK), m), slice(0, m)):
+                parts = basis[:, known].T @ (self.mass @ images)
+                images -= basis[:, known] @ parts
+                projected[known, first:m] += parts
+            self.next_block, self.coupling = self._orthonormal(images)
+        self.basis, self.projected = basis, projected
+
+    def _converged_modes(self) -> RitzModes:
+        """Ritz pairs of T; the coupling to the next block tells the residual of each."""
+        upper = np.triu(self.projected)
+        mu, weights = linalg.eigh(upper + np.triu(self.projected, 1).T)
+        mu, weights = mu[::-1], weights[:, ::-1]
+        residuals = np.linalg.norm(self.coupling @ weights[-BLOCK:], axis=0)
+        converged = residuals <= LARGEST_RESIDUAL * mu
+        count = mu.size if converged.all() else int(np.argmin(converged))
+        return RitzModes(1 / mu[:count], self.basis, weights[:, :count])
+
+    def _orthonormal(self, block: Array) -> tuple[Array, Array]:
+        """Q, R with block = Q R, Q^T M Q = I; by Cholesky, twice for the digits lost in the first."""
+        triangle = np.eye(BLOCK)
+        for _ in range(2):
+            try:
+                lower = np.linalg.cholesky(block.T @ (self.mass @ block))
+            except np.linalg.LinAlgError as error:
+                raise AccuracyError(
+                    "the Krylov space of the modes ends early: some motion carries no mass, or the mass "
+                    "matrix is not positive definite"
+                ) from error
+            block = linalg.solve_triangular(lower, block.T, lower=True).T
+            triangle = lower.T @ triangle
+        return block, triangle

@@ -1,0 +1,207 @@
+"""How many modes each reduction basis needs for the same exact eigenvalue errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy import linalg, sparse
+
+from supple.algebra import GrowingModes, RitzModes, lowest_modes
+from supple.body import FlexibleBody, MeanAxisFrame
+from supple.errors import ModelError
+from supple.reduction import (
+    ComponentModel,
+    DualCraigBampton,
+    FixedInterfaceComponent,
+    FreeInterfaceComponent,
+    MacNealComponent,
+    ReducedMatrices,
+    RitzComponent,
+    craig_bampton_component,
+    enhanced_component,
+    fixed_interface_component,
+    free_interface_component,
+    residual_component,
+    rubin_component,
+)
+from supple.reduction.interface_columns import motion_rows, require_interfaces
+
+
+@dataclass(frozen=True)
+class BasisSize:
+    """The smallest basis of a kind that meets a tolerance.
+
+    basis : its name
+    interfaces : "free", "held" or "loaded": whose eigenvalues are compared, see `basis_sizes`
+    tolerance : largest relative eigenvalue error allowed
+    modes : vibrations kept; None when all candidates together miss the tolerance
+    coordinates : of the free body, rigid motions and static columns included; None likewise
+    largest_error : among the eigenvalues compared, at that size (with all candidates where modes is None)
+    """
+
+    basis: str
+    interfaces: str
+    tolerance: float
+    modes: int | None
+    coordinates: int | None
+    largest_error: float
+
+    def as_row(self) -> dict[str, Any]:
+        """A row of a report, where size is the number of modes."""
+        return {
+            "basis": self.basis,
+            "interfaces": self.interfaces,
+            "e": self.tolerance,
+            "size": self.modes,
+            "coordinates": self.coordinates,
+            "max_error": self.largest_error,
+        }
+
+
+def basis_sizes(
+    body: FlexibleBody,
+    tolerances: Sequence[float],
+    n_modes: int,
+    *,
+    candidates: int = 300,
+    fixed_modes: RitzModes | None = None,
+    free_modes: RitzModes | None = None,
+) -> tuple[BasisSize, ...]:
+    """Modes that each basis needs for |lambda_reduced / lambda_exact - 1| <= e in the n_modes lowest modes.
+
+    Three sets of exact eigenvalues are compared, because each family is exact by construction in one of them:
+
+    free     elastic modes of the free body, interfaces free: free-interface bases hold them
+    held     all interfaces held in space: fixed-interface bases hold them
+    loaded   a rigid body at each interface, with the inertia that the body itself has there (the interface's
+             block of Psi^T M Psi): between the two, as in a mechanism, and neither family holds them
+
+    One eigen-solve for each family, of all candidates; every size after that is a leading block of small
+    matrices, its residual updated by rank one for each mode given up. The size is bisected, since
+    errors only fall with each mode; the enhanced Craig-Bampton's need not, so its size is one that meets the
+    tolerance and whose predecessor does not.
+
+    candidates : how many modes of each family are computed, as far as the body has them
+    fixed_modes, free_modes : these modes, from the lowest on, where known already
+    Returns BasisSize for each of free, held, loaded, each basis and each tolerance, in that order.
+    Raises ModelError when the body has no interface, or a family has fewer than n_modes modes.
+    """
+    require_interfaces(body, "a comparison of bases")
+    b = 6 * len(body.interfaces)
+    # The modes left out must keep a residual for every interface freedom.
+    n_candidates = min(candidates, body.n - 2 * b)
+    fixed = fixed_modes or _lowest(body, motion_rows(body.interfaces), n_candidates)
+    free = free_modes or _lowest(body, MeanAxisFrame().constraint(body), n_candidates)
+    n_candidates = min(n_candidates, fixed.values.size, free.values.size)
+    if not 1 <= n_modes <= n_candidates:
+        raise ModelError(
+            f"body '{body.name}': {n_modes} modes to compare among {n_candidates} candidates; "
+            "give more candidates, or a finer mesh"
+        )
+    component = fixed_interface_component(body, fixed).leading(n_candidates)
+    free_component = free_interface_component(body, free).leading(n_candidates)
+    families = _fixed_families(component) + _free_families(free_component)
+    return tuple(
+        size
+        for comparison in _comparisons(body, component, fixed, free, n_modes)
+        for family in families
+        for size in _smallest(family, comparison, tolerances)
+    )
+
+
+def _lowest(body: FlexibleBody, constraint: np.ndarray, n_modes: int) -> RitzModes:
+    return GrowingModes(body.constrained(constraint), body.mass).at_least(n_modes)
+
+
+class _Family(NamedTuple):
+    """A kind of basis: its model for each number of modes, and the coordinates that join those."""
+
+    name: str
+    model: Callable[[int], ComponentModel]
+    n_static: int
+    n_candidates: int
+
+
+class _Comparison(NamedTuple):
+    """Exact eigenvalues after n_rigid zero ones, and the matrices that approximate them."""
+
+    name: str
+    exact: np.ndarray
+    n_rigid: int
+    matrices: Callable[[ComponentModel], ReducedMatrices]
+
+    def largest_error(self, model: ComponentModel) -> float:
+        """Over all exact eigenvalues; infinite when the model has too few."""
+        spectrum = self.matrices(model).spectrum[self.n_rigid :]
+        if spectrum.size < self.exact.size:
+            return np.inf
+        return float(np.max(np.abs(spectrum[: self.exact.size] / self.exact - 1.0)))
+
+
+def _fixed_families(component: FixedInterfaceComponent) -> list[_Family]:
+    b, available = len(component.interface_mass), component.n_modes
+
+    def of(build: Callable[[FixedInterfaceComponent], RitzComponent]) -> Callable[[int], RitzComponent]:
+        return lambda n: build(component.leading(n))
+
+    return [
+        _Family("Craig-Bampton", of(craig_bampton_component), b, available),
+        _Family("Craig-Bampton with residual modes", of(residual_component), 2 * b, available),
+        _Family("enhanced Craig-Bampton", of(enhanced_component), b, available),
+    ]
+
+
+def _free_families(component: FreeInterfaceComponent) -> list[_Family]:
+    b, available = len(component.residual_mass), component.n_modes
+
+    def of(build: Callable[[FreeInterfaceComponent], ComponentModel]) -> Callable[[int], ComponentModel]:
+        return lambda n: build(component.leading(n))
+
+    return [
+        _Family("Rubin", of(rubin_component), 6 + b, available),
+        # Other columns, with as many coordinates and the same span: see Herting.
+        _Family("Herting", of(rubin_component), 6 + b, available),
+        _Family("MacNeal", of(MacNealComponent), 6 + b, available),
+        _Family("dual Craig-Bampton", of(DualCraigBampton), 6 + b, available),
+    ]
+
+
+def _comparisons(
+    body: FlexibleBody, component: FixedInterfaceComponent, fixed: RitzModes, free: RitzModes, n_modes: int
+) -> list[_Comparison]:
+    blocks = [component.interface_mass[i : i + 6, i : i + 6] for i in range(0, 6 * len(body.interfaces), 6)]
+    added = linalg.block_diag(*blocks)
+    B = sparse.csc_array(motion_rows(body.interfaces))
+    mass = sparse.csc_array(body.mass + B.T @ sparse.csc_array(added) @ B)
+    loaded = lowest_modes(body.stiffness, mass, n_modes, constraint=(mass @ body.rigid_modes).T)
+    return [
+        _Comparison("free", free.values[:n_modes], 6, lambda model: model.interfaces_free()),
+        _Comparison("held", fixed.values[:n_modes], 0, lambda model: model.interfaces_held()),
+        _Comparison("loaded", loaded.values, 6, lambda model: model.interfaces_loaded(added)),
+    ]
+
+
+def _smallest(family: _Family, comparison: _Comparison, tolerances: Sequence[float]) -> list[BasisSize]:
+    """Bisection for each tolerance; errors already known are not computed again."""
+    errors: dict[int, float] = {}
+
+    def error(n: int) -> float:
+        if n not in errors:
+            errors[n] = comparison.largest_error(family.model(n))
+        return errors[n]
+
+    sizes = []
+    for tolerance in tolerances:
+        low, high = -1, family.n_candidates
+        if error(high) > tolerance:
+            sizes.append(BasisSize(family.name, comparison.name, tolerance, None, None, error(high)))
+            continue
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (low, middle) if error(middle) <= tolerance else (middle, high)
+        coordinates = family.n_static + high
+        sizes.append(BasisSize(family.name, comparison.name, tolerance, high, coordinates, error(high)))
+    return sizes

@@ -1,0 +1,152 @@
+"""The figures of [Han2020] section 5 redrawn, and a film of the machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from supple.benchmark.flexible_machine import FlexibleMachine
+from supple.benchmark.tolerance_study import MachineRun, Study
+from supple.integrate import BodyMotion, Solution
+from supple.results import node_positions, von_mises_history
+from supple.viz.animation import animate
+from supple.viz.contour import plot_contour
+from supple.viz.mesh_plot import NodalField, plot_mesh
+from supple.viz.mesh_skin import skin_of
+from supple.viz.response_errors import Response, plot_response_errors
+from supple.viz.scene import Actor, scene_of
+from supple.viz.style import COLOURS, REFERENCE, Stroke
+from supple.viz.time_history import Panel, Series, plot_time_history
+
+__all__ = ["draw_figures", "film"]
+
+_VECTORS = {"position": "m", "velocity": "m/s", "acceleration": "m/s²"}
+_SCALARS = {"stress": "von Mises stress (Pa)", "strain": "von Mises strain"}
+_MOST_FRAMES = 60
+
+
+def draw_figures(study: Study, folder: Path) -> list[Path]:
+    """Responses of node A with their errors, contours of the stress error, the parting of two runs."""
+    folder.mkdir(parents=True, exist_ok=True)
+    pictures = [_draw_machine(study, folder / "machine.png")]
+    for quantity in _VECTORS:
+        moving = np.ptp(getattr(study.reference.point, quantity), axis=0) > 0.0
+        rows = [_component(study, quantity, axis) for axis in np.flatnonzero(moving).tolist()]
+        pictures.append(_draw_responses(study, rows, folder / f"{quantity}.png"))
+    rows = [_scalar(study, quantity) for quantity in _SCALARS]
+    pictures.append(_draw_responses(study, rows, folder / "stress_strain.png"))
+    for kind in STROKES:
+        pictures += _draw_contours(study, study.of_kind(kind), folder, kind.replace(" ", "_"))
+    if study.separations:
+        pictures.append(_draw_separations(study, folder / "separation.png"))
+    return pictures
+
+
+STROKES = {"modal coordinates": (3.0, 1.5), "whole basis": ()}
+"""Dashes of the kinds of reduced bodies; the colours tell the tolerances."""
+
+
+def _label(run: MachineRun) -> str:
+    return f"{100 * (run.tolerance or 0):g} %, {run.kind}"
+
+
+def _response(study: Study, quantity: str, values: Callable[[MachineRun], np.ndarray]) -> Response:
+    def series(run: MachineRun, label: str, stroke: Stroke) -> Series:
+        return Series(label, run.point.times, values(run), stroke)
+
+    models = [
+        series(run, _label(run), Stroke(COLOURS[rank], STROKES[kind], width=0.9))
+        for kind in STROKES
+        for rank, run in enumerate(study.of_kind(kind))
+    ]
+    return Response(quantity, series(study.reference, "unreduced", REFERENCE), models)
+
+
+def _component(study: Study, quantity: str, axis: int) -> Response:
+    name = f"{'xyz'[axis]} {quantity} ({_VECTORS[quantity]})"
+    return _response(study, name, lambda run: getattr(run.point, quantity)[:, axis])
+
+
+def _scalar(study: Study, quantity: str) -> Response:
+    return _response(study, _SCALARS[quantity], lambda run: getattr(run.point, quantity))
+
+
+def _draw_responses(study: Study, rows: list[Response], path: Path) -> Path:
+    return plot_response_errors(path, rows, until=study.compared_until)
+
+
+def _draw_contours(study: Study, runs: list[MachineRun], folder: Path, name: str) -> list[Path]:
+    """Error of the von Mises stress all over the body, when node A's is largest before chaos."""
+    machine, reference = study.machine, study.reference
+    compared = reference.point.times <= study.compared_until
+    i = int(np.argmax(np.where(compared, reference.point.stress, 0.0)))
+    mesh = machine.model.mesh
+    true = _stress_at(machine, reference, i)
+    pictures = []
+    for run in runs:
+        error = np.abs(_stress_at(machine, run, i) - true)
+        title = f"{_label(run)}, t = {reference.point.times[i]:.4g} s"
+        path = folder / f"stress_error_{name}_{100 * (run.tolerance or 0):g}.png"
+        field = NodalField("error of von Mises stress (Pa)", error)
+        pictures.append(plot_contour(path, mesh.nodes, skin_of(mesh), field, title=title))
+    return pictures
+
+
+def _stress_at(machine: FlexibleMachine, run: MachineRun, i: int) -> np.ndarray:
+    coordinates = run.solution.bodies[run.body.name].coordinates[i : i + 1]
+    return von_mises_history(run.body, machine.model, coordinates)[0]
+
+
+def _draw_separations(study: Study, path: Path) -> Path:
+    panels = []
+    for each in study.separations:
+        distance = np.log10(np.maximum(each.distance[1:], 1e-16))
+        panels.append(
+            Panel("log10 distance (m)", [Series(f"{each.coarse} / {each.fine}", each.times[1:], distance)])
+        )
+    return plot_time_history(path, panels)
+
+
+def _actors(study: Study, run: MachineRun, rows: slice, *, coloured: bool) -> list[Actor]:
+    machine = study.machine
+    mesh = machine.model.mesh
+    motion = _rows(run.solution.bodies[run.body.name], rows)
+    stress = von_mises_history(run.body, machine.model, motion.coordinates) if coloured else None
+    actors = [
+        Actor(skin_of(mesh), node_positions(run.body, motion), None if stress is None else 1e-6 * stress)
+    ]
+    for name, look in machine.looks.items():
+        rigid = _rows(run.solution.bodies[name], rows)
+        turned = np.einsum("tij,nj->tni", rigid.rotation, look.nodes)
+        actors.append(Actor(skin_of(look), rigid.position[:, None] + turned))
+    return actors
+
+
+def _rows(motion: BodyMotion, rows: slice) -> BodyMotion:
+    return BodyMotion(**{name: values[rows] for name, values in vars(motion).items()})
+
+
+def _draw_machine(study: Study, path: Path) -> Path:
+    scene = scene_of(_actors(study, study.reference, slice(0, 1), coloured=False))
+    return plot_mesh(path, scene.positions[0], scene.skin, camera=study.machine.camera)
+
+
+def film(study: Study, path: Path, progress: Callable[[float], None]) -> Path:
+    """The machine in motion as a GIF, its flexible body coloured by the von Mises stress."""
+    run = study.of_kind("modal coordinates")[-1]
+    solution: Solution = run.solution
+    rows = slice(0, None, max(1, len(solution.times) // _MOST_FRAMES))
+    scene = scene_of(_actors(study, run, rows, coloured=True))
+    return animate(
+        path,
+        solution.times[rows],
+        scene.positions,
+        scene.skin,
+        values=scene.values,
+        values_label="von Mises stress (MPa)",
+        traced_nodes=[study.machine.point],
+        camera=study.machine.camera,
+        progress=progress,
+    )

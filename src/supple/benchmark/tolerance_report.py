@@ -1,0 +1,163 @@
+"""The study of tolerances in numbers: the JSON report and its tables."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.benchmark.machine import describe_machine
+from supple.benchmark.tolerance_study import APART, MachineRun, PointHistory, Separation, Study
+from supple.reduction import ReducedBody
+
+__all__ = ["QUANTITIES", "report", "tables"]
+
+Array = NDArray[np.float64]
+
+QUANTITIES = ("position", "velocity", "acceleration", "stress", "strain")
+"""Of node A: m, m/s, m/s^2, Pa, 1."""
+KINDS = {"modal coordinates": "tolerances", "whole basis": "whole_bases"}
+"""Kinds of reduced bodies, and their names in the report."""
+
+
+def report(study: Study) -> dict[str, Any]:
+    """Everything measured, ready for JSON."""
+    machine, reference = study.machine, study.reference
+    mesh = machine.model.mesh
+    exact = study.of_kind("exact modes")
+    return {
+        "benchmark": machine.name,
+        "body": {
+            "element": mesh.only_cell_type().name.lower(),
+            "cells": mesh.n_cells,
+            "nodes": mesh.n_nodes,
+            "coordinates": machine.body.n,
+        },
+        "node_a": {"number": machine.point, "position": mesh.nodes[machine.point]},
+        "duration": machine.duration,
+        "step": machine.step,
+        "unreduced": _cost(reference) | {"largest": _largest(reference.point)},
+        "compared_until": study.compared_until,
+        "chaos": {
+            "criterion": f"node A of two runs of one body further apart than {APART * machine.size:g} m",
+            "takes_over_at": min((s.time for s in study.separations if s.time is not None), default=None),
+            "separations": [_separation(each) for each in study.separations],
+        },
+        **{name: [_row(study, run) for run in study.of_kind(kind)] for kind, name in KINDS.items()},
+        "exact_modes": _row(study, exact[0]) if exact else None,
+        "outputs_where_smaller_e_has_smaller_error": {
+            name: {quantity: _ordered_share(study, kind, quantity) for quantity in QUANTITIES}
+            for kind, name in KINDS.items()
+        },
+        "machine": describe_machine(),
+    }
+
+
+def _cost(run: MachineRun) -> dict[str, Any]:
+    statistics = run.solution.statistics
+    return {
+        "seconds": statistics.seconds,
+        "us_per_step": 1e6 * statistics.seconds / max(statistics.steps, 1),
+        "steps": statistics.steps,
+        "iterations": statistics.iterations,
+        "compile_seconds": statistics.compile_seconds,
+    }
+
+
+def _row(study: Study, run: MachineRun) -> dict[str, Any]:
+    proven = run.body.report.certificate if isinstance(run.body, ReducedBody) else None
+    exact = study.of_kind("exact modes")[0]
+    return {
+        "e": run.tolerance,
+        "modes": run.modes,
+        "coordinates": run.body.r,
+        "largest_eigenvalue_error": None if proven is None else proven.largest_error,
+        "errors": errors(study, run, study.reference),
+        "errors_against_exact_modes": errors(study, run, exact),
+        "energy_drift": run.drift.energy if run.drift else None,
+        "joint_drift": run.drift.joints if run.drift else None,
+        "offline_seconds": run.offline_seconds,
+        **_cost(run),
+    }
+
+
+def errors(study: Study, run: MachineRun, against: MachineRun) -> dict[str, dict[str, float]]:
+    """Largest and RMS distance of every quantity of node A, up to the time chaos takes over."""
+    found = {}
+    compared = run.point.times <= study.compared_until * (1 + 1e-12)
+    for quantity in QUANTITIES:
+        distance = _distance(run.point, against.point, quantity)[compared]
+        scale = float(np.abs(getattr(against.point, quantity)).max())
+        found[quantity] = {
+            "max": float(distance.max()),
+            "rms": float(np.sqrt(np.mean(distance**2))),
+            "max_over_largest": float(distance.max()) / scale if scale else 0.0,
+        }
+    return found
+
+
+def _distance(one: PointHistory, other: PointHistory, quantity: str) -> Array:
+    difference = np.abs(getattr(one, quantity) - getattr(other, quantity))
+    return difference if difference.ndim == 1 else np.linalg.norm(difference, axis=1)
+
+
+def _largest(point: PointHistory) -> dict[str, float]:
+    return {quantity: float(np.abs(getattr(point, quantity)).max()) for quantity in QUANTITIES}
+
+
+def _ordered_share(study: Study, kind: str, quantity: str) -> float | None:
+    """Share of the outputs at which each smaller tolerance has had the smaller error so far."""
+    runs = study.of_kind(kind)
+    if len(runs) < 2:
+        return None
+    compared = study.reference.point.times <= study.compared_until * (1 + 1e-12)
+    # At the start all are exact.
+    so_far = [
+        np.maximum.accumulate(_distance(run.point, study.reference.point, quantity))[compared][1:]
+        for run in runs
+    ]
+    ordered = np.all([tighter <= looser for looser, tighter in pairwise(so_far)], axis=0)
+    return float(ordered.mean())
+
+
+def _separation(each: Separation) -> dict[str, Any]:
+    coarse, fine = each.solutions
+    return {
+        "steps": [each.coarse, each.fine],
+        "numbers_of_steps": [coarse.statistics.steps, fine.statistics.steps],
+        "apart_at": each.time,
+        "largest_distance": float(each.distance.max()),
+    }
+
+
+def tables(study: Study) -> list[tuple[str, list[str], list[list[str]]]]:
+    """The report's tables: title, column heads, rows."""
+    heads = ["basis", "e, %", "modes", "coords", "r, m", "v, m/s", "a, m/s2", "stress, Pa", "us/step"]
+    rows = []
+    for run in study.runs:
+        found = errors(study, run, study.reference)
+        rows.append(
+            [
+                run.kind,
+                "0" if run.tolerance is None else f"{100 * run.tolerance:g}",
+                "" if run.modes is None else str(run.modes),
+                str(run.body.r),
+                *(f"{found[quantity]['max']:.1e}" for quantity in QUANTITIES[:4]),
+                f"{_cost(run)['us_per_step']:.0f}",
+            ]
+        )
+    largest = _largest(study.reference.point)
+    full = ["unreduced", "", "", str(study.machine.body.n)]
+    full += [f"{largest[quantity]:.1e}" for quantity in QUANTITIES[:4]]
+    rows.append([*full, f"{_cost(study.reference)['us_per_step']:.0f}"])
+    title = f"Largest errors of node A until {study.compared_until:.4g} s; last row: what it reaches"
+    apart = [
+        [each.coarse, each.fine, "never" if each.time is None else f"{each.time:.3f}"]
+        for each in study.separations
+    ]
+    return [
+        (title, heads, rows),
+        ("Two runs of one body part by 1 % of its length", ["one", "other", "at, s"], apart),
+    ]

@@ -1,0 +1,223 @@
+"""Superelements from labelled matrices: rows found by node id and component, and turned to the mesh axes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from supple.body.connection_interfaces import connection_interface
+from supple.body.flexible_body import FlexibleBody
+from supple.body.free_body import RIGID_TOLERANCE
+from supple.body.interface import AveragingInterface, RigidInterface
+from supple.body.superelement import superelement
+from supple.errors import ModelError
+from supple.importers import (
+    Connection,
+    LabelledMatrix,
+    MatrixRole,
+    NodeTable,
+    freedom_name,
+    numbers_of,
+    read_labelled_matrix,
+    read_nodes,
+)
+
+IntArray = NDArray[np.int64]
+
+# Rounded entries: rows of some hundred of them cancel to this many times the error of one.
+ROUNDED_ROWS = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class NodalMatrices:
+    """Stiffness and mass node by node, in the mesh axes, on the nodes that carry any.
+
+    nodes           : (N, 3);  node_ids : (N,) labels
+    stiffness, mass : csc (n, n), n = N * dofs_per_node
+    node_sets       : {name: node numbers};  connections : on these nodes
+    resolution      : relative error of an entry
+    """
+
+    source: str
+    nodes: NDArray[np.float64]
+    node_ids: IntArray
+    dofs_per_node: int
+    stiffness: sparse.csc_array = field(repr=False)
+    mass: sparse.csc_array = field(repr=False)
+    node_sets: dict[str, IntArray] = field(repr=False)
+    connections: tuple[Connection, ...]
+    resolution: float
+
+    @property
+    def rigid_tolerance(self) -> float:
+        """Largest |K R| that digits cut off in printing explain."""
+        return max(RIGID_TOLERANCE, ROUNDED_ROWS * self.resolution)
+
+
+def read_labelled_superelement(
+    name: str,
+    *,
+    nodes: str | Path,
+    stiffness: str | Path,
+    mass: str | Path,
+    interfaces: Sequence[RigidInterface | AveragingInterface] | None = None,
+    stiffness_name: str | None = None,
+    mass_name: str | None = None,
+) -> FlexibleBody:
+    """A linear body from the matrices of another program and the file with its nodes.
+
+    Parameters
+    ----------
+    nodes           : Abaqus or CalculiX .inp, Nastran .bdf, or HDF5
+    stiffness, mass : DMIG .pch, OUTPUT4 .op4, HDF5, Abaqus .mtx, CalculiX .sti and .mas
+    interfaces      : with node sets of the mesh file, or node numbers; None takes its RBE2 and RBE3
+    stiffness_name, mass_name : where a file holds several matrices (DMIG, OUTPUT4)
+    Raises
+    ------
+    ImportFormatError   files that cannot be read
+    ModelError          as for `nodal_matrices` and `superelement`
+    """
+    matrices = read_nodal_matrices(
+        nodes=nodes, stiffness=stiffness, mass=mass, stiffness_name=stiffness_name, mass_name=mass_name
+    )
+    return labelled_superelement(name, matrices, interfaces)
+
+
+def read_nodal_matrices(
+    *,
+    nodes: str | Path,
+    stiffness: str | Path,
+    mass: str | Path,
+    stiffness_name: str | None = None,
+    mass_name: str | None = None,
+) -> NodalMatrices:
+    """The matrices of `read_labelled_superelement`, before any body is made of them."""
+    table = read_nodes(nodes)
+    return nodal_matrices(
+        table,
+        read_labelled_matrix(stiffness, MatrixRole.STIFFNESS, table, name=stiffness_name),
+        read_labelled_matrix(mass, MatrixRole.MASS, table, name=mass_name),
+    )
+
+
+def labelled_superelement(
+    name: str,
+    matrices: NodalMatrices,
+    interfaces: Sequence[RigidInterface | AveragingInterface] | None = None,
+    *,
+    rigid_tolerance: float | None = None,
+) -> FlexibleBody:
+    """A linear body from nodal matrices; without interfaces given, with those of the mesh file.
+
+    Raises
+    ------
+    ModelError   an unknown node set; as for `superelement`, naming the file
+    """
+    if interfaces is None:
+        interfaces = [connection_interface(connection) for connection in matrices.connections]
+    resolved = [
+        replace(given, nodes=_node_set(matrices, given.nodes)) if isinstance(given.nodes, str) else given
+        for given in interfaces
+    ]
+    try:
+        return superelement(
+            name,
+            matrices.nodes,
+            matrices.stiffness,
+            matrices.mass,
+            dofs_per_node=matrices.dofs_per_node,
+            interfaces=resolved,
+            rigid_tolerance=matrices.rigid_tolerance if rigid_tolerance is None else rigid_tolerance,
+        )
+    except ModelError as error:
+        raise ModelError(f"{error} (read from {matrices.source})") from error
+
+
+def nodal_matrices(nodes: NodeTable, stiffness: LabelledMatrix, mass: LabelledMatrix) -> NodalMatrices:
+    """Rows of labelled matrices in the order of the nodes, three or six to each, in the mesh axes.
+
+    Nodes without stiffness and mass (reference points) are left out, and so are rotations when none has any
+    (solids, in programs whose nodes always have six freedoms).
+
+    Raises
+    ------
+    ModelError   freedoms of nodes that the mesh file lacks; nodes with some of their freedoms only
+    """
+    K, M = (_on_all_freedoms(nodes, matrix) for matrix in (stiffness, mass))
+    used = ((abs(K).sum(axis=1) + abs(M).sum(axis=1)) > 0).reshape(-1, 6)
+    kept = used.any(axis=1)
+    if not kept.any():
+        raise ModelError(
+            f"{stiffness.source}: no freedom has any stiffness or mass; is the right matrix named?"
+        )
+    dofs_per_node = 6 if used[:, 3:].any() else 3
+    missing = np.argwhere(kept[:, None] & ~used[:, :dofs_per_node])
+    if missing.size:
+        node, component = missing[0]
+        raise ModelError(
+            f"{stiffness.source}: {freedom_name(int(nodes.ids[node]), int(component) + 1)} has neither "
+            f"stiffness nor mass, while other freedoms have ({len(missing)} such in all). A body needs all "
+            f"{dofs_per_node} of every node: export the matrices free, without supports or reduction"
+        )
+    freedoms = np.flatnonzero(np.repeat(kept, 6) & np.tile(np.arange(6) < dofs_per_node, len(kept)))
+    number = np.cumsum(kept) - 1
+    K, M = (matrix[freedoms][:, freedoms] for matrix in (K, M))
+    if nodes.axes is not None:
+        turn = _turned(nodes.axes[kept], dofs_per_node)
+        K, M = (turn @ matrix @ turn.T for matrix in (K, M))
+    sets = {name: number[members[kept[members]]] for name, members in nodes.node_sets.items()}
+    return NodalMatrices(
+        source=stiffness.source,
+        nodes=nodes.positions[kept],
+        node_ids=nodes.ids[kept],
+        dofs_per_node=dofs_per_node,
+        stiffness=_symmetric(K),
+        mass=_symmetric(M),
+        node_sets={name: members for name, members in sets.items() if members.size},
+        connections=tuple(made for c in nodes.connections if (made := _on_kept(c, kept, number)) is not None),
+        resolution=max(stiffness.resolution, mass.resolution),
+    )
+
+
+def _on_all_freedoms(nodes: NodeTable, labelled: LabelledMatrix) -> sparse.csr_array:
+    """The matrix on six freedoms of every node of the table."""
+    number, known = numbers_of(nodes.ids, labelled.freedoms[:, 0])
+    if not known.all():
+        raise ModelError(
+            f"{labelled.source}: names node {labelled.freedoms[~known][0, 0]}, which {nodes.source} does "
+            "not define; take nodes and matrices from the same model"
+        )
+    place = 6 * number + labelled.freedoms[:, 1] - 1
+    entries = labelled.matrix.tocoo()
+    n = 6 * len(nodes.ids)
+    return sparse.csr_array((entries.data, (place[entries.row], place[entries.col])), shape=(n, n))
+
+
+def _on_kept(connection: Connection, kept: NDArray[np.bool_], number: IntArray) -> Connection | None:
+    members = kept[connection.nodes]
+    if not members.any():
+        return None
+    weights = None if connection.weights is None else connection.weights[members]
+    return replace(connection, nodes=number[connection.nodes[members]], weights=weights)
+
+
+def _turned(axes: NDArray[np.float64], dofs_per_node: int) -> sparse.csr_array:
+    """Block diagonal matrix from freedoms along each node's own axes to those along the mesh axes."""
+    blocks = np.repeat(axes, dofs_per_node // 3, axis=0)
+    return sparse.csr_array(sparse.bsr_array((blocks, np.arange(len(blocks)), np.arange(len(blocks) + 1))))
+
+
+def _symmetric(matrix: sparse.csr_array) -> sparse.csc_array:
+    return sparse.csc_array(0.5 * (matrix + matrix.T))
+
+
+def _node_set(matrices: NodalMatrices, name: str) -> IntArray:
+    if name not in matrices.node_sets:
+        known = ", ".join(f"'{known}'" for known in matrices.node_sets) or "none"
+        raise ModelError(f"{matrices.source}: no node set '{name}' in the mesh file; it has {known}")
+    return matrices.node_sets[name]

@@ -1,0 +1,106 @@
+"""Mass, centre and inertia: of a mass matrix, from its rigid motions, and of the volume of a mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body.rigid_motion import nodal_rigid_modes
+from supple.fem import BeamSection, FiniteElementModel, Isotropic, ShellWall
+from supple.mesh import CellType
+
+FloatArray = NDArray[np.float64]
+
+# Tetrahedra of a hexahedron: exact where its faces are flat.
+_HEXA_TETRAS = np.array([[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]])
+_SIMPLICES = {
+    CellType.LINE2: np.array([[0, 1]]),
+    CellType.TRIANGLE3: np.array([[0, 1, 2]]),
+    CellType.TETRA4: np.array([[0, 1, 2, 3]]),
+    CellType.TETRA10: np.array([[0, 1, 2, 3]]),
+    CellType.HEXA8: _HEXA_TETRAS,
+    CellType.HEXA20: _HEXA_TETRAS,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class MassProperties:
+    """Mass, kg; centre (3,), m; inertia (3, 3) about the centre, kg m^2; in the mesh axes."""
+
+    mass: float
+    centre: FloatArray
+    inertia: FloatArray
+
+
+def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> MassProperties:
+    """What a mass matrix says of rigid motion, R^T M R: the mean of its three masses, centre and inertia.
+
+    Parameters
+    ----------
+    mass : sparse (n, n), n = N * dofs_per_node;  nodes : (N, 3)
+    Returns
+    -------
+    MassProperties   centre and inertia are zero where the mass is
+    """
+    # About the middle of the nodes, so that the inertia is no small difference of large numbers.
+    middle = nodes.mean(axis=0)
+    R = nodal_rigid_modes(nodes - middle, dofs_per_node)
+    gram = R.T @ (mass @ R)
+    total = float(np.trace(gram[:3, :3]) / 3)
+    if not total > 0:
+        return MassProperties(total, middle, np.zeros((3, 3)))
+    # The coupling of u_i with theta_j is m (theta x r)_i: its skew part holds m times the centre.
+    C = gram[:3, 3:]
+    arm = np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]]) / (-2 * total)
+    about_centre = gram[3:, 3:] - total * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return MassProperties(total, middle + arm, about_centre)
+
+
+def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
+    """Density integrated over the mesh itself, without shape functions: a check of the mass matrix.
+
+    A simplex of k corners x_a and size V has
+        int 1 = V,   int x = V s / k,   int x x^T = V / (k (k + 1)) (sum_a x_a x_a^T + s s^T),   s = sum_a x_a
+    Curved cells count as if their edges were straight; shells as sheets, beams as lines.
+    """
+    middle = model.mesh.nodes.mean(axis=0)
+    total, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
+    for section in model.sections:
+        corners = section.corners(model.mesh)[:, _SIMPLICES[section.cell_type]] - middle
+        x = corners.reshape(-1, *corners.shape[2:])
+        k = x.shape[1]
+        m = _density(section.property) * _sizes(x)
+        s = x.sum(axis=1)
+        total += m.sum()
+        first += m @ s / k
+        second += (
+            np.einsum("e,eai,eaj->ij", m, x, x, optimize=True)
+            + np.einsum("e,ei,ej->ij", m, s, s, optimize=True)
+        ) / (k * (k + 1))
+    arm = first / total
+    central = second - total * np.outer(arm, arm)
+    return MassProperties(float(total), middle + arm, np.trace(central) * np.eye(3) - central)
+
+
+def _density(made_of: Isotropic | ShellWall | BeamSection) -> float:
+    """Mass per volume, area or length."""
+    if isinstance(made_of, Isotropic):
+        return made_of.density
+    if isinstance(made_of, BeamSection):
+        assert made_of.mass_per_length is not None  # set when left out
+        return made_of.mass_per_length
+    return made_of.mass_per_area
+
+
+def _sizes(x: FloatArray) -> FloatArray:
+    """Lengths of lines (E, 2, 3), areas of triangles (E, 3, 3), volumes of tetrahedra (E, 4, 3)."""
+    edges = x[:, 1:] - x[:, :1]
+    if x.shape[1] == 2:
+        return np.linalg.norm(edges[:, 0], axis=1)
+    normal = np.cross(edges[:, 0], edges[:, 1])
+    if x.shape[1] == 3:
+        return 0.5 * np.linalg.norm(normal, axis=1)
+    return np.abs(np.einsum("ei,ei->e", normal, edges[:, 2])) / 6

@@ -1,0 +1,366 @@
+"""Model check: is an imported stiffness and mass that of one free elastic body? Said in numbers, with "
+"remedies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.spatial import KDTree
+
+from supple.algebra import factorize_symmetric, lowest_modes
+from supple.body.checks import FREEDOM_NAMES, RIGID_NAMES, SYMMETRY, rigid_force_ratios
+from supple.body.free_body import RIGID_TOLERANCE
+from supple.body.labelled_superelement import NodalMatrices
+from supple.body.mass_properties import MassProperties, mesh_mass_properties, rigid_mass_properties
+from supple.body.rigid_motion import nodal_rigid_modes
+from supple.errors import AccuracyError, ModelError
+from supple.fem import FiniteElementModel
+
+FloatArray = NDArray[np.float64]
+
+# Against the highest eigenvalue looked at: rigid modes come out at some 1e-9 of it, the slowest elastic modes
+# of slender parts at some 1e-4.
+ZERO_MODE = 1e-6
+# The mass matrix against the mass of the mesh: curved cells and rotary inertia make up this much.
+MASS_AGREEMENT = 0.02
+# The three masses of R^T M R, against each other: apart by rounding of entries printed with few digits.
+SAME_MASS = 1e-4
+# h sqrt(K_ii / M_ii) is some 2 to 6 times the speed of sound: 30 m/s (rubber) to 2e4 m/s, or a thousand times
+# that in mm. Outside the narrow range units are doubtful (as in mm with ms), outside the wide one wrong.
+USUAL_SPEEDS = (30.0, 3e8)
+POSSIBLE_SPEEDS = (0.3, 1e11)
+
+
+class Verdict(Enum):
+    """What a finding means for the model."""
+
+    OK = auto()
+    DOUBTFUL = auto()
+    REFUSED = auto()
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line of a check: what was looked at, what was seen, and the remedy where it is not in order."""
+
+    what: str
+    seen: str
+    verdict: Verdict = Verdict.OK
+    remedy: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class ModelCheck:
+    """Everything that was found; the model is accepted unless a finding refuses it.
+
+    mass         : mass, centre and inertia that the mass matrix gives to rigid motion
+    rigid_energy : (6,) strain energy of the six rigid motions against that of their nodes moving alone
+    n_zero_modes : modes without strain energy, 6 for a free body; None where they could not be counted
+    frequencies  : Hz, of the lowest elastic modes of the free body
+    """
+
+    findings: tuple[Finding, ...]
+    mass: MassProperties
+    rigid_energy: FloatArray = field(repr=False)
+    n_zero_modes: int | None = None
+    frequencies: tuple[float, ...] = ()
+
+    @property
+    def is_accepted(self) -> bool:
+        """Whether nothing refuses the model."""
+        return all(finding.verdict is not Verdict.REFUSED for finding in self.findings)
+
+    def raise_if_refused(self, name: str) -> None:
+        """ModelError with every finding that refuses the model, and its remedy."""
+        refused = [f for f in self.findings if f.verdict is Verdict.REFUSED]
+        if refused:
+            lines = "\n".join(f"  {f.what}: {f.seen}; {f.remedy}" for f in refused)
+            raise ModelError(f"the model of body '{name}' cannot be used:\n{lines}")
+
+
+def check_model(
+    nodes: FloatArray,
+    stiffness: Any,
+    mass: Any,
+    *,
+    dofs_per_node: int,
+    n_frequencies: int = 6,
+    node_ids: NDArray[np.int64] | None = None,
+    mesh_mass: MassProperties | None = None,
+    rigid_tolerance: float = RIGID_TOLERANCE,
+) -> ModelCheck:
+    """Everything to say about the nodal matrices of a body: what is wrong is a finding, not an exception.
+
+    Parameters
+    ----------
+    nodes           : (N, 3)
+    stiffness, mass : sparse (n, n), n = N * dofs_per_node, node by node
+    n_frequencies   : elastic modes to compute; 0 leaves modes out, which is cheap
+    node_ids        : (N,) labels for messages; node numbers from 0 when omitted
+    mesh_mass       : what the mass should be, from the mesh
+    rigid_tolerance : largest |K R| against the forces that cancel in it
+    Returns
+    -------
+    ModelCheck
+    Raises
+    ------
+    ModelError   matrices of another size than the nodes need
+    """
+    K, M = sparse.csc_array(stiffness, dtype=np.float64), sparse.csc_array(mass, dtype=np.float64)
+    _check_sizes(len(nodes) * dofs_per_node, {"stiffness": K, "mass": M})
+    if not (np.isfinite(K.data).all() and np.isfinite(M.data).all()):
+        broken = Finding(
+            "finite entries", "infinite, or no numbers", Verdict.REFUSED, "export the matrices anew"
+        )
+        return ModelCheck((broken,), MassProperties(0.0, np.zeros(3), np.zeros((3, 3))), np.zeros(6))
+    labels = np.arange(len(nodes)) if node_ids is None else node_ids
+    R = nodal_rigid_modes(nodes, dofs_per_node)
+    properties = rigid_mass_properties(M, nodes, dofs_per_node)
+    findings = [
+        _symmetry("stiffness", K),
+        _symmetry("mass", M),
+        *_mass(M, R, properties, mesh_mass),
+        _positive_mass(M, labels, dofs_per_node),
+        _grounding(K, R, labels, dofs_per_node, rigid_tolerance),
+        _units(nodes, K, M, dofs_per_node),
+    ]
+    energy = _rigid_energy(K, R)
+    check = ModelCheck(tuple(findings), properties, energy)
+    positive = all(f.verdict is not Verdict.REFUSED for f in findings[:-2])
+    if n_frequencies == 0 or not positive:
+        return check
+    modes, n_zero, frequencies = _modes(K, M, R, n_frequencies, labels, dofs_per_node)
+    return ModelCheck((*findings, *modes), properties, energy, n_zero, frequencies)
+
+
+def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> ModelCheck:
+    """`check_model` of finite elements, with their mass against that of the mesh."""
+    return check_model(
+        model.mesh.nodes,
+        model.stiffness,
+        model.mass,
+        dofs_per_node=model.dofs_per_node,
+        n_frequencies=n_frequencies,
+        mesh_mass=mesh_mass_properties(model),
+    )
+
+
+def check_nodal_matrices(
+    matrices: NodalMatrices, *, n_frequencies: int = 6, rigid_tolerance: float | None = None
+) -> ModelCheck:
+    """`check_model` of the matrices of another program, naming its nodes, as exact as their digits are."""
+    return check_model(
+        matrices.nodes,
+        matrices.stiffness,
+        matrices.mass,
+        dofs_per_node=matrices.dofs_per_node,
+        n_frequencies=n_frequencies,
+        node_ids=matrices.node_ids,
+        rigid_tolerance=matrices.rigid_tolerance if rigid_tolerance is None else rigid_tolerance,
+    )
+
+
+def _check_sizes(n: int, matrices: Mapping[str, sparse.csc_array]) -> None:
+    for what, matrix in matrices.items():
+        if matrix.shape != (n, n):
+            raise ModelError(
+                f"the {what} has shape {matrix.shape}, but its nodes need ({n}, {n}); export both anew"
+            )
+
+
+def _symmetry(what: str, matrix: sparse.csc_array) -> Finding:
+    largest = float(abs(matrix.data).max(initial=0.0))
+    difference = float(abs(matrix - matrix.T).max()) if matrix.nnz else 0.0
+    relative = difference / largest if largest else np.inf
+    if relative <= SYMMETRY:
+        return Finding(f"symmetry of the {what}", f"{relative:.0e} of the largest entry")
+    seen = f"differs from its transpose by {relative:.1e} of the largest entry" if largest else "all zero"
+    return Finding(
+        f"symmetry of the {what}",
+        seen,
+        Verdict.REFUSED,
+        "export the structural matrix alone, whole, without gyroscopic, follower or control terms",
+    )
+
+
+def _mass(
+    M: sparse.csc_array, R: FloatArray, found: MassProperties, expected: MassProperties | None
+) -> list[Finding]:
+    three = np.diag(R[:, :3].T @ (M @ R[:, :3]))
+    spread = float(np.ptp(three) / max(abs(found.mass), np.finfo(float).tiny))
+    seen = f"{found.mass:.6g} at {_point(found)}"
+    if not found.mass > 0 or spread > SAME_MASS:
+        masses = ", ".join(f"{value:.6g}" for value in three)
+        total = Finding(
+            "mass",
+            f"{masses} along x, y, z",
+            Verdict.REFUSED,
+            "a body has one positive mass; export the whole matrix",
+        )
+    else:
+        total = Finding("mass and centre", seen)
+    moments = np.linalg.eigvalsh(found.inertia)
+    inertia = Finding("principal inertia", ", ".join(f"{value:.4g}" for value in moments))
+    if moments[0] < -1e-9 * abs(moments[-1]) or moments[-1] > (1 + 1e-6) * (moments[0] + moments[1]):
+        inertia = Finding(
+            inertia.what,
+            inertia.seen,
+            Verdict.REFUSED,
+            "no distribution of mass has these: are nodes and matrix of the same model, in the same units?",
+        )
+    return [total, inertia] + ([] if expected is None else [_against_mesh(found, expected)])
+
+
+def _against_mesh(found: MassProperties, expected: MassProperties) -> Finding:
+    size = np.sqrt(np.trace(expected.inertia) / expected.mass)
+    differences = (
+        abs(found.mass - expected.mass) / expected.mass,
+        float(np.linalg.norm(found.centre - expected.centre) / size),
+        float(np.abs(found.inertia - expected.inertia).max() / np.abs(expected.inertia).max()),
+    )
+    seen = "mass {:.0e}, centre {:.0e}, inertia {:.0e}".format(*differences)
+    if max(differences) <= MASS_AGREEMENT:
+        return Finding("difference from the mesh", seen)
+    return Finding(
+        "difference from the mesh",
+        seen,
+        Verdict.REFUSED,
+        f"density times volume of the mesh is {expected.mass:.6g}; check density, thickness and units",
+    )
+
+
+def _positive_mass(M: sparse.csc_array, labels: NDArray[np.int64], dofs_per_node: int) -> Finding:
+    diagonal = M.diagonal()
+    bad = np.flatnonzero(~(diagonal > 0))
+    remedy = (
+        "every freedom must carry mass, and every rotation rotary inertia; reduce massless rotations away "
+        "(Nastran: ASET1,123), or import the mesh instead"
+    )
+    if bad.size:
+        first = _freedom(int(bad[0]), labels, dofs_per_node)
+        seen = f"{bad.size} freedoms have none, first {first}: {diagonal[bad[0]]:.3g}"
+        return Finding("positive mass", seen, Verdict.REFUSED, remedy)
+    try:
+        inertia = factorize_symmetric(M).inertia
+    except AccuracyError:
+        return Finding("positive mass", "the matrix is singular", Verdict.REFUSED, remedy)
+    if inertia.negative or inertia.zero:
+        seen = f"{inertia.negative} negative and {inertia.zero} zero eigenvalues"
+        return Finding("positive mass", seen, Verdict.REFUSED, remedy)
+    return Finding("positive mass", f"all {len(diagonal)} eigenvalues")
+
+
+def _rigid_energy(K: sparse.csc_array, R: FloatArray) -> FloatArray:
+    """r^T K r against r^T diag(K) r, of each rigid motion about the middle of the body."""
+    alone = np.einsum("ij,i,ij->j", R, np.abs(K.diagonal()), R)
+    energy = np.einsum("ij,ij->j", R, K @ R)
+    return np.divide(np.abs(energy), alone, out=np.zeros(6), where=alone > 0)
+
+
+def _grounding(
+    K: sparse.csc_array, R: FloatArray, labels: NDArray[np.int64], dofs_per_node: int, tolerance: float
+) -> Finding:
+    ratios = rigid_force_ratios(K, R)
+    row, motion = np.unravel_index(int(np.argmax(ratios)), ratios.shape)
+    worst = float(ratios[row, motion])
+    if worst <= tolerance:
+        return Finding("free of supports", f"rigid motions meet {worst:.0e} of the forces that cancel")
+    seen = f"{RIGID_NAMES[motion]} meets {worst:.1e}, most at {_freedom(int(row), labels, dofs_per_node)}"
+    return Finding(
+        "free of supports",
+        seen,
+        Verdict.REFUSED,
+        "leave supports and springs to ground out of the model, and hold it by joints; are the nodes those "
+        f"of the matrix? For entries printed with few digits, raise rigid_tolerance above {worst:.0e}",
+    )
+
+
+def _units(nodes: FloatArray, K: sparse.csc_array, M: sparse.csc_array, dofs_per_node: int) -> Finding:
+    """Node spacing times sqrt(K_ii / M_ii): about the speed of sound."""
+    if len(nodes) < 2:
+        return Finding("units", "a single node tells nothing")
+    rates = np.divide(
+        K.diagonal(), M.diagonal(), out=np.zeros(len(nodes) * dofs_per_node), where=M.diagonal() > 0
+    )
+    fastest = rates.reshape(-1, dofs_per_node)[:, :3].max(axis=1)
+    spacing = np.median(KDTree(nodes).query(nodes, k=2)[0][:, 1])
+    speed = float(spacing * np.sqrt(max(float(np.median(fastest)), 0.0)))
+    extent = float(np.ptp(nodes, axis=0).max())
+    seen = f"size {extent:.3g}, waves travel about {speed:.1e} per unit of time"
+    if USUAL_SPEEDS[0] <= speed <= USUAL_SPEEDS[1]:
+        return Finding("units", seen)
+    possible = POSSIBLE_SPEEDS[0] <= speed <= POSSIBLE_SPEEDS[1]
+    return Finding(
+        "units",
+        seen,
+        Verdict.DOUBTFUL if possible else Verdict.REFUSED,
+        "sound in steel runs at 5e3 m/s, 5e6 mm/s; use one consistent set: m, kg, s, Pa or mm, t, s, MPa",
+    )
+
+
+def _modes(
+    K: sparse.csc_array,
+    M: sparse.csc_array,
+    R: FloatArray,
+    n_frequencies: int,
+    labels: NDArray[np.int64],
+    dofs_per_node: int,
+) -> tuple[list[Finding], int | None, tuple[float, ...]]:
+    wanted = min(6 + n_frequencies, len(R))
+    try:
+        pairs = lowest_modes(K, M, wanted)
+    except (ModelError, AccuracyError) as error:
+        remedy = (
+            "strain energy cannot be negative; export the elastic stiffness, without loads or geometric terms"
+        )
+        return [Finding("lowest modes", str(error), Verdict.REFUSED, remedy)], None, ()
+    zero = int(np.sum(pairs.values < ZERO_MODE * pairs.values[-1]))
+    if zero == wanted or pairs.values[-1] <= 0:
+        zero = wanted
+    frequencies = tuple((np.sqrt(np.maximum(pairs.values[zero:], 0)) / (2 * np.pi)).tolist())
+    found = [_zero_modes(zero, pairs.vectors[:, :zero], M, R, labels, dofs_per_node)]
+    if frequencies:
+        listed = ", ".join(f"{value:.4g}" for value in frequencies)
+        found.append(Finding("lowest free frequencies", f"{listed} Hz"))
+    return found, zero, frequencies
+
+
+def _zero_modes(
+    zero: int,
+    vectors: FloatArray,
+    M: sparse.csc_array,
+    R: FloatArray,
+    labels: NDArray[np.int64],
+    dofs_per_node: int,
+) -> Finding:
+    what = "modes without energy"
+    if zero == 6:
+        return Finding(what, "6, as many as a free body has")
+    if zero < 6:
+        return Finding(what, f"{zero} of 6", Verdict.REFUSED, "the model is held: leave its supports out")
+    loads = M @ R
+    rest = vectors - R @ np.linalg.solve(R.T @ loads, loads.T @ vectors)
+    row = int(np.argmax(np.abs(rest).max(axis=1)))
+    return Finding(
+        what,
+        f"{zero} of 6; the further ones move most at {_freedom(row, labels, dofs_per_node)}",
+        Verdict.REFUSED,
+        "a mechanism, a freedom without stiffness or a loose part: connect it, or give it stiffness",
+    )
+
+
+def _freedom(row: int, labels: NDArray[np.int64], dofs_per_node: int) -> str:
+    return f"node {labels[row // dofs_per_node]} {FREEDOM_NAMES[row % dofs_per_node]}"
+
+
+def _point(found: MassProperties) -> str:
+    """The centre, with round-off against the size of the body written as 0."""
+    size = np.sqrt(abs(np.trace(found.inertia)) / found.mass) if found.mass > 0 else 0.0
+    centre = np.where(np.abs(found.centre) < 1e-9 * size, 0.0, found.centre)
+    return "(" + ", ".join(f"{value:.4g}" for value in centre) + ")"

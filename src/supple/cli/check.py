@@ -1,0 +1,80 @@
+"""The check of a model before it is used: a table of findings, each in order or with its remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from rich.markup import escape
+from rich.table import Table
+
+from supple.body import (
+    ModelCheck,
+    Verdict,
+    check_elements,
+    check_nodal_matrices,
+    nastran_model,
+    read_nodal_matrices,
+)
+from supple.cli.build_bodies import check_body, read_meshes
+from supple.cli.console import console
+from supple.cli.read_case import read_case
+from supple.errors import ImportFormatError, ModelError
+from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES, read_nastran
+
+_VERDICTS = {
+    Verdict.OK: "[green]OK[/green]",
+    Verdict.DOUBTFUL: "[yellow]doubtful[/yellow]",
+    Verdict.REFUSED: "[bold red]problem[/bold red]",
+}
+
+
+def print_check(path: Path, *, n_frequencies: int) -> None:
+    """Print the check of every elastic body in the file at `path`.
+
+    path : case file (.toml), Nastran bulk data (.bdf, .dat, .nas, .blk) or HDF5 file of matrices
+
+    Raises
+    ------
+    ModelError   a model that is refused, after all are printed
+    SuppleError  a file that cannot be read, or of another kind
+    """
+    refused = []
+    for name, check in _checks(path, n_frequencies):
+        console.print(check_table(name, check))
+        if not check.is_accepted:
+            refused.append(name)
+    if refused:
+        raise ModelError(f"{', '.join(refused)}: refused; see the lines marked 'problem'")
+
+
+def check_table(name: str, check: ModelCheck) -> Table:
+    """The findings of a check as a table."""
+    table = Table("", "what", "seen", title=escape(f"Check of {name}"))
+    for finding in check.findings:
+        seen = f"{finding.seen}\n-> {finding.remedy}" if finding.remedy else finding.seen
+        table.add_row(_VERDICTS[finding.verdict], finding.what, escape(seen))
+    return table
+
+
+def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck]]:
+    suffix = path.suffix.lower()
+    if suffix in NASTRAN_SUFFIXES:
+        model = nastran_model(read_nastran(path))
+        yield str(path), check_elements(model, n_frequencies=n_frequencies)
+    elif suffix in HDF5_SUFFIXES:
+        matrices = read_nodal_matrices(nodes=path, stiffness=path, mass=path)
+        yield str(path), check_nodal_matrices(matrices, n_frequencies=n_frequencies)
+    elif suffix == ".toml":
+        case_file = read_case(path)
+        meshes = read_meshes(case_file)
+        for table in case_file.case.body:
+            if table.rigid is None and table.reduced is None:
+                check = check_body(case_file, table, meshes.get(table.name), n_frequencies=n_frequencies)
+                yield f"body '{table.name}'", check
+    else:
+        complete = ", ".join((".toml", *NASTRAN_SUFFIXES, *HDF5_SUFFIXES))
+        raise ImportFormatError(
+            f"{path}: not a whole model; give a file that ends in {complete} (a mesh without materials, or "
+            "matrices without nodes: write a case file that names both)"
+        )

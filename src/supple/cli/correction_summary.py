@@ -1,0 +1,67 @@
+"""The rounds of a self-correction as numbers for a file, and as the table that a run prints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from supple.multibody import Round
+
+
+def correction_numbers(rounds: Sequence[Round]) -> list[dict[str, Any]]:
+    """One record a round and body, in their order; errors that are not finite are None."""
+    met: dict[str, int] = {}
+    numbers = []
+    for each in rounds:
+        name = each.body.name
+        met[name] = met.get(name, -1) + 1
+        numbers.append(
+            {
+                "body": name,
+                "round": met[name],
+                "size": each.size,
+                "estimated_error": _finite(each.estimated_error),
+                "allowed": _finite(each.allowed),
+                "indicator": _finite(each.indicator),
+                "seconds": each.seconds,
+            }
+        )
+    return numbers
+
+
+def best_round(numbers: Sequence[Mapping[str, Any]]) -> int:
+    """Number of the round whose worst body comes nearest to what is allowed; the last if none is known."""
+    worst: dict[int, float] = {}
+    for each in numbers:
+        error = np.inf if each["estimated_error"] is None else each["estimated_error"] / each["allowed"]
+        worst[each["round"]] = max(worst.get(each["round"], 0.0), error)
+    return min(worst, key=lambda number: (worst[number], -number))
+
+
+def correction_table(numbers: Sequence[Mapping[str, Any]]) -> Table:
+    """One row a round and body."""
+    table = Table(
+        "body",
+        "round",
+        "coordinates",
+        "estimated error",
+        "allowed",
+        "missing motion",
+        "seconds",
+        title="Self-correction",
+    )
+    for each in numbers:
+        errors = (_number(each[key]) for key in ("estimated_error", "allowed", "indicator"))
+        table.add_row(each["body"], str(each["round"]), str(each["size"]), *errors, f"{each['seconds']:.1f}")
+    return table
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _number(value: float | None) -> str:
+    return "unknown" if value is None else f"{value:.2e}"

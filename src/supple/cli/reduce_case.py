@@ -1,0 +1,61 @@
+"""Reduce the bodies of a case file and keep them, to be used again without their meshes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rich.table import Table
+
+from supple.cli.build_system import build_case
+from supple.cli.console import console
+from supple.cli.read_case import read_case
+from supple.cli.summary import body_numbers, body_table
+from supple.errors import CaseError
+from supple.export import write_reduced_body
+from supple.reduction import ReducedBody
+
+
+def reduce_case(path: Path, folder: Path) -> None:
+    """Make every reduction of fixed size in the case file at `path`, and keep it: `folder`/NAME-reduced.h5.
+
+    Raises
+    ------
+    CaseError           mistakes in the case file; no body to reduce
+    ResultFileError     a file that cannot be written
+    SuppleError         whatever building and reducing find wrong
+    """
+    case_file = read_case(path)
+    made_here = {table.name for table in case_file.case.body if table.reduced is None}
+    with console.status("reducing") as status:
+        built = build_case(case_file, status.update)
+    bodies = [
+        placed.body
+        for placed in built.system.bodies
+        if isinstance(placed.body, ReducedBody) and placed.body.name in made_here
+    ]
+    if not bodies:
+        raise CaseError(
+            f"{path} has no body to reduce: give an elastic body a reduction of fixed size, for example "
+            'reduction = { basis = "rubin", modes = 10 }; one that corrects itself is written by supple run'
+        )
+    console.print(body_table({"bodies": {body.name: body_numbers(body) for body in bodies}}))
+    for body in bodies:
+        console.print(_report_table(body))
+        written = write_reduced_body(folder / f"{body.name}-reduced.h5", body)
+        console.print(f"written to {written} ({written.stat().st_size / 2**20:.1f} MiB)", highlight=False)
+
+
+def _report_table(body: ReducedBody) -> Table:
+    """What the basis is made of, what was left out, and what it cost."""
+    report = body.report
+    table = Table(title=f"Reduction of {body.name}", show_header=False)
+    for what in ("linear", "derivatives", "corrections", "dropped"):
+        labels = getattr(report, what)
+        if labels:
+            table.add_row(what, f"{len(labels)}: {', '.join(labels)}")
+    if report.singular_values_dropped.size:
+        table.add_row("largest singular value dropped", f"{report.singular_values_dropped.max():.2g}")
+    if report.certificate is not None:
+        table.add_row("eigenvalues", str(report.certificate))
+    table.add_row("seconds", ", ".join(f"{step} {time:.2f}" for step, time in report.seconds.items()))
+    return table

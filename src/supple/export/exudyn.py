@@ -1,0 +1,157 @@
+"""Reduced bodies for Exudyn: the file from which its ObjectFFRFreducedOrderInterface loads a body.
+
+Exudyn's nodal-based floating frame with modal reduction is built from the same inertia integrals as ours, so
+that they are copied, not computed again: with x~ the cross matrices of the nodes and Psi~ those of the modes,
+
+    [Phi_t | Phi_w0 | Phi_k | V] = [Phi_t | -x~ | -Psi~ | Psi]
+
+Source: A. Zwoelfer, J. Gerstmayr, The nodal-based floating frame of reference formulation with modal
+reduction, Acta Mechanica 232 (2021) 835-851.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.errors import ModelError
+from supple.reduction import ReducedBody
+from supple.results import StressModes
+from supple.results.atomic_write import replacing
+
+Array = NDArray[np.float64]
+
+ARM = 0.01
+"""Distance of the nodes that stand for an interface from its point, as a share of the body's diagonal."""
+
+_FILE_VERSION = 1
+_EULER_PARAMETERS = 4
+
+
+def write_exudyn(
+    path: Path | str,
+    body: ReducedBody,
+    *,
+    triangles: ArrayLike | None = None,
+    stress: StressModes | None = None,
+) -> Path:
+    """Write a linear reduced body as the .npz file that Exudyn loads; returns the path.
+
+        reduced = ObjectFFRFreducedOrderInterface()
+        reduced.LoadFromFile("blade.npz")
+        reduced.AddObjectFFRFreducedOrder(mbs, gravity=[0, 0, -9.81])
+
+    Damping is not part of the file: give Exudyn its two Rayleigh factors as it adds the object.
+
+    Parameters
+    ----------
+    body : ReducedBody              linear, for Exudyn's is
+    triangles : int array (T, 3)    what is drawn of the body; nothing when omitted
+    stress : StressModes            of all nodes of a solid: Exudyn shows the stress, too
+
+    Raises
+    ------
+    ModelError          as for exudyn_arrays; a path that does not end in .npz
+    ResultFileError     the file cannot be written
+    """
+    path = Path(path)
+    if path.suffix != ".npz":
+        raise ModelError(f"cannot write {path}: Exudyn loads such a body from a .npz file; end the path so")
+    arrays = exudyn_arrays(body, triangles=triangles, stress=stress)
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, **arrays)
+    return path
+
+
+def exudyn_arrays(
+    body: ReducedBody, *, triangles: ArrayLike | None = None, stress: StressModes | None = None
+) -> dict[str, Any]:
+    """The arrays of write_exudyn by the names that Exudyn gives them.
+
+    Behind the N nodes of the mesh, each interface has six nodes without mass that move as its virtual node
+    does, an arm away on either side along each axis: joints hold on to these, see interface_nodes.
+
+    Raises
+    ------
+    ModelError      a nonlinear body; stress that is nonlinear, of a shell, or not of all nodes
+    """
+    if not body.is_linear:
+        raise ModelError(
+            f"body '{body.name}' is nonlinear and Exudyn's reduced body is linear: reduce body.linearized(), "
+            "or leave the tensors out by dataclasses.replace(body, cubic=None, quartic=None)"
+        )
+    r, gram = body.r, body.gram
+    t, w, k, v = slice(0, 3), slice(3, 6), slice(6, 6 + 3 * r), slice(6 + 3 * r, None)
+    arms = ARM * np.linalg.norm(np.ptp(body.nodes, axis=0)) * np.concatenate([np.eye(3), -np.eye(3)])
+    nodes = np.concatenate([body.nodes, *(interface.position + arms for interface in body.interfaces)])
+    modes = np.concatenate(
+        [body.displacement_basis, *(_carried(interface.motion, arms) for interface in body.interfaces)]
+    )
+    mass = gram[0, 0]
+    first_moment = -gram[t, w]
+    centre = np.array([first_moment[2, 1], first_moment[0, 2], first_moment[1, 0]]) / mass
+    return {
+        "fileVersion": _FILE_VERSION,
+        "type": "ObjectFFRFreducedOrderInterface",
+        "rigidBodyNodeType": "NodeType.RotationEulerParameters",
+        "infoList": np.array([r, len(nodes), 3, _EULER_PARAMETERS, 3 + _EULER_PARAMETERS, 7 + r]),
+        "modeBasis": modes.reshape(-1, r),
+        "xRef": nodes.ravel(),
+        "trigList": np.zeros((0, 3), dtype=int) if triangles is None else np.asarray(triangles),
+        "postProcessingModes": np.array(_stress_columns(body, stress), dtype=object),
+        "massMatrixReduced": gram[v, v],
+        "stiffnessMatrixReduced": body.stiffness,
+        "Mtt": gram[t, t],
+        "totalMass": mass,
+        "chiU": centre,
+        "chiUtilde": first_moment / mass,
+        "inertiaLocal": gram[w, w],
+        "mPhitTPsi": gram[t, v],
+        "mPhitTPsiTilde": -gram[t, k],
+        "mXRefTildePsi": -gram[w, v],
+        "mXRefTildePsiTilde": gram[w, k],
+        "mPsiTildePsi": -gram[k, v],
+        "mPsiTildePsiTilde": gram[k, k],
+    }
+
+
+def interface_nodes(body: ReducedBody, name: str) -> list[int]:
+    """Numbers of the six nodes of an interface in the exported body; ModelError when it has none so named.
+
+    Equally weighted they are its position (MarkerSuperElementPosition, for a ball joint), and its position
+    and rotation (MarkerSuperElementRigid).
+    """
+    body.interface(name)
+    number = [interface.name for interface in body.interfaces].index(name)
+    first = len(body.nodes) + 6 * number
+    return list(range(first, first + 6))
+
+
+def _carried(motion: Array, arms: Array) -> Array:
+    """Displacement modes (k, 3, r) of points at arms (k, 3) from a virtual node: u + theta x arm."""
+    translation, rotation = motion[:3], motion[3:]
+    return translation + np.cross(rotation.T, arms[:, None]).swapaxes(1, 2)
+
+
+def _stress_columns(body: ReducedBody, stress: StressModes | None) -> dict[str, Any]:
+    """Exudyn's modes for output: a row per node, the six components of each mode after one another."""
+    if stress is None:
+        return {}
+    modes = stress.modes
+    n_nodes = len(body.nodes)
+    if modes.quadratic is not None or not np.array_equal(modes.nodes, np.arange(n_nodes)):
+        raise ModelError(
+            f"body '{body.name}': give the stress modes of the same linear body at all of its {n_nodes} "
+            "nodes, in their order: stress_modes(body, model)"
+        )
+    if modes.linear.shape[1] != 1:
+        raise ModelError(
+            f"body '{body.name}' is a shell with {modes.linear.shape[1]} layers of stress, and Exudyn shows "
+            "one tensor a node; export it without stress"
+        )
+    columns = np.zeros((n_nodes + 6 * len(body.interfaces), 6 * body.r))
+    columns[:n_nodes] = modes.linear[:, 0].swapaxes(1, 2).reshape(n_nodes, -1)
+    return {"matrix": columns, "outputVariableType": "OutputVariableType.StressLocal"}

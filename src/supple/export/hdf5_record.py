@@ -1,0 +1,129 @@
+"""Frozen dataclasses as HDF5 groups and back: arrays, numbers, texts, names with numbers, other records.
+
+array                   dataset, with a checksum
+number, text            attribute
+texts                   dataset of texts
+numbers                 attribute
+names with numbers      group of attributes
+record; records         group; group of groups 0, 1, ...
+None                    nothing
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from types import NoneType
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+
+import h5py
+import numpy as np
+
+Record = TypeVar("Record")
+
+
+def store_array(group: h5py.Group, name: str, array: np.ndarray) -> None:
+    """Write an array as it is, with a checksum."""
+    # HDF5 attaches checksums to blocks, and an empty array or a scalar has none.
+    blocks = {"chunks": True, "fletcher32": True} if array.ndim and array.size else {}
+    group.create_dataset(name, data=array, **blocks)
+
+
+def read_array(group: h5py.Group, name: str) -> np.ndarray:
+    """The array of that name; KeyError where there is none, OSError where its checksum disagrees."""
+    found = group[name]
+    if not isinstance(found, h5py.Dataset):
+        raise KeyError(f"{name} is not a dataset")
+    return np.asarray(found[()])
+
+
+def read_group(group: h5py.Group, name: str) -> h5py.Group:
+    """The group of that name; KeyError where there is none."""
+    found = group[name]
+    if not isinstance(found, h5py.Group):
+        raise KeyError(f"{name} is not a group")
+    return found
+
+
+def read_number(group: h5py.Group, name: str) -> float:
+    """The number in an attribute; KeyError where there is none, TypeError where it is no number."""
+    return float(np.asarray(group.attrs[name]).item())
+
+
+def store_record(group: h5py.Group, record: Any) -> None:
+    """Write the fields of a frozen dataclass; TypeError where one of them is of no kind named above."""
+    for item in fields(record):
+        _store(group, item.name, getattr(record, item.name))
+
+
+def read_record(group: h5py.Group, kind: type[Record]) -> Record:
+    """The record of that kind in a group.
+
+    A field that the group does not have takes its default, as an older program did not know it; a field
+    that the record does not have is left alone. KeyError and TypeError tell of what does not fit.
+    """
+    hints = get_type_hints(kind)
+    found = {}
+    for item in fields(kind):  # pyright: ignore[reportArgumentType]
+        if item.name in group or item.name in group.attrs:
+            found[item.name] = _read(group, item.name, hints[item.name])
+    return kind(**found)
+
+
+def _store(group: h5py.Group, name: str, value: Any) -> None:
+    match value:
+        case None:
+            return
+        case np.ndarray():
+            store_array(group, name, value)
+        case bool() | int() | float() | str() | np.generic():
+            group.attrs[name] = value
+        case Mapping():
+            group.create_group(name).attrs.update(value)
+        case tuple() if all(isinstance(item, str) for item in value):
+            group.create_dataset(name, data=list(value), dtype=h5py.string_dtype())
+        case tuple() if all(isinstance(item, int | float) for item in value):
+            group.attrs[name] = value
+        case tuple() if all(is_dataclass(item) for item in value):
+            inner = group.create_group(name)
+            for i, item in enumerate(value):
+                store_record(inner.create_group(str(i)), item)
+        case _ if is_dataclass(value):
+            store_record(group.create_group(name), value)
+        case _:
+            raise TypeError(f"{name} is a {type(value).__name__}, which a record cannot hold")
+
+
+def _read(group: h5py.Group, name: str, hint: Any) -> Any:
+    kind = _unless_none(hint)
+    origin = get_origin(kind) or kind
+    if origin is np.ndarray:
+        return read_array(group, name)
+    if origin is tuple:
+        return _read_tuple(group, name, get_args(kind)[0])
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return {key: np.asarray(value).item() for key, value in read_group(group, name).attrs.items()}
+    if is_dataclass(origin):
+        return read_record(read_group(group, name), origin)  # pyright: ignore[reportArgumentType]
+    value = group.attrs[name]
+    return value if isinstance(value, str) else origin(np.asarray(value).item())
+
+
+def _read_tuple(group: h5py.Group, name: str, kind: Any) -> tuple[Any, ...]:
+    found = group.get(name)
+    if isinstance(found, h5py.Dataset):
+        # No items look alike, whatever they would have been.
+        return tuple(found.asstr()[()])
+    if is_dataclass(kind):
+        inner = read_group(group, name)
+        return tuple(
+            read_record(read_group(inner, str(i)), kind)  # pyright: ignore[reportArgumentType]
+            for i in range(len(inner))
+        )
+    return tuple(np.asarray(group.attrs[name]).tolist())
+
+
+def _unless_none(hint: Any) -> Any:
+    """The type X of a field annotated X | None, which is there; else its type as it is."""
+    parts = get_args(hint)
+    return next(part for part in parts if part is not NoneType) if NoneType in parts else hint

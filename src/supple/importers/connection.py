@@ -1,0 +1,24 @@
+"""Connections: nodes that a mesh file ties to a reference point, where joints and loads will take hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Connection:
+    """Nodes tied to a reference point: rigidly (RBE2), or on average with `weights` (RBE3).
+
+    name     : rbe2_ID or rbe3_ID
+    nodes    : (k,) numbers of the nodes
+    position : (3,) of the reference point
+    weights  : (k,) of an averaging connection; None for a rigid one
+    """
+
+    name: str
+    nodes: NDArray[np.int64]
+    position: NDArray[np.float64]
+    weights: NDArray[np.float64] | None

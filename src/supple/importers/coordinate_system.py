@@ -1,0 +1,89 @@
+"""Coordinate systems of a Nastran file: rectangular, cylindrical and spherical, one defined in another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, auto
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+class Coordinates(Enum):
+    """What the three numbers of a point mean; angles are in degrees."""
+
+    RECTANGULAR = auto()
+    """x, y, z"""
+    CYLINDRICAL = auto()
+    """r, theta about z, z"""
+    SPHERICAL = auto()
+    """r, theta from the z axis, phi about it"""
+
+
+@dataclass(frozen=True, eq=False)
+class CoordinateSystem:
+    """A coordinate system resolved to the basic one.
+
+    origin : (3,)      in basic axes
+    axes   : (3, 3)    unit vectors of its x, y, z as columns, in basic axes
+    """
+
+    coordinates: Coordinates
+    origin: FloatArray
+    axes: FloatArray
+
+    def basic(self, points: ArrayLike) -> FloatArray:
+        """Points (k, 3), given in this system's coordinates, in basic ones."""
+        first, second, third = np.moveaxis(np.asarray(points, dtype=np.float64), -1, 0)
+        match self.coordinates:
+            case Coordinates.RECTANGULAR:
+                x, y, z = first, second, third
+            case Coordinates.CYLINDRICAL:
+                theta = np.radians(second)
+                x, y, z = first * np.cos(theta), first * np.sin(theta), third
+            case Coordinates.SPHERICAL:
+                theta, phi = np.radians(second), np.radians(third)
+                x, y = first * np.sin(theta) * np.cos(phi), first * np.sin(theta) * np.sin(phi)
+                z = first * np.cos(theta)
+        return self.origin + np.stack([x, y, z], axis=-1) @ self.axes.T
+
+    def directions(self, points: FloatArray) -> FloatArray:
+        """Unit vectors (k, 3, 3) of the coordinate lines at points (k, 3), as columns; all in basic axes.
+
+        On the axis of a cylindrical or spherical system, where the angle about it is unknown, it counts as 0.
+        """
+        x, y, z = np.moveaxis((points - self.origin) @ self.axes, -1, 0)
+        rho = np.hypot(x, y)
+        on_axis = rho <= 1e-9 * max(1.0, float(np.abs(points - self.origin).max(initial=0.0)))
+        phi = np.where(on_axis, 0.0, np.arctan2(y, x))
+        c, s, o, e = np.cos(phi), np.sin(phi), np.zeros_like(phi), np.ones_like(phi)
+        match self.coordinates:
+            case Coordinates.RECTANGULAR:
+                rows = [[e, o, o], [o, e, o], [o, o, e]]
+            case Coordinates.CYLINDRICAL:
+                rows = [[c, -s, o], [s, c, o], [o, o, e]]
+            case Coordinates.SPHERICAL:
+                theta = np.arctan2(rho, z)
+                ct, st = np.cos(theta), np.sin(theta)
+                rows = [[st * c, ct * c, -s], [st * s, ct * s, c], [ct, -st, o]]
+        return self.axes @ np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+BASIC = CoordinateSystem(Coordinates.RECTANGULAR, np.zeros(3), np.eye(3))
+
+
+def through_points(
+    coordinates: Coordinates, origin: FloatArray, on_axis: FloatArray, in_plane: FloatArray
+) -> CoordinateSystem | None:
+    """System with its z axis from `origin` to `on_axis` and `in_plane` in its x-z plane; None on one line.
+
+    All points (3,) in basic axes.
+    """
+    z, arm = on_axis - origin, in_plane - origin
+    y = np.cross(z, arm)
+    if not np.linalg.norm(y) > 1e-9 * np.linalg.norm(z) * np.linalg.norm(arm):
+        return None
+    z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
+    return CoordinateSystem(coordinates, origin, np.stack([np.cross(y, z), y, z], axis=-1))

@@ -1,0 +1,35 @@
+"""Node table: the labelled nodes of a mesh file, without its elements, for matrices exported beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.connection import Connection
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class NodeTable:
+    """Nodes with their ids, places and sets.
+
+    source      : the file, for messages
+    ids         : (N,) labels
+    positions   : (N, 3)
+    axes        : (N, 3, 3) directions of the freedoms as columns; None where all are the global axes
+    node_sets   : {name: (k,) node numbers from 0}
+    connections : rigid and averaging elements
+    retained    : (n, 2) node id and component (1 to 6) of an analysis set (ASET), sorted; None without one
+    """
+
+    source: str
+    ids: IntArray
+    positions: NDArray[np.float64]
+    axes: NDArray[np.float64] | None = None
+    node_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    connections: tuple[Connection, ...] = ()
+    retained: IntArray | None = None

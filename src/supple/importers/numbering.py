@@ -1,0 +1,24 @@
+"""Numbering: from the ids of a file, in any order and with gaps, to numbers that count from 0."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+IntArray = NDArray[np.int64]
+
+
+def numbers_of(ids: IntArray, wanted: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
+    """Where each wanted id stands in `ids`, and whether it is there at all."""
+    if not len(ids):
+        return np.zeros(np.shape(wanted), dtype=np.int64), np.zeros(np.shape(wanted), dtype=bool)
+    order = np.argsort(ids)
+    place = np.minimum(np.searchsorted(ids[order], wanted), len(ids) - 1)
+    return order[place], ids[order[place]] == wanted
+
+
+def first_repeated(ids: IntArray) -> int | None:
+    """The first place whose id stood earlier already; None when all differ."""
+    order = np.argsort(ids, kind="stable")
+    again = np.flatnonzero(ids[order][1:] == ids[order][:-1])
+    return int(order[1:][again].min()) if again.size else None

@@ -1,0 +1,40 @@
+"""How far the joints of a system stand open over a run: what the integrator leaves of g = 0."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.errors import ModelError
+from supple.integrate import Solution
+from supple.multibody.equations import Configuration, constraints
+from supple.multibody.full_body import FullBody
+from supple.multibody.model import Model, build_model
+from supple.multibody.system import System
+
+__all__ = ["joint_gaps"]
+
+
+@jax.jit
+def _gaps(model: Model, times: jax.Array, configurations: Configuration) -> jax.Array:
+    return jax.vmap(lambda time, at: constraints(model, time, at))(times, configurations)
+
+
+def joint_gaps(system: System, solution: Solution) -> np.ndarray:
+    """Constraint equations g (t, m) of all joints at the output times: m and rad, zero where exact.
+
+    Raises
+    ------
+    ModelError      a body with all its finite-element freedoms: only rigid and reduced bodies are supported
+    """
+    for placed in system.bodies:
+        if isinstance(placed.body, FullBody):
+            raise ModelError(f"joint gaps of the full body '{placed.body.name}' are not available: reduce it")
+    motions = [solution.bodies[placed.body.name] for placed in system.bodies]
+    configurations = Configuration(
+        origins=jnp.stack([jnp.asarray(motion.position) for motion in motions], axis=1),
+        rotations=jnp.stack([jnp.asarray(motion.rotation) for motion in motions], axis=1),
+        coordinates=tuple(jnp.asarray(motion.coordinates) for motion in motions),
+    )
+    return np.asarray(_gaps(build_model(system), jnp.asarray(solution.times), configurations))

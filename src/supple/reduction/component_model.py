@@ -1,0 +1,138 @@
+"""A body as small matrices that meet others at its interfaces: what a substructuring method hands over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from scipy import linalg
+
+from supple.algebra import Eigenpairs, read_only
+from supple.errors import AccuracyError, ModelError
+
+# Squared length, of a column of length one, below which it counts as a combination of the others.
+DEPENDENT = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedMatrices:
+    """An eigenproblem K x = lambda M x in a few coordinates.
+
+    stiffness : (r, r)      symmetric
+    mass : (r, r)           symmetric, positive definite but for dependent coordinates
+    n_forces : int          how many coordinates are interface forces. Each makes one eigenvalue negative,
+                            which belongs to no vibration
+    """
+
+    stiffness: np.ndarray
+    mass: np.ndarray
+    n_forces: int = 0
+
+    def __post_init__(self):
+        object.__setattr__(self, "stiffness", read_only(self.stiffness))
+        object.__setattr__(self, "mass", read_only(self.mass))
+
+    @property
+    def r(self) -> int:
+        """Number of coordinates."""
+        return len(self.stiffness)
+
+    @cached_property
+    def spectrum(self) -> np.ndarray:
+        """All eigenvalues (rad^2/s^2), ascending, rigid motions included, those of interface forces left out.
+
+        Dependent coordinates have none.
+        Raises AccuracyError when the mass is indefinite, or where interface forces are dependent.
+        """
+        columns = self._orthonormal_columns()
+        return read_only(np.linalg.eigvalsh(self._projected(columns))[self.n_forces :])
+
+    def modes(self) -> Eigenpairs:
+        """The spectrum, and its vectors (r, k) with X^T M X = I."""
+        columns = self._orthonormal_columns()
+        values, vectors = np.linalg.eigh(self._projected(columns))
+        return Eigenpairs(values[self.n_forces :], columns @ vectors[:, self.n_forces :])
+
+    def eigenvalues(self, n: int) -> np.ndarray:
+        """The n lowest of the spectrum; ModelError when there are fewer."""
+        if not 1 <= n <= self.spectrum.size:
+            raise ModelError(f"{n} eigenvalues asked of a reduced body that has {self.spectrum.size}")
+        return self.spectrum[:n]
+
+    def _orthonormal_columns(self) -> np.ndarray:
+        """Combinations of the coordinates with unit mass; dependent ones have no part."""
+        diagonal = np.diag(self.mass)
+        scale = 1.0 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+        squares, directions = np.linalg.eigh(scale[:, None] * self.mass * scale)
+        if not squares[0] > -DEPENDENT * self.r:
+            raise AccuracyError(
+                f"the reduced mass is indefinite: its smallest eigenvalue, diagonal scaled to one, is "
+                f"{squares[0]:.1e}; are modes and static columns those of one body?"
+            )
+        kept = squares > DEPENDENT * self.r
+        if self.n_forces and not kept.all():
+            raise AccuracyError(
+                f"the residual shapes of {self.n_forces} interface forces depend on one another: some "
+                "forces cannot be told apart; keep fewer modes, or use Rubin"
+            )
+        return scale[:, None] * directions[:, kept] / np.sqrt(squares[kept])
+
+    def _projected(self, columns: np.ndarray) -> np.ndarray:
+        projected = columns.T @ self.stiffness @ columns
+        return 0.5 * (projected + projected.T)
+
+
+def block_diagonal(*blocks: np.ndarray) -> np.ndarray:
+    """A matrix of square blocks along the diagonal."""
+    return np.asarray(linalg.block_diag(*blocks))
+
+
+class ComponentModel(Protocol):
+    """A reduced body whose interfaces may be left free, held in space, or joined to rigid bodies."""
+
+    def interfaces_free(self) -> ReducedMatrices:
+        """Nothing at the interfaces."""
+        ...
+
+    def interfaces_held(self) -> ReducedMatrices:
+        """All interfaces held in space."""
+        ...
+
+    def interfaces_loaded(self, added_mass: np.ndarray) -> ReducedMatrices:
+        """Rigid bodies at the interfaces: added_mass (b, b), symmetric, in the interface motions."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class RitzComponent:
+    """A body on the columns of a basis, K = V^T K V and M = V^T M V: eigenvalues are never too low.
+
+    stiffness, mass : (r, r)
+    interface_motion : (b, r)       B V, b = 6 n_interfaces
+    """
+
+    stiffness: np.ndarray
+    mass: np.ndarray
+    interface_motion: np.ndarray
+
+    def __post_init__(self):
+        for name in ("stiffness", "mass", "interface_motion"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    def interfaces_free(self) -> ReducedMatrices:
+        """V^T K V and V^T M V."""
+        return ReducedMatrices(self.stiffness, self.mass)
+
+    def interfaces_held(self) -> ReducedMatrices:
+        """The same on the motions that leave the interfaces at rest, B V x = 0."""
+        lengths = 1.0 / np.sqrt(np.diag(self.mass))
+        motion = self.interface_motion * lengths
+        rest = lengths[:, None] * linalg.null_space(motion / np.linalg.norm(motion, axis=1)[:, None])
+        return ReducedMatrices(rest.T @ self.stiffness @ rest, rest.T @ self.mass @ rest)
+
+    def interfaces_loaded(self, added_mass: np.ndarray) -> ReducedMatrices:
+        """M + (B V)^T M_added (B V)."""
+        motion = self.interface_motion
+        return ReducedMatrices(self.stiffness, self.mass + motion.T @ added_mass @ motion)

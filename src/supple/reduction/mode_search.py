@@ -1,0 +1,121 @@
+"""Looking for the fewest fixed-interface modes that meet a tolerance."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil
+from typing import Protocol
+
+import numpy as np
+
+from supple.algebra import read_only
+
+# Steps are at most doubled: an error that falls slowly at first would promise too many modes.
+LARGEST_GROWTH = 2.0
+SMALLEST_GROWTH = 1.05
+
+# What is promised is exceeded by this, so that one more step upwards is seldom needed.
+ALLOWANCE = 1.03
+
+# Of an estimate below its neighbours, before the search for an earlier answer ends.
+DEEPEST_DIP = 1.1
+
+
+@dataclass(frozen=True, eq=False)
+class SearchStep:
+    """One number of modes tried.
+
+    n_modes : fixed-interface modes kept
+    errors : (N,)            of each elastic eigenvalue; infinite where the reduced body has no such vibration
+    tolerance : largest error allowed
+    criterion : what the errors are: the estimator's name
+    seconds : wall time, that of new fixed-interface modes included
+    """
+
+    n_modes: int
+    errors: np.ndarray
+    tolerance: float
+    criterion: str
+    seconds: float
+
+    def __post_init__(self):
+        object.__setattr__(self, "errors", read_only(self.errors))
+
+    @property
+    def largest(self) -> float:
+        """The largest error."""
+        return float(np.max(self.errors, initial=0.0))
+
+    @property
+    def first_failing(self) -> int | None:
+        """Number, from 1, of the first eigenvalue whose error exceeds the tolerance; None when all pass."""
+        failing = np.flatnonzero(~(self.errors <= self.tolerance))
+        return int(failing[0]) + 1 if failing.size else None
+
+
+Trial = Callable[[int], SearchStep]
+
+
+class ModeSearch(Protocol):
+    """OneByOne() or Bisection()."""
+
+    def run(self, trial: Trial, first: int, last: int) -> tuple[SearchStep, ...]:
+        """All steps tried between first and last modes; the last one passes unless nothing did."""
+        ...
+
+
+@dataclass(frozen=True)
+class OneByOne:
+    """One mode more at a time until every vibration passes. [Han2020] Fig. 1"""
+
+    def run(self, trial: Trial, first: int, last: int) -> tuple[SearchStep, ...]:
+        """Steps first, first + 1, .. in order."""
+        steps = [trial(first)]
+        while steps[-1].first_failing and steps[-1].n_modes < last:
+            steps.append(trial(steps[-1].n_modes + 1))
+        return tuple(steps)
+
+
+@dataclass(frozen=True)
+class Bisection:
+    """Upwards as the errors seen so far promise, at most doubling, then bisection.
+
+    Estimates may cross the tolerance more than once, so the numbers below the one found are tried too, down
+    to where the largest error is 1.1 times the tolerance: the answer is that of OneByOne, for a fraction of
+    its eigen-solves, unless an estimate dips deeper than that.
+    """
+
+    def run(self, trial: Trial, first: int, last: int) -> tuple[SearchStep, ...]:
+        """Steps in the order tried, the smallest that passes moved to the end."""
+        tried = {first: trial(first)}
+        highest = first
+        while tried[highest].first_failing and highest < last:
+            highest = min(last, _promising(list(tried.values())))
+            tried[highest] = trial(highest)
+        if tried[highest].first_failing:
+            return tuple(tried.values())
+        passed, failed = highest, max((n for n in tried if n < highest), default=highest - 1)
+        while passed - failed > 1:
+            middle = (passed + failed) // 2
+            tried[middle] = trial(middle)
+            passed, failed = (passed, middle) if tried[middle].first_failing else (middle, failed)
+        for n in range(passed - 1, first, -1):
+            if n not in tried:
+                tried[n] = trial(n)
+            if tried[n].largest > DEEPEST_DIP * tried[n].tolerance:
+                break
+        fewest = tried.pop(min(n for n, step in tried.items() if not step.first_failing))
+        return (*tried.values(), fewest)
+
+
+def _promising(steps: list[SearchStep]) -> int:
+    """Where the power law through the last two steps, error ~ d^-p with p >= 1, meets the tolerance."""
+    last = steps[-1]
+    rate = 1.0
+    if len(steps) > 1 and steps[-2].n_modes and np.isfinite(steps[-2].largest):
+        fall = np.log(steps[-2].largest / last.largest)
+        rate = max(fall / np.log(last.n_modes / steps[-2].n_modes), 1.0)
+    growth = ALLOWANCE * (last.largest / last.tolerance) ** (1.0 / rate)
+    growth = min(max(growth, SMALLEST_GROWTH), LARGEST_GROWTH)
+    return max(last.n_modes + 1, ceil(growth * last.n_modes))

@@ -1,0 +1,74 @@
+"""Von Mises stress and strain over time of any elastic body, reduced or full."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.fem import (
+    FiniteElementModel,
+    StressRecovery,
+    strain_recovery,
+    stress_recovery,
+    von_mises,
+    von_mises_strain,
+)
+from supple.multibody import FullBody
+from supple.reduction import ReducedBody
+from supple.results.recovery import node_numbers
+from supple.results.stress_modes import strain_modes, stress_modes
+
+Array = NDArray[np.float64]
+
+
+def von_mises_history(
+    body: ReducedBody | FullBody,
+    model: FiniteElementModel,
+    coordinates: Array,
+    nodes: ArrayLike | None = None,
+) -> Array:
+    """Von Mises stress (t, N), Pa, the largest over the layers, of coordinates (t, r).
+
+    A reduced body goes through its stress modes; the reference, a full body, is recovered one vector at a
+    time. A linear body has the stress of its linear strain.
+
+    Parameters
+    ----------
+    model : FiniteElementModel      the one the body was made of
+    nodes : int array (N,)          numbers of the nodes of interest; all of them when omitted
+
+    Raises
+    ------
+    ModelError   as for stress_modes
+    """
+    if isinstance(body, ReducedBody):
+        return stress_modes(body, model, nodes).von_mises(coordinates)
+    return _of_full_body(body, stress_recovery(model), von_mises, coordinates, nodes)
+
+
+def von_mises_strain_history(
+    body: ReducedBody | FullBody,
+    model: FiniteElementModel,
+    coordinates: Array,
+    nodes: ArrayLike | None = None,
+) -> Array:
+    """Von Mises equivalent strain (t, N): as von_mises_history, with the same parameters and errors."""
+    if isinstance(body, ReducedBody):
+        return strain_modes(body, model, nodes).von_mises(coordinates)
+    return _of_full_body(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
+
+
+def _of_full_body(
+    body: FullBody,
+    recovery: StressRecovery,
+    measure: Callable[[Array], Array],
+    coordinates: Array,
+    nodes: ArrayLike | None,
+) -> Array:
+    chosen = slice(None) if nodes is None else node_numbers(nodes, len(body.nodes))
+    if body.body.model is None:
+        recovery = recovery.linearized()
+    nodal = (body.body.expansion @ q for q in np.asarray(coordinates))
+    return np.array([measure(recovery.at_nodes(u)[chosen]).max(axis=1) for u in nodal])

@@ -1,0 +1,197 @@
+"""A tensor field at nodes, stress or strain, as an exact polynomial of a body's reduced coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
+
+from supple.errors import ModelError
+from supple.fem import QuadraticStrain, StressRecovery
+from supple.fem.stress import SectionStress
+from supple.reduction import ReducedBody
+from supple.results.recovery import node_numbers
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Numbers of the field held at a time (32 MiB), for a long run of a large body would not fit.
+_FIELD_NUMBERS = 2**22
+
+
+@dataclass(frozen=True, eq=False)
+class TensorModes:
+    """What unit coordinates, and unit products of two of them, give at nodes.
+
+        field(gamma) = linear gamma + quadratic m2,   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
+
+    nodes : (N,)                        node numbers
+    linear : (N, l, 6, r)               l layers, components xx yy zz yz xz xy in the body's frame
+    quadratic : (N, l', 6, n2) or None  n2 = r(r+1)/2; l' = 1 where all layers share it (a shell's membrane
+                                        alone is nonlinear); None for a linear body
+    """
+
+    nodes: IntArray
+    linear: Array
+    quadratic: Array | None
+
+    def __post_init__(self) -> None:
+        for array in (self.nodes, self.linear, self.quadratic):
+            if array is not None:
+                array.setflags(write=False)
+
+    @property
+    def r(self) -> int:
+        """Number of coordinates."""
+        return self.linear.shape[-1]
+
+    def at(self, coordinates: ArrayLike) -> Array:
+        """The field (..., N, l, 6) of coordinates (..., r); ModelError where they are of another number."""
+        gamma = self._checked(coordinates)
+        field = self._field(self.linear, gamma.reshape(-1, self.r))
+        return field.reshape(*gamma.shape[:-1], *self.linear.shape[:3])
+
+    def largest(self, coordinates: ArrayLike, measure: Callable[[Array], Array]) -> Array:
+        """The largest measure (..., N) over the layers; the field is formed for a block of times at a time.
+
+        measure : maps tensors (..., 6) to numbers (...); convex, as von Mises stress is. The field is linear
+            across a wall, so that the largest lies on its bottom or its top: no other layer is looked at.
+        """
+        gamma = self._checked(coordinates)
+        rows = gamma.reshape(-1, self.r)
+        found = np.empty((len(rows), len(self.nodes)))
+        faces = np.ascontiguousarray(self.linear[:, :: max(1, self.linear.shape[1] - 1)])
+        n_rows = max(1, _FIELD_NUMBERS // max(1, faces[..., 0].size))
+        for start in range(0, len(rows), n_rows):
+            block = slice(start, start + n_rows)
+            found[block] = measure(self._field(faces, rows[block])).max(axis=2)
+        return found.reshape(*gamma.shape[:-1], -1)
+
+    def _field(self, layers: Array, gamma: Array) -> Array:
+        """(t, N, l, 6) of (t, r), by the linear modes (N, l, 6, r) of some layers."""
+        field = _times(layers, gamma)
+        if self.quadratic is not None:
+            j, k = np.triu_indices(self.r)
+            field += _times(self.quadratic, gamma[:, j] * gamma[:, k])
+        return field
+
+    def _checked(self, coordinates: ArrayLike) -> Array:
+        gamma = np.asarray(coordinates, dtype=np.float64)
+        if gamma.ndim < 1 or gamma.shape[-1] != self.r:
+            raise ModelError(
+                f"coordinates of shape {gamma.shape}: these modes are of a body with {self.r} coordinates, "
+                f"give (..., {self.r})"
+            )
+        return gamma
+
+
+def tensor_modes(body: ReducedBody, recovery: StressRecovery, nodes: ArrayLike | None = None) -> TensorModes:
+    """The modes of what a recovery finds in a body, at some of its nodes or all.
+
+    With the columns V of the body at the points of an element, e = B V and a = G V, the strain is
+
+        eps = e gamma + 1/2 sum_jk N(a_j, a_k) gamma_j gamma_k
+
+    without remainder, and stress and its mean at the nodes are linear in it.
+
+    Raises
+    ------
+    ModelError   node numbers outside the body
+    """
+    chosen = _chosen(nodes, recovery.n_nodes)
+    n_layers, r = recovery.n_layers, body.r
+    rows = (chosen[:, None] * n_layers + np.arange(n_layers)).ravel()
+    linear = np.zeros((len(rows), 6, r))
+    quadratic = None if body.is_linear else np.zeros((len(chosen), 6, r * (r + 1) // 2))
+    for section, averaging in zip(recovery.sections, recovery.averaging, strict=True):
+        shares = averaging.tocsr()[rows]
+        for part in _parts(section, shares, r):
+            part.add_to(linear, part.arrays.B @ body.nodal_basis[part.arrays.dofs][:, None])
+        if quadratic is not None:
+            _add_pairs(quadratic, *_nonlinear_points(section, shares), body.nodal_basis)
+    return TensorModes(
+        nodes=chosen,
+        linear=linear.reshape(len(chosen), n_layers, 6, r),
+        quadratic=None if quadratic is None else quadratic[:, None],
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """Some cells of a section and the nodes that they share in.
+
+    rows : (R,)                     places in the field
+    share : csr (R, E g)            what each point gives to them
+    arrays : QuadraticStrain        of the E cells
+    to_field : (E, 1, 6, s)         tensor of a strain
+    """
+
+    rows: IntArray
+    share: csr_array
+    arrays: QuadraticStrain
+    to_field: Array
+
+    def add_to(self, field: Array, strains: Array) -> None:
+        """Add the mean of strains (E, g, s, m) to a field (rows, 6, m)."""
+        m = strains.shape[-1]
+        tensors = (self.to_field @ strains).reshape(-1, 6 * m)
+        field[self.rows] += (self.share @ tensors).reshape(-1, 6, m)
+
+
+def _parts(section: SectionStress, shares: csr_array, r: int) -> Iterator[_Part]:
+    """The cells that give to any row of `shares`, in parts whose tensors fit in memory."""
+    n_points = section.arrays.B.shape[1]
+    cells = np.unique(shares.indices // n_points)
+    size = max(1, _FIELD_NUMBERS // (n_points * 6 * r))
+    by_point = shares.tocsc()
+    for start in range(0, len(cells), size):
+        some = cells[start : start + size]
+        share = by_point[:, (some[:, None] * n_points + np.arange(n_points)).ravel()].tocsr()
+        rows = np.flatnonzero(np.diff(share.indptr))
+        to_field = section.to_global[some] @ section.arrays.D
+        yield _Part(rows, share[rows], section.arrays.of(some), to_field[:, None])
+
+
+def _nonlinear_points(section: SectionStress, shares: csr_array) -> tuple[SectionStress, csr_array]:
+    """The section and shares with one layer for all: the gradients of a shell do not vary across its wall."""
+    n_layers = section.to_nodes.shape[1]
+    if n_layers == 1:
+        return section, shares
+    arrays = section.arrays
+    one = replace(arrays, B=arrays.B[:, :1], G=arrays.G[:, :1], w=arrays.w[:, :1])
+    return replace(section, arrays=one), shares[::n_layers, :: arrays.B.shape[1]]
+
+
+def _add_pairs(quadratic: Array, section: SectionStress, shares: csr_array, basis: Array) -> None:
+    """Add what the pairs of columns give at the points of a section to `quadratic` (N, 6, n2)."""
+    for part in _parts(section, shares, basis.shape[1]):
+        gradients = part.arrays.G @ basis[part.arrays.dofs][:, None]
+        for pairs, strains in _pair_strains(part.arrays.N, gradients):
+            part.add_to(quadratic[..., pairs], strains)
+
+
+def _pair_strains(form: Array, gradients: Array) -> Iterator[tuple[slice, Array]]:
+    """Quadratic strain of the pairs (j, k >= j), one j at a time: where they stand, and (E, g, s, r - j).
+
+    gradients : (E, g, d, r)
+    """
+    r, start = gradients.shape[-1], 0
+    for j in range(r):
+        strains = np.tensordot(gradients[..., j], form, axes=(2, 1)) @ gradients[..., j:]
+        strains[..., 0] *= 0.5
+        yield slice(start, start + r - j), strains
+        start += r - j
+
+
+def _times(modes: Array, amplitudes: Array) -> Array:
+    """Sum of modes (N, l, 6, m) times amplitudes (t, m): (t, N, l, 6)."""
+    return (amplitudes @ modes.reshape(-1, modes.shape[-1]).T).reshape(-1, *modes.shape[:-1])
+
+
+def _chosen(nodes: ArrayLike | None, n_nodes: int) -> IntArray:
+    if nodes is None:
+        return np.arange(n_nodes)
+    return node_numbers(nodes, n_nodes)

@@ -1,0 +1,101 @@
+"""Contours of a field on a body: bands of colour with a bar, and the place where the field is largest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.viz.camera import Camera
+from supple.viz.mesh_plot import NodalField, check_nodes, checked_values, draw_surface
+from supple.viz.mesh_skin import Skin
+from supple.viz.style import COLOUR_MAP, INK, save_figure, textbook_style
+
+Array = NDArray[np.float64]
+
+
+def stress_field(stress: Array) -> NodalField:
+    """Field of von Mises stresses (N,) given in Pa, to be read in MPa."""
+    return NodalField("von Mises stress (MPa)", 1e-6 * np.asarray(stress))
+
+
+def plot_contour(
+    path: Path | str,
+    nodes: Array,
+    skin: Skin,
+    field: NodalField,
+    *,
+    n_bands: int = 10,
+    undeformed: Array | None = None,
+    camera: Camera | None = None,
+    title: str = "",
+    length_unit: str = "m",
+) -> Path:
+    """Draw a field in bands of colour on a body, deformed or not, its largest visible value marked.
+
+    The bands end at round values; bar and mark speak of the nodes of the skin only, not of those inside.
+
+    Parameters
+    ----------
+    nodes : array (N, 3)            positions to draw
+    field : NodalField              such as stress_field(modes.von_mises(gamma))
+    n_bands : int                   at most so many bands, at least 2
+    undeformed, camera, title, length_unit : as for plot_mesh
+
+    Raises
+    ------
+    ModelError          as for plot_mesh; fewer than two bands
+    ResultFileError     the file cannot be written
+    """
+    if n_bands < 2:
+        raise ModelError(f"contour of '{field.label}': {n_bands} bands; give at least 2")
+    check_nodes(nodes, skin)
+    seen = np.unique(skin.triangles)
+    values = checked_values(field, len(nodes))[seen]
+    with textbook_style():
+        figure, axes, camera = draw_surface(
+            nodes,
+            skin,
+            colour_by=field,
+            undeformed=undeformed,
+            camera=camera,
+            title=title,
+            length_unit=length_unit,
+            scale=_bands(float(values.min()), float(values.max()), n_bands),
+        )
+        _mark(axes, camera, nodes, int(seen[values.argmax()]), field)
+        return save_figure(figure, path)
+
+
+def _bands(low: float, high: float, n_bands: int) -> ScalarMappable:
+    # A uniform field still needs a band of some width to lie in.
+    width = high - low if high > low else max(abs(high), 1.0)
+    edges = MaxNLocator(n_bands, steps=[1, 2, 2.5, 5, 10], min_n_ticks=2).tick_values(low, low + width)
+    return ScalarMappable(BoundaryNorm(edges, colormaps[COLOUR_MAP].N), COLOUR_MAP)
+
+
+def _mark(axes: Axes, camera: Camera, nodes: Array, node: int, field: NodalField) -> None:
+    """A ring around the node, and its value beside it, towards the middle of the picture."""
+    x, y = camera.project(nodes[node])[0]
+    axes.plot([x], [y], "o", markersize=7.0, markerfacecolor="none", markeredgecolor=INK, zorder=4.0)
+    left, right = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    rightwards, upwards = x < 0.5 * (left + right), y < 0.5 * (bottom + top)
+    axes.annotate(
+        f"largest {field.values[node]:.4g}, node {node}",
+        (x, y),
+        xytext=(9.0 if rightwards else -9.0, 12.0 if upwards else -12.0),
+        textcoords="offset points",
+        ha="left" if rightwards else "right",
+        va="bottom" if upwards else "top",
+        fontsize=7.5,
+        bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.5},
+        zorder=4.0,
+    )

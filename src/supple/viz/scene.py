@@ -1,0 +1,53 @@
+"""Several bodies in one picture: their skins and positions joined as if they were one body."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.viz.mesh_skin import Skin
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Actor:
+    """One body in a scene: its skin, nodal positions (t, N, 3), and values (t, N) to colour by, if any."""
+
+    skin: Skin
+    positions: Array
+    values: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What `animate` needs of several bodies: one skin, positions (t, N, 3), values (t, N).
+
+    A body without values has NaN, which films show in the plain colour of a surface.
+    """
+
+    skin: Skin
+    positions: Array
+    values: Array
+
+
+def scene_of(actors: Sequence[Actor]) -> Scene:
+    """Join bodies, in their order; ModelError without any, or with other numbers of times."""
+    lengths = {len(actor.positions) for actor in actors}
+    if len(lengths) != 1:
+        raise ModelError(f"a scene needs bodies at the same times; these have {sorted(lengths)} of them")
+    first_node = np.cumsum([0] + [actor.positions.shape[1] for actor in actors[:-1]])
+    triangles = [
+        start + actor.skin.triangles for start, actor in zip(first_node.tolist(), actors, strict=True)
+    ]
+    values = [
+        np.full(actor.positions.shape[:2], np.nan) if actor.values is None else actor.values
+        for actor in actors
+    ]
+    skin = Skin(np.concatenate(triangles), np.concatenate([actor.skin.mesh_lines for actor in actors]))
+    positions = np.concatenate([actor.positions for actor in actors], axis=1)
+    return Scene(skin, positions, np.concatenate(values, axis=1))

@@ -1,0 +1,94 @@
+"""The rounds of a self-correcting reduction: its error over the number of coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike, NDArray
+
+from supple.errors import ModelError
+from supple.viz.style import (
+    REFERENCE,
+    Stroke,
+    draw_curve,
+    legend_above,
+    new_figure,
+    save_figure,
+    textbook_style,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class RoundErrors:
+    """Errors of the k rounds of one body, in the unit of length.
+
+    sizes : (k,)                numbers of coordinates
+    estimated : (k,)            errors; not finite where a round could not be measured
+    missing_motion : (k,)       sizes of the motion that the bases miss
+    allowed : (k,)              the error to reach
+    true : (k,)                 errors against a full run, where there is one; all unknown by default
+    Raises ModelError when there is no round, or the lengths differ.
+    """
+
+    sizes: ArrayLike
+    estimated: ArrayLike
+    missing_motion: ArrayLike
+    allowed: ArrayLike
+    true: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        if self.true is None:
+            object.__setattr__(self, "true", np.full(np.shape(self.sizes), np.nan))
+        for name, value in vars(self).items():
+            object.__setattr__(self, name, np.asarray(value, dtype=np.float64))
+        lengths = {name: np.shape(value) for name, value in vars(self).items()}
+        if len(set(lengths.values())) != 1 or np.ndim(self.sizes) != 1 or not np.size(self.sizes):
+            raise ModelError(
+                f"rounds of a self-correction: give one number of each kind a round, not {lengths}"
+            )
+
+
+def plot_self_correction(
+    path: Path | str, bodies: Mapping[str, RoundErrors], *, length_unit: str = "m"
+) -> Path:
+    """Estimated error, missing motion and error allowed of every round, one panel a body.
+
+    Raises
+    ------
+    ModelError          no bodies
+    ResultFileError     the file cannot be written
+    """
+    if not bodies:
+        raise ModelError(f"cannot draw {path}: give the rounds of at least one body")
+    with textbook_style():
+        figure = new_figure(height=0.6 + 2.6 * len(bodies))
+        grid = figure.subplots(len(bodies), squeeze=False)[:, 0]
+        for axes, (name, errors) in zip(grid, bodies.items(), strict=True):
+            _draw_rounds(axes, errors)
+            axes.set_ylabel(f"{name}: RMS error ({length_unit})")
+        legend_above(grid[0], len(grid[0].get_lines()))
+        grid[-1].set_xlabel("number of coordinates")
+        return save_figure(figure, path)
+
+
+def _draw_rounds(axes: Axes, errors: RoundErrors) -> None:
+    curves = {
+        "estimated error": (errors.estimated, Stroke(marker="o")),
+        "missing motion": (errors.missing_motion, Stroke(marker="s", dashes=(1.5, 1.5))),
+        "allowed": (errors.allowed, REFERENCE),
+    }
+    if np.isfinite(np.asarray(errors.true)).any():
+        curves["true error"] = (np.asarray(errors.true), Stroke(marker="x", dashes=(4.0, 2.0)))
+    for rank, (label, (values, stroke)) in enumerate(curves.items()):
+        draw_curve(axes, errors.sizes, _positive(np.asarray(values)), stroke, rank, label)
+    axes.set_yscale("log")
+    axes.set_xticks(np.asarray(errors.sizes))
+
+
+def _positive(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values with gaps where a logarithmic axis has no place for them."""
+    return np.where(np.isfinite(values) & (values > 0), values, np.nan)

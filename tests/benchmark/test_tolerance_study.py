@@ -1,0 +1,91 @@
+"""The study of tolerances: its measures on made-up motions, and the pendulum from end to end."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from supple.benchmark.tolerance_report import report
+from supple.benchmark.tolerance_study import MachineRun, PointHistory, Separation, Study, run_study
+from supple.integrate import Solution
+
+TIMES = np.linspace(0.0, 1.0, 11)
+
+
+def history(offset):
+    """A point whose every quantity is off by `offset` (t,) in one component."""
+    vector = np.ones((11, 3))
+    vector[:, 0] += offset
+    return PointHistory(TIMES, vector, vector, vector, 5 + offset, 1e-6 * (5 + offset))
+
+
+def made_up(kind, tolerance, offset):
+    nothing = Solution(TIMES, {}, {}, None)
+    return MachineRun(kind, tolerance, 10, None, None, nothing, history(offset * TIMES))
+
+
+@pytest.fixture
+def study(pendulum):
+    runs = (made_up("whole basis", 0.1, 0.3), made_up("whole basis", 0.01, -0.02))
+    return Study(pendulum, made_up("unreduced", None, 0.0), runs)
+
+
+def test_errors_are_the_largest_and_the_rms_distance(study):
+    from supple.benchmark.tolerance_report import errors
+
+    found = errors(study, study.runs[0], study.reference)
+    assert found["position"]["max"] == pytest.approx(0.3)
+    assert found["stress"]["rms"] == pytest.approx(0.3 * np.sqrt(np.mean(TIMES**2)))
+    assert found["stress"]["max_over_largest"] == pytest.approx(0.3 / 5)
+
+
+def test_motions_are_compared_until_two_runs_of_one_body_part(study):
+    from supple.benchmark.tolerance_report import errors
+
+    assert study.compared_until == 1.0
+    parted = Separation("h", "h/2", TIMES, 0.1 * TIMES, 0.5, (None, None))
+    never = Separation("a", "b", TIMES, 0 * TIMES, None, (None, None))
+    study = replace(study, separations=(never, parted))
+    assert study.compared_until == 0.5
+    assert errors(study, study.runs[0], study.reference)["position"]["max"] == pytest.approx(0.15)
+
+
+def test_smaller_errors_of_smaller_tolerances_are_counted_over_the_outputs(study):
+    from supple.benchmark.tolerance_report import _ordered_share
+
+    assert _ordered_share(study, "whole basis", "position") == 1.0
+    # A third run that is worse than the second from half time on.
+    late = made_up("whole basis", 0.001, 0.0)
+    worse = replace(late, point=history(np.where(TIMES > 0.45, 1.0, 0.0)))
+    assert _ordered_share(replace(study, runs=(*study.runs, worse)), "whole basis", "stress") == 0.4
+
+
+@pytest.mark.slow
+def test_whole_bases_converge_to_the_unreduced_pendulum_and_cut_ones_to_the_exact_modes(pendulum, tmp_path):
+    messages = []
+
+    def announce(label):
+        messages.append(label)
+        return lambda fraction: None
+
+    for study in run_study(pendulum, tmp_path, announce, (0.1, 0.01)):
+        numbers = report(study)
+    loose, tight = numbers["whole_bases"]
+    for quantity in ("velocity", "acceleration", "stress", "strain"):
+        assert tight["errors"][quantity]["max"] < 0.5 * loose["errors"][quantity]["max"]
+    assert tight["errors"]["stress"]["max_over_largest"] < 1e-2
+    loose, tight = numbers["tolerances"]
+    assert loose["coordinates"] == tight["coordinates"] == pendulum.n_modes
+    assert tight["modes"] > loose["modes"]
+    assert tight["largest_eigenvalue_error"] < 0.01
+    exact = "errors_against_exact_modes"
+    assert tight[exact]["stress"]["max"] < loose[exact]["stress"]["max"]
+    assert max(abs(row["energy_drift"]) for row in numbers["whole_bases"]) < 1e-3
+    assert max(row["joint_drift"] for row in numbers["tolerances"]) < 1e-9
+    # A second study finds every motion on disk: nothing is simulated again.
+    stored = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*.h5")}
+    again = list(run_study(pendulum, tmp_path, announce, (0.1, 0.01)))[-1]
+    assert {path: path.stat().st_mtime_ns for path in tmp_path.glob("*.h5")} == stored
+    np.testing.assert_array_equal(again.reference.point.stress, study.reference.point.stress)

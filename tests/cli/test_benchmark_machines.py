@@ -1,0 +1,29 @@
+"""The quick forms of the machines' benchmarks, as a user types them."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from supple.cli.main import app
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["quadruple-pendulum", "slider-crank"])
+def test_quick_form_writes_report_figures_and_film(name, tmp_path):
+    target = tmp_path / "report.json"
+    arguments = ["benchmark", name, "--quick", "--json", str(target), "-o", str(tmp_path)]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    numbers = json.loads(target.read_text())
+    assert numbers["benchmark"] == name
+    assert [row["e"] for row in numbers["tolerances"]] == [0.1, 0.01]
+    assert len({row["coordinates"] for row in numbers["tolerances"]}) == 1
+    for row in numbers["tolerances"] + numbers["whole_bases"]:
+        assert set(row["errors"]) == {"position", "velocity", "acceleration", "stress", "strain"}
+        assert row["steps"] > 0
+    assert len(numbers["chaos"]["separations"]) == 2
+    for picture in ("machine.png", "acceleration.png", "stress_strain.png", f"{name}.gif"):
+        assert (tmp_path / picture).stat().st_size > 10_000

@@ -1,0 +1,202 @@
+"""`supple check`: a table of findings and an exit code that scripts can trust; imported bodies in cases."""
+
+from __future__ import annotations
+
+import re
+
+import h5py
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from supple.cli.build_bodies import build_flexible_body, read_meshes
+from supple.cli.main import app
+from supple.cli.read_case import read_case
+from supple.errors import CaseError, ModelError
+from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.mesh import strip
+
+MESH = strip(1.0, 0.1, 8, 2)
+STEEL = Isotropic(2.1e11, 0.3, 7850.0)
+
+
+def call(*arguments, code=0):
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    assert result.exit_code == code, result.output
+    return re.sub(r"\s+", " ", re.sub("[│┃]", " ", result.output))
+
+
+@pytest.fixture
+def folder(tmp_path, bulk):
+    """The strip of the other tests as bulk data, its root tied by an RBE2, and as HDF5 matrices."""
+    root = MESH.nodes_of("root") + 1
+    rbe2 = bulk.card("RBE2", 7, 900, 123456, *root)
+    (tmp_path / "strip.bdf").write_text(bulk.text(MESH, *bulk.shell(0.01), "GRID,900,,0.,0.,0.", rbe2))
+    write_matrices(tmp_path / "strip.h5", shell_model(MESH, HomogeneousWall(STEEL, 0.01)))
+    (tmp_path / "strip.toml").write_text(CASE)
+    return tmp_path
+
+
+def write_matrices(path, model, ground=0.0):
+    ids = np.arange(1, model.mesh.n_nodes + 1)
+    with h5py.File(path, "w") as file:
+        file["nodes"] = model.mesh.nodes
+        file["freedoms"] = np.column_stack([np.repeat(ids, 6), np.tile(np.arange(1, 7), len(ids))])
+        file["node_sets/root"] = model.mesh.nodes_of("root") + 1
+        for name, matrix in (("stiffness", model.stiffness.copy()), ("mass", model.mass)):
+            if name == "stiffness":
+                matrix[0, 0] += ground
+            for part in ("data", "indices", "indptr"):
+                file[f"{name}/{part}"] = getattr(matrix, part)
+
+
+CASE = """\
+title = "clamped strip"
+
+[[body]]
+name = "strip"
+mesh = "strip.bdf"
+nastran = {}
+frame = { kind = "mean-axis" }
+reduction = { basis = "rubin", modes = 4 }
+
+[[body.interface]]
+name = "root"
+connection = "rbe2_7"
+
+[[body]]
+name = "copy"
+mesh = "strip.h5"
+matrices = { stiffness = "strip.h5", mass = "strip.h5" }
+frame = { kind = "mean-axis" }
+reduction = { basis = "rubin", modes = 4 }
+
+[[body.interface]]
+name = "root"
+nodes = "root"
+position = [0, 0, 0]
+
+[[joint]]
+kind = "fixed"
+first = "ground"
+second = "strip.root"
+
+[[joint]]
+kind = "fixed"
+first = "ground"
+second = "copy.root"
+
+[simulation]
+duration = 0.004
+output_step = 0.002
+step = 0.002
+
+[output]
+pictures = false
+animation = false
+"""
+
+
+def test_a_good_model_prints_its_table(folder):
+    output = call("check", folder / "strip.bdf")
+    assert re.search(r"OK\s+mass and centre\s+7\.85 at \(0\.5, 0, 0\)", output)
+    assert "6, as many as a free body has" in output
+    assert "lowest free frequencies" in output
+    assert "problem" not in output
+    assert "lowest free frequencies" not in call("check", folder / "strip.bdf", "--modes", "0")
+
+
+def test_all_bodies_of_a_case_and_matrices_on_their_own(folder):
+    output = call("check", folder / "strip.toml")
+    assert "Check of body 'strip'" in output
+    assert "Check of body 'copy'" in output
+    assert "free of supports" in call("check", folder / "strip.h5")
+
+
+def test_a_refused_model_is_an_exit_code(folder):
+    write_matrices(folder / "strip.h5", shell_model(MESH, HomogeneousWall(STEEL, 0.01)), ground=1e9)
+    output = call("check", folder / "strip.h5", code=2)
+    assert re.search(r"problem\s+free of supports\s+translation along x meets", output)
+    assert "-> leave supports and springs to ground out" in output
+    assert "strip.h5: refused; see the lines marked 'problem'" in output
+
+
+def test_a_mesh_without_materials_is_no_whole_model(folder):
+    (folder / "strip.inp").touch()
+    output = call("check", folder / "strip.inp", code=2)
+    assert "strip.inp: not a whole model; give a file that ends in .toml, .bdf" in output
+
+
+def test_info_of_bulk_data_shows_mesh_and_check(folder):
+    output = call("info", folder / "strip.bdf")
+    assert re.search(r"node set rbe2_7\s+3 nodes", output)
+    assert "Check of" in output
+
+
+def test_both_bodies_of_the_case_are_the_same(folder):
+    case_file = read_case(folder / "strip.toml")
+    meshes = read_meshes(case_file)
+    assert list(meshes) == ["strip"]
+    strip_body, copy = (
+        build_flexible_body(case_file, table, meshes.get(table.name)) for table in case_file.case.body
+    )
+    assert abs(strip_body.stiffness - copy.stiffness).max() <= 1e-14 * abs(copy.stiffness).max()
+    np.testing.assert_array_equal(strip_body.interface("root").position, copy.interface("root").position)
+    assert copy.model is None
+
+
+def test_a_refused_body_is_not_run(folder):
+    write_matrices(folder / "strip.h5", shell_model(MESH, HomogeneousWall(STEEL, 0.01)), ground=1e9)
+    case_file = read_case(folder / "strip.toml")
+    with pytest.raises(ModelError, match=r"(?s)body 'copy' cannot be used.*free of supports.*leave supports"):
+        build_flexible_body(case_file, case_file.case.body[1], None)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('mesh = "strip.bdf"', 'mesh = "strip.h5"', "'strip.h5' is not a mesh that can be read: .bdf or"),
+        ('mesh = "strip.h5"\n', "", "a matrices body needs a mesh"),
+        ('stiffness = "strip.h5"', 'stiffness = "absent.h5"', "there is no file .*absent.h5"),
+        (
+            'connection = "rbe2_7"',
+            'connection = "rbe2_7"\nnodes = "root"',
+            "this one has nodes and connection",
+        ),
+        (
+            'connection = "rbe2_7"',
+            'connection = "rbe2_7"\nkind = "rigid"',
+            "a connection has its own kind; remove",
+        ),
+        (
+            "nastran = {}",
+            "shell = {thickness = 1.0, youngs_modulus = 1.0, poissons_ratio = 0.0, density = 1.0}",
+            "only nastran and matrices bodies have connections; give nodes",
+        ),
+        (
+            'basis = "rubin", modes = 4 }\n\n[[body.interface]]\nname = "root"\nnodes',
+            'basis = "rubin", modes = 4, derivatives = {kind = "picked", number = 1} }\n\n'
+            '[[body.interface]]\nname = "root"\nnodes',
+            "a linear body has no modal derivatives",
+        ),
+    ],
+)
+def test_case_files_that_break_the_rules(folder, old, new, message):
+    assert old in CASE
+    (folder / "strip.toml").write_text(CASE.replace(old, new, 1))
+    with pytest.raises(CaseError, match=message):
+        read_case(folder / "strip.toml")
+
+
+def test_a_load_at_a_node_set_of_matrices_is_refused(folder):
+    load = '\n[[load]]\nkind = "force"\nat = "copy.tip"\nvector = [0, 0, 1]\n'
+    (folder / "strip.toml").write_text(CASE + load)
+    with pytest.raises(CaseError, match="there is no interface of 'copy' named 'tip'"):
+        read_case(folder / "strip.toml")
+
+
+@pytest.mark.slow
+def test_the_case_runs(folder):
+    output = call("run", folder / "strip.toml", "-o", folder / "out")
+    assert "checked body 'copy': free, no mechanism, symmetric, mass 7.85" in output
+    assert "Results are in" in output

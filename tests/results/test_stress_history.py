@@ -1,0 +1,58 @@
+"""Von Mises histories are the same by stress modes and by the recovery of full vectors."""
+
+import numpy as np
+import pytest
+
+from supple.body import MeanAxisFrame, flexible_body
+from supple.errors import ModelError
+from supple.fem import Isotropic, solid_model, stress_recovery, von_mises
+from supple.mesh import CellType, block
+from supple.multibody import FullBody
+from supple.reduction import NoDerivatives, NormalModes, reduce
+from supple.results import von_mises_history, von_mises_strain_history
+
+
+@pytest.fixture
+def model():
+    return solid_model(block(1.0, 0.2, 0.1, 4, 1, 1, CellType.TETRA10), Isotropic(2.1e11, 0.3, 7800.0))
+
+
+@pytest.fixture(params=["nonlinear", "linear"])
+def bodies(request, model):
+    """A body without interfaces, so that its coordinates are the nodal freedoms: full and reduced."""
+    body = flexible_body("block", model)
+    if request.param == "linear":
+        body = body.linearized()
+    frame = MeanAxisFrame()
+    return FullBody(body, frame), reduce(body, frame, NormalModes(5), derivatives=NoDerivatives())
+
+
+@pytest.mark.parametrize("history", [von_mises_history, von_mises_strain_history])
+@pytest.mark.parametrize("nodes", [None, [11, 3]])
+def test_full_and_reduced_bodies_agree(bodies, model, history, nodes):
+    full, reduced = bodies
+    gamma = np.random.default_rng(0).normal(size=(4, 5)) / reduced.frequencies
+    gamma *= 0.2 / np.abs(reduced.expand(gamma)).max()
+    found = history(reduced, model, gamma, nodes)
+    assert found.shape == (4, model.mesh.n_nodes if nodes is None else 2)
+    expected = history(full, model, gamma @ reduced.nodal_basis.T, nodes)
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+def test_a_linear_full_body_has_the_stress_of_its_linear_strain(bodies, model):
+    full, reduced = bodies
+    q = (reduced.nodal_basis @ (10.0 / reduced.frequencies))[None]
+    doubled = von_mises_history(full, model, 2 * q) / von_mises_history(full, model, q)
+    if full.body.model is None:
+        np.testing.assert_allclose(doubled, 2.0, rtol=1e-9)
+    else:
+        assert np.abs(doubled - 2.0).max() > 1e-3
+        expected = von_mises(stress_recovery(model).at_nodes(q[0])).max(axis=1)
+        np.testing.assert_allclose(von_mises_history(full, model, q)[0], expected, rtol=1e-12)
+
+
+def test_nodes_outside_the_body_are_refused(bodies, model):
+    full, reduced = bodies
+    for body, r in ((full, full.r), (reduced, 5)):
+        with pytest.raises(ModelError, match="node numbers 999 to 999 in a body of 81 nodes"):
+            von_mises_history(body, model, np.zeros((1, r)), [999])
