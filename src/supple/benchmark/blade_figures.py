@@ -46,7 +46,9 @@ def draw_figures(run: BladeRun, folder: Path) -> list[Path]:
         tag = case.name.replace(" ", "_")
         full = [each for each in run.full if each.case.case == case]
         if full:
-            pictures.append(_plot_tips(folder / f"figure_10_full_{tag}.png", _full_tips(full)))
+            tips = _full_tips(full)
+            end = min(tip.times[-1] for _, tip in tips)
+            pictures.append(_plot_tips(folder / f"figure_10_full_{tag}.png", tips, end))
         reduced = [each for each in run.reduced if each.case == case]
         for frame in FRAMES:
             own = [each for each in reduced if each.basis.frame == frame]

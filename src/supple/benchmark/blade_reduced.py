@@ -66,8 +66,10 @@ class ReducedRun:
     failed_at: float | None
 
 
-def bases_of(blade: Blade, body: FlexibleBody, frame: str, case: BladeCase) -> tuple[FixedBasis, ...]:
-    """10 + 15 with derivatives picked and compressed, 50 linear columns; and 8 + 2 static answers + 15.
+def bases_of(
+    blade: Blade, body: FlexibleBody, frame: str, case: BladeCase, n_linear: int = 50
+) -> tuple[FixedBasis, ...]:
+    """10 + 15 with derivatives picked and compressed, n linear columns; and 8 + 2 static answers + 15.
 
     Derivatives are weighted by the loads the blade is to bear: the wind's mean, and in the last basis, whose
     columns hold its answer, the centrifugal load.
@@ -84,7 +86,7 @@ def bases_of(blade: Blade, body: FlexibleBody, frame: str, case: BladeCase) -> t
     return (
         FixedBasis(frame, linear(10), name, PickedDerivatives(15, criterion=wind), "picked", 10, 15),
         FixedBasis(frame, linear(10), name, CompressedDerivatives(15, weights=wind), "compressed", 10, 15),
-        FixedBasis(frame, linear(50), name, NoDerivatives(), "none", 50, 0),
+        FixedBasis(frame, linear(n_linear), name, NoDerivatives(), "none", n_linear, 0),
         FixedBasis(
             frame, corrected, f"{name}+static", PickedDerivatives(15, criterion=both), "picked", 10, 15
         ),

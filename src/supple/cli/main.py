@@ -219,7 +219,7 @@ def slider_crank(
 @benchmark_app.command("blade")
 def blade(
     quick: Annotated[
-        bool, typer.Option("--quick", help="Coarse blade, four seconds of motion: under a minute.")
+        bool, typer.Option("--quick", help="Coarse blade, two seconds of motion: under a minute.")
     ] = False,
     seconds: Annotated[
         float, typer.Option("--seconds", min=1.0, help="Motion that the full-order runs cover, s.")
