@@ -88,7 +88,7 @@ OPERATION = Operation(angular_speed=RATED_SPEED, pitch=float(np.radians(3.4)))
 MEAN_WIND = 12.0
 SHEAR = PowerLawShear(hub_height=HUB_HEIGHT)
 COARSE_GRID = BladeGrid(
-    nose_panel=2, cap=1, aft_panel=3, web_depth=1, root_segments=1, web_segments=24, tip_segments=1
+    nose_panel=2, cap=1, aft_panel=2, web_depth=1, root_segments=1, web_segments=20, tip_segments=1
 )
 LOAD_STEP = 0.02
 """s, between the rows of the load table: the wind's shortest period is 2 s."""
