@@ -98,19 +98,23 @@ def load_spectra(system: System, times: np.ndarray) -> tuple[LoadSpectrum, ...]:
         for joint in system.joints
         if _varies(joint.law)
     ]
-    return tuple(_spectrum(label, history.reshape(len(times), -1), times) for label, history in histories)
+    return tuple(
+        _spectrum(label, np.asarray(history).reshape(len(times), -1), times) for label, history in histories
+    )
 
 
 def _varies(law: TimeLaw | None) -> bool:
     return law is not None and not isinstance(law, Constant)
 
 
-def _values(law: Any, times: np.ndarray) -> np.ndarray:
-    return np.asarray(jax.vmap(law)(jnp.asarray(times)))
+@jax.jit
+def _values(law: Any, times: Any) -> jax.Array:
+    return jax.vmap(law)(times)
 
 
-def _accelerations(law: Any, times: np.ndarray) -> np.ndarray:
-    return _values(jax.jacfwd(jax.jacfwd(lambda time: jnp.asarray(law(time)))), times)
+@jax.jit
+def _accelerations(law: Any, times: Any) -> jax.Array:
+    return jax.vmap(jax.jacfwd(jax.jacfwd(lambda time: jnp.asarray(law(time)))))(times)
 
 
 def _spectrum(label: str, history: np.ndarray, times: np.ndarray) -> LoadSpectrum:
