@@ -12,12 +12,10 @@ Run: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/against_exudyn.py
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
 from importlib.metadata import version
-from time import perf_counter
 
 import numpy as np
+from exudyn_run import Outcome, Run, best_of, exudyn, timed_run
 from measure import keep
 from scipy.sparse import csr_matrix
 
@@ -32,9 +30,6 @@ from supple.results import node_positions
 DURATION, STEP, OUTPUT_STEP, N_MODES, TOLERANCE = 2.0, 1e-3, 0.02, 12, 1e-6
 GRAVITY = (0.0, 0.0, -9.81)
 REPEATS = 5
-
-Run = Callable[[], tuple[int, int, float, np.ndarray]]
-"""One run: steps, Newton iterations, wall seconds, and the tip's positions at the output times (t, 3)."""
 
 
 def bar() -> tuple[Mesh, FlexibleBody]:
@@ -52,7 +47,7 @@ def in_supple(mesh: Mesh, body: FlexibleBody) -> Run:
         gravity=GRAVITY,
     )
 
-    def run() -> tuple[int, int, float, np.ndarray]:
+    def run() -> Outcome:
         solution = simulate(
             system,
             duration=DURATION,
@@ -69,12 +64,9 @@ def in_supple(mesh: Mesh, body: FlexibleBody) -> Run:
 
 
 def in_exudyn(mesh: Mesh, body: FlexibleBody, *, modified_newton: bool) -> Run:
-    try:
-        import exudyn as exu
-        from exudyn import itemInterface as items  # noqa: N813
-        from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
-    except ImportError:
-        sys.exit("this comparison needs Exudyn, which is not installed here: pip install exudyn==1.13.6")
+    exu = exudyn()
+    from exudyn import itemInterface as items  # noqa: N813
+    from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
 
     finite_elements = FEMinterface()
     finite_elements.nodes = {"Position": np.array(mesh.nodes)}
@@ -108,30 +100,15 @@ def in_exudyn(mesh: Mesh, body: FlexibleBody, *, modified_newton: bool) -> Run:
         )
     )
     mbs.Assemble()
-    settings = exu.SimulationSettings()
-    settings.timeIntegration.numberOfSteps = round(DURATION / STEP)
-    settings.timeIntegration.endTime = DURATION
-    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
-    settings.timeIntegration.newton.relativeTolerance = TOLERANCE
-    settings.timeIntegration.newton.useModifiedNewton = modified_newton
-    settings.timeIntegration.verboseMode = 0
-    settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = OUTPUT_STEP
-    settings.parallel.numberOfThreads = 1
-
-    def run() -> tuple[int, int, float, np.ndarray]:
-        began = perf_counter()
-        mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.GeneralizedAlpha)
-        seconds = perf_counter() - began
-        iterations = int(mbs.sys["dynamicSolver"].it.newtonStepsCount)
-        return (
-            settings.timeIntegration.numberOfSteps,
-            iterations,
-            seconds,
-            mbs.GetSensorStoredData(sensor)[:, 1:4],
-        )
-
-    return run
+    return timed_run(
+        mbs,
+        sensor,
+        duration=DURATION,
+        step=STEP,
+        output_step=OUTPUT_STEP,
+        tolerance=TOLERANCE,
+        modified_newton=modified_newton,
+    )
 
 
 def main() -> None:
@@ -141,14 +118,7 @@ def main() -> None:
         "Exudyn": in_exudyn(mesh, body, modified_newton=False),
         "Exudyn, modified Newton": in_exudyn(mesh, body, modified_newton=True),
     }
-    for run in runs.values():
-        run()  # compiles, warms the caches
-    best: dict[str, tuple[int, int, float, np.ndarray]] = {}
-    for _ in range(REPEATS):
-        for code, run in runs.items():
-            outcome = run()
-            if code not in best or outcome[2] < best[code][2]:
-                best[code] = outcome
+    best = best_of(runs, REPEATS)
     _, _, our_seconds, our_tip = best["supple"]
     rows = [
         {

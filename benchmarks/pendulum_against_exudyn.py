@@ -13,15 +13,13 @@ Run: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/pendulum_against_exudyn.py
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter
 from typing import Any
 
 import numpy as np
+from exudyn_run import Outcome, Run, best_of, exudyn, timed_run
 from measure import keep
 
 from supple.benchmark.quadruple_pendulum import GRAVITY, QuadruplePendulum
@@ -35,12 +33,9 @@ from supple.results import node_positions
 
 DURATION, OUTPUT_STEP, STEPS, TOLERANCE, REPEATS = 1.0, 0.02, (1e-3, 5e-4), 1e-6, 5
 
-Run = Callable[[], tuple[int, int, float, np.ndarray]]
-"""One run: steps, Newton iterations, wall seconds, and the free end's positions at the outputs (t, 3)."""
-
 
 def in_supple(system: System, link: ReducedBody, end: int, step: float) -> Run:
-    def run() -> tuple[int, int, float, np.ndarray]:
+    def run() -> Outcome:
         solution = simulate(
             system,
             duration=DURATION,
@@ -61,11 +56,8 @@ def in_supple(system: System, link: ReducedBody, end: int, step: float) -> Run:
 
 
 def in_exudyn(system: System, file: Path, end: int, step: float, *, modified_newton: bool) -> Run:
-    try:
-        import exudyn as exu
-        from exudyn import itemInterface as items  # noqa: N813
-    except ImportError:
-        sys.exit("this comparison needs Exudyn, which is not installed here: pip install exudyn==1.13.6")
+    exu = exudyn()
+    from exudyn import itemInterface as items  # noqa: N813
 
     mbs = exu.SystemContainer().AddSystem()
     joints = _add_bodies(mbs, items, system, file)
@@ -81,30 +73,15 @@ def in_exudyn(system: System, file: Path, end: int, step: float, *, modified_new
         )
     )
     mbs.Assemble()
-    settings = exu.SimulationSettings()
-    settings.timeIntegration.numberOfSteps = round(DURATION / step)
-    settings.timeIntegration.endTime = DURATION
-    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
-    settings.timeIntegration.newton.relativeTolerance = TOLERANCE
-    settings.timeIntegration.newton.useModifiedNewton = modified_newton
-    settings.timeIntegration.verboseMode = 0
-    settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = OUTPUT_STEP
-    settings.parallel.numberOfThreads = 1
-
-    def run() -> tuple[int, int, float, np.ndarray]:
-        began = perf_counter()
-        mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.GeneralizedAlpha)
-        seconds = perf_counter() - began
-        iterations = int(mbs.sys["dynamicSolver"].it.newtonStepsCount)
-        return (
-            settings.timeIntegration.numberOfSteps,
-            iterations,
-            seconds,
-            mbs.GetSensorStoredData(sensor)[:, 1:4],
-        )
-
-    return run
+    return timed_run(
+        mbs,
+        sensor,
+        duration=DURATION,
+        step=step,
+        output_step=OUTPUT_STEP,
+        tolerance=TOLERANCE,
+        modified_newton=modified_newton,
+    )
 
 
 def _add_bodies(mbs: Any, items: Any, system: System, file: Path) -> list[tuple[int, int]]:
@@ -171,14 +148,7 @@ def main() -> None:
 
 def _compared(step: float, runs: dict[str, Run]) -> list[dict[str, Any]]:
     """Best of some repeats of every code, taken in turns."""
-    for run in runs.values():
-        run()  # compiles, warms the caches
-    best: dict[str, tuple[int, int, float, np.ndarray]] = {}
-    for _ in range(REPEATS):
-        for code, run in runs.items():
-            outcome = run()
-            if code not in best or outcome[2] < best[code][2]:
-                best[code] = outcome
+    best = best_of(runs, REPEATS)
     _, _, our_seconds, our_end = best["supple"]
     return [
         {

@@ -46,3 +46,12 @@ def test_costs_add_up():
 def test_nothing_cannot_be_joined():
     with pytest.raises(ValueError, match="no parts to join"):
         concatenate([])
+
+
+def test_motion_at_some_instants_keeps_all_its_fields():
+    """By a slice or by numbers: every array loses the same rows, and no other."""
+    values = {f.name: np.random.default_rng(i).normal(size=(5, 3)) for i, f in enumerate(fields(BodyMotion))}
+    motion = BodyMotion(**values)
+    for rows in (slice(1, 4, 2), np.array([1, 3])):
+        for name, value in values.items():
+            np.testing.assert_array_equal(getattr(motion.at(rows), name), value[[1, 3]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from supple.errors import ConvergenceError
-from supple.integrate import BodyMotion, Solution, concatenate
+from supple.integrate import Solution, concatenate
 from supple.multibody import System, simulate
 from supple.multibody.simulate import Progress
 
@@ -23,9 +23,6 @@ def as_far_as_it_goes(system: System, *, progress: Progress, **options: Any) -> 
 
 def first_instants(solution: Solution, n_times: int) -> Solution:
     """The first part of a solution."""
-    bodies = {
-        name: BodyMotion(**{key: value[:n_times] for key, value in vars(motion).items()})
-        for name, motion in solution.bodies.items()
-    }
+    bodies = {name: motion.at(slice(n_times)) for name, motion in solution.bodies.items()}
     forces = {name: values[:n_times] for name, values in solution.joint_forces.items()}
     return Solution(solution.times[:n_times], bodies, forces, solution.statistics)

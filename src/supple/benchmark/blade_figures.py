@@ -10,7 +10,6 @@ import numpy as np
 from supple.benchmark.blade import BODY, FRAMES, ROOT, TipMotion
 from supple.benchmark.blade_benchmark import BladeRun
 from supple.benchmark.blade_full import FullRun
-from supple.integrate import BodyMotion
 from supple.reduction import CraigBampton, modal_derivatives, vibrating_basis
 from supple.results import node_positions, stress_modes
 from supple.viz import (
@@ -160,7 +159,7 @@ def film(run: BladeRun, path: Path, progress: Callable[[float], None]) -> Path:
     mesh, motion = run.benchmark.blade.mesh, solution.bodies[BODY]
     last = int(np.searchsorted(solution.times, 4 * corrected.case.start))
     rows = np.unique(np.linspace(0, min(last, len(solution.times) - 1), _FILM_FRAMES).round().astype(int))
-    still = BodyMotion(**{name: values[rows] for name, values in vars(motion).items()})
+    still = motion.at(rows)
     positions = node_positions(body, still)
     angle = np.asarray(corrected.case.spin(solution.times[rows]))
     cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]

@@ -10,7 +10,6 @@ import numpy as np
 
 from supple.benchmark.machine import describe_machine
 from supple.benchmark.rotating_beam import BeamRun, FullRun, ReducedRun, TipMotion
-from supple.integrate import BodyMotion
 from supple.results.recovery import node_positions
 from supple.viz.animation import animate
 from supple.viz.camera import Camera
@@ -217,7 +216,7 @@ def film(run: BeamRun, path: Path, progress: Callable[[float], None]) -> Path:
     motion = rom.solution.bodies[rom.body.name]
     every = max(1, round(_FILM_STEP / run.problem.output_step))
     rows = slice(0, int(np.searchsorted(rom.solution.times, _FILM_END)), every)
-    shown = BodyMotion(**{name: values[rows] for name, values in vars(motion).items()})
+    shown = motion.at(rows)
     mesh = run.problem.mesh()
     return animate(
         path,

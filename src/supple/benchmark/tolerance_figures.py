@@ -9,7 +9,7 @@ import numpy as np
 
 from supple.benchmark.flexible_machine import FlexibleMachine
 from supple.benchmark.tolerance_study import MachineRun, Study
-from supple.integrate import BodyMotion, Solution
+from supple.integrate import Solution
 from supple.results import node_positions, von_mises_history
 from supple.viz.animation import animate
 from supple.viz.contour import plot_contour
@@ -112,20 +112,16 @@ def _draw_separations(study: Study, path: Path) -> Path:
 def _actors(study: Study, run: MachineRun, rows: slice, *, coloured: bool) -> list[Actor]:
     machine = study.machine
     mesh = machine.model.mesh
-    motion = _rows(run.solution.bodies[run.body.name], rows)
+    motion = run.solution.bodies[run.body.name].at(rows)
     stress = von_mises_history(run.body, machine.model, motion.coordinates) if coloured else None
     actors = [
         Actor(skin_of(mesh), node_positions(run.body, motion), None if stress is None else 1e-6 * stress)
     ]
     for name, look in machine.looks.items():
-        rigid = _rows(run.solution.bodies[name], rows)
+        rigid = run.solution.bodies[name].at(rows)
         turned = np.einsum("tij,nj->tni", rigid.rotation, look.nodes)
         actors.append(Actor(skin_of(look), rigid.position[:, None] + turned))
     return actors
-
-
-def _rows(motion: BodyMotion, rows: slice) -> BodyMotion:
-    return BodyMotion(**{name: values[rows] for name, values in vars(motion).items()})
 
 
 def _draw_machine(study: Study, path: Path) -> Path:

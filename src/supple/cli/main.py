@@ -21,6 +21,7 @@ benchmark_app = typer.Typer(help="Run a published benchmark and set our numbers 
 app.add_typer(benchmark_app, name="benchmark", no_args_is_help=True)
 
 Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback of an error.")]
+Json = Annotated[Path | None, typer.Option("--json", help="Report file; default: in the output folder.")]
 
 
 def main() -> None:
@@ -108,9 +109,7 @@ def check(
 @benchmark_app.command("rotating-beam")
 def rotating_beam(
     quick: Annotated[bool, typer.Option("--quick", help="One speed, coarse mesh: under a minute.")] = False,
-    json: Annotated[
-        Path | None, typer.Option("--json", help="Report file; default: in the output folder.")
-    ] = None,
+    json: Json = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures.")] = Path(
         "results/rotating-beam"
     ),
@@ -129,9 +128,7 @@ def rotating_beam(
 @benchmark_app.command("eigenvalue-error")
 def eigenvalue_error(
     quick: Annotated[bool, typer.Option("--quick", help="Coarse meshes: under a minute.")] = False,
-    json: Annotated[
-        Path | None, typer.Option("--json", help="Report file; default: in the output folder.")
-    ] = None,
+    json: Json = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures.")] = Path(
         "results/eigenvalue-error"
     ),
@@ -157,18 +154,17 @@ class Element(StrEnum):
         return f"TETRA{self.value.removeprefix('tet')}"
 
 
-_MACHINE_QUICK = typer.Option("--quick", help="Coarse mesh, two tolerances, short time: under a minute.")
+MachineElement = Annotated[Element, typer.Option(help="Of the flexible body; --quick takes tet4.")]
+MachineQuick = Annotated[
+    bool, typer.Option("--quick", help="Coarse mesh, two tolerances, short time: under a minute.")
+]
 
 
 @benchmark_app.command("quadruple-pendulum")
 def quadruple_pendulum(
-    quick: Annotated[bool, _MACHINE_QUICK] = False,
-    element: Annotated[Element, typer.Option(help="Of the flexible body; --quick takes tet4.")] = (
-        Element.TET10
-    ),
-    json: Annotated[
-        Path | None, typer.Option("--json", help="Report file; default: in the output folder.")
-    ] = None,
+    quick: MachineQuick = False,
+    element: MachineElement = Element.TET10,
+    json: Json = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures and motions.")] = Path(
         "results/quadruple-pendulum"
     ),
@@ -192,13 +188,9 @@ def quadruple_pendulum(
 
 @benchmark_app.command("slider-crank")
 def slider_crank(
-    quick: Annotated[bool, _MACHINE_QUICK] = False,
-    element: Annotated[Element, typer.Option(help="Of the flexible body; --quick takes tet4.")] = (
-        Element.TET10
-    ),
-    json: Annotated[
-        Path | None, typer.Option("--json", help="Report file; default: in the output folder.")
-    ] = None,
+    quick: MachineQuick = False,
+    element: MachineElement = Element.TET10,
+    json: Json = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures and motions.")] = Path(
         "results/slider-crank"
     ),
@@ -227,9 +219,7 @@ def blade(
     longest: Annotated[
         float, typer.Option("--longest", min=1.0, help="Motion that one of them covers, s.")
     ] = 100.0,
-    json: Annotated[
-        Path | None, typer.Option("--json", help="Report file; default: in the output folder.")
-    ] = None,
+    json: Json = None,
     output: Annotated[
         Path, typer.Option("-o", "--output", help="Folder for figures and motions; a run goes on from there.")
     ] = Path("results/blade-benchmark"),

@@ -88,7 +88,7 @@ def draw_film(
     chosen = _instants(solution.times, N_FRAMES)
     positions, values, surfaces, traced, n_nodes = [], [], [], [], 0
     for body, mesh in _elastic_bodies(built):
-        motion = _at(solution.bodies[body.name], chosen)
+        motion = solution.bodies[body.name].at(chosen)
         deflection = np.linalg.norm(deflections(body, motion), axis=2)
         positions.append(node_positions(body, motion))
         if _shows_stress(built):
@@ -173,7 +173,7 @@ def _draw_deformed(
 ) -> Path:
     """The body when it is bent most, enlarged if that were too little to see."""
     instants = _instants(times, N_INSTANTS)
-    displaced = deflections(body, _at(motion, instants))
+    displaced = deflections(body, motion.at(instants))
     size = np.linalg.norm(displaced, axis=2).max(axis=1)
     worst = int(np.argmax(size))
     scale, enlarged = _enlargement(body, displaced[worst])
@@ -198,10 +198,10 @@ def _enlargement(body: ElasticBody, displaced: np.ndarray) -> tuple[float, str]:
 def _draw_stress(path: Path, built: BuiltCase, body: ElasticBody, solution: Solution, surface: Skin) -> Path:
     """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
     instants = _instants(solution.times, N_INSTANTS)
-    sampled = _at(solution.bodies[body.name], instants)
+    sampled = solution.bodies[body.name].at(instants)
     stress = _stress(built, body, sampled)
     worst = int(np.argmax(stress.max(axis=1)))
-    displaced = deflections(body, _at(sampled, np.array([worst])))[0]
+    displaced = deflections(body, sampled.at(np.array([worst])))[0]
     scale, enlarged = _enlargement(body, displaced)
     return plot_contour(
         path,
@@ -233,7 +233,3 @@ def _joint_series(
 def _instants(times: np.ndarray, number: int) -> np.ndarray:
     """Places of at most so many times, spread evenly over all."""
     return np.unique(np.linspace(0, len(times) - 1, number).astype(int))
-
-
-def _at(motion: BodyMotion, instants: np.ndarray) -> BodyMotion:
-    return BodyMotion(**{name: array[instants] for name, array in vars(motion).items()})

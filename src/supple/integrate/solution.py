@@ -33,6 +33,10 @@ class BodyMotion:
     coordinate_accelerations: np.ndarray
     """(t, r)."""
 
+    def at(self, rows: slice | np.ndarray) -> BodyMotion:
+        """The motion at some of its output times, by their numbers."""
+        return BodyMotion(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
+
 
 @dataclass(frozen=True)
 class Statistics:

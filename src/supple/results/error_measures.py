@@ -99,8 +99,8 @@ def motion_error(
         )
     distance, size = np.empty(len(times)), 0.0
     for rows in time_slices(reference_body, len(times)):
-        r = node_positions(reference_body, _rows(expected, rows))
-        distance[rows] = _squared_distance(r, node_positions(candidate_body, _rows(found, rows)))
+        r = node_positions(reference_body, expected.at(rows))
+        distance[rows] = _squared_distance(r, node_positions(candidate_body, found.at(rows)))
         size += float(np.einsum("tni,tni->", r, r))
     rms = np.sqrt(distance / len(reference_body.nodes))
     return MotionError(times, rms, _percent(distance.sum(), size))
@@ -123,7 +123,3 @@ def _motion_of(solution: Solution, body: str) -> BodyMotion:
     if body not in solution.bodies:
         raise ModelError(f"no body '{body}' in the solution; it has {', '.join(solution.bodies) or 'none'}")
     return solution.bodies[body]
-
-
-def _rows(motion: BodyMotion, rows: slice) -> BodyMotion:
-    return BodyMotion(**{name: values[rows] for name, values in vars(motion).items()})

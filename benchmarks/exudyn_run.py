@@ -1,0 +1,74 @@
+"""Exudyn beside supple: the same step and tolerance on one thread, in turns, the best run of each kept."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+Outcome = tuple[int, int, float, np.ndarray]
+"""Steps, Newton iterations, wall seconds, and the positions (t, 3) of a point at the output times."""
+Run = Callable[[], Outcome]
+
+
+def exudyn() -> Any:
+    """The module; exits where it is not installed."""
+    try:
+        import exudyn as exu
+    except ImportError:
+        sys.exit("this comparison needs Exudyn, which is not installed here: pip install exudyn==1.13.6")
+    return exu
+
+
+def timed_run(
+    mbs: Any,
+    sensor: int,
+    *,
+    duration: float,
+    step: float,
+    output_step: float,
+    tolerance: float,
+    modified_newton: bool,
+) -> Run:
+    """Run an assembled system by generalized-alpha, rho_inf = 0.8, as often as called."""
+    exu = exudyn()
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.numberOfSteps = round(duration / step)
+    settings.timeIntegration.endTime = duration
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+    settings.timeIntegration.newton.relativeTolerance = tolerance
+    settings.timeIntegration.newton.useModifiedNewton = modified_newton
+    settings.timeIntegration.verboseMode = 0
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = output_step
+    settings.parallel.numberOfThreads = 1
+
+    def run() -> Outcome:
+        began = perf_counter()
+        mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.GeneralizedAlpha)
+        seconds = perf_counter() - began
+        iterations = int(mbs.sys["dynamicSolver"].it.newtonStepsCount)
+        return (
+            settings.timeIntegration.numberOfSteps,
+            iterations,
+            seconds,
+            mbs.GetSensorStoredData(sensor)[:, 1:4],
+        )
+
+    return run
+
+
+def best_of(runs: Mapping[str, Run], repeats: int) -> dict[str, Outcome]:
+    """The fastest outcome of each code; the codes take turns, so that all see the same machine."""
+    for run in runs.values():
+        run()  # compiles, warms the caches
+    best: dict[str, Outcome] = {}
+    for _ in range(repeats):
+        for code, run in runs.items():
+            outcome = run()
+            if code not in best or outcome[2] < best[code][2]:
+                best[code] = outcome
+    return best
