@@ -40,9 +40,27 @@ def test_more_modes_continue_the_same_space(held):
     few = growing.at_least(10)
     assert growing.at_least(10) is few
     many = growing.at_least(2 * few.values.size)
-    m = few.basis.shape[1]
-    np.testing.assert_array_equal(many.basis[:, :m], few.basis)
+    # The very same arrays: a space that grows is not copied.
+    assert few.basis.blocks == many.basis.blocks[: len(few.basis.blocks)]
+    assert many.basis.n_columns > few.basis.n_columns
     np.testing.assert_allclose(many.values, exact[: many.values.size], rtol=1e-10)
+
+
+def test_a_space_cut_down_to_its_modes_keeps_them_and_grows_on(held):
+    inverse, mass, exact = held
+    growing = GrowingModes(inverse, mass)
+    before = growing.at_least(10)
+    k = before.values.size
+    growing.keep_modes_only()
+    assert growing.basis.n_columns == k < before.basis.n_columns
+    np.testing.assert_array_equal(growing.at_least(k).vectors, before.vectors)
+    more = growing.at_least(40)
+    assert k < more.values.size < 200
+    np.testing.assert_allclose(more.values, exact[: more.values.size], rtol=1e-10)
+    X = more.vectors
+    assert np.max(np.abs(X.T @ (mass @ X) - np.eye(more.values.size))) < 1e-12
+    residual = inverse.solve(mass @ X) * more.values - X
+    assert np.max(np.sum(residual * (mass @ residual), axis=0)) < 1e-12
 
 
 def test_all_modes_of_a_small_structure_are_found_at_last(held):

@@ -121,6 +121,28 @@ def test_new_values_on_the_same_pattern(truss, solver, relative_error):
         factor.refactorize(truss.stiffness)
 
 
+def test_numbers_given_back_are_computed_again_and_no_sooner(truss, solver):
+    A = shifted(truss, -1e3)
+    counted = []
+
+    class Counting:
+        def symmetric(self, matrix):
+            counted.append(matrix)
+            raw = solver.symmetric(matrix)
+            return raw._replace(refactorize=self.symmetric)
+
+    factor = factorize_symmetric(A, solver=Counting())
+    b = np.ones(factor.n)
+    before = factor.solve(b)
+    factor.release()
+    assert len(counted) == 1
+    np.testing.assert_array_equal(factor.solve(b), before)
+    factor.solve(b)
+    assert len(counted) == 2
+    factor.release()
+    assert factor.refactorize(shifted(truss, 2e3)).inertia.negative == 6
+
+
 def test_unsymmetric_values(truss, solver, relative_error):
     A = shifted(truss, -1e3)
     gyroscopic = sparse.triu(A, 1) * 1e-2

@@ -110,6 +110,7 @@ def test_a_linearised_body_has_no_nonlinear_force(body):
     linear = body.linearized()
     assert linear.model is None
     assert linear.stiffness is body.stiffness
+    assert linear.grounded_stiffness is body.grounded_stiffness
     with pytest.raises(
         ModelError, match=f"body '{body.name}' is linear: it has matrices but no quadratic strains"
     ):

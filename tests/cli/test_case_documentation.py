@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,10 @@ import pytest
 
 from supple.cli.case_schema import Case
 from supple.cli.read_case import read_case
+from supple.cli.run_case import run_case
 from supple.fem import Isotropic, solid_model
-from supple.mesh import CellType, block
+from supple.importers import read_mesh
+from supple.mesh import CellType, block, cylinder
 
 ROOT = Path(__file__).parents[2]
 
@@ -79,6 +82,27 @@ def test_the_blade_example_is_a_valid_case():
     case = read_case(ROOT / "examples" / "blade.toml").case
     assert case.joint[0].law is not None
     assert case.simulation.duration == 20.0
+
+
+def test_the_rod_of_the_examples_is_the_mesh_its_page_says():
+    read, made = read_mesh(ROOT / "examples" / "rod.inp"), cylinder(0.02, 1.0, 2, 1, 12, CellType.TETRA10)
+    np.testing.assert_allclose(read.nodes, made.nodes, rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(read.cells[CellType.TETRA10], made.cells[CellType.TETRA10])
+    for name in ("root", "tip"):
+        np.testing.assert_array_equal(np.sort(read.nodes_of(name.upper())), np.sort(made.nodes_of(name)))
+
+
+@pytest.mark.slow
+def test_the_pendulum_example_pulls_at_its_joint_as_a_rigid_bar_does(tmp_path):
+    """Let go level, a bar of weight W pulls at its lowest point with 2.5 W; the rod bends little."""
+    text = (ROOT / "examples" / "pendulum.toml").read_text(encoding="utf-8")
+    (tmp_path / "rod.inp").write_bytes((ROOT / "examples" / "rod.inp").read_bytes())
+    (tmp_path / "pendulum.toml").write_text(text + "pictures = false\nanimation = false\n", encoding="utf-8")
+    run_case(tmp_path / "pendulum.toml", tmp_path)
+    numbers = json.loads((tmp_path / "pendulum.json").read_text(encoding="utf-8"))
+    assert "10 eigenvalues, each within 0.1 %, none missed" in numbers["bodies"]["rod"]["eigenvalues"]
+    weight = numbers["bodies"]["rod"]["mass"] * 9.81
+    assert numbers["joints"]["ball"]["largest force"] == pytest.approx(2.5 * weight, rel=5e-3)
 
 
 @pytest.mark.slow

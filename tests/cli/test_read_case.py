@@ -132,6 +132,9 @@ DAMPING = 'damping = { kind = "rayleigh-ratio", ratio = 0.02, modes = [1, 2] }'
         ('reduction = { basis = "craig-bampton" }', True),
         ('reduction = { basis = "guyan", accuracy = { absolute = 1e-4 } }', True),
         (SIZES.replace(" } }", " }, accuracy = { relative = 1e-2 } }"), True),
+        (SIZES.replace("rubin", "herting"), False),
+        ('reduction = { basis = "craig-bampton-residual" }', True),
+        ('reduction = { basis = "error-controlled", tolerance = 1e-3, modes = 10 }', False),
     ],
 )
 def test_a_reduction_corrects_itself_unless_its_size_is_fixed(folder, reduction, corrects):
@@ -385,6 +388,41 @@ ONE_MISTAKE = {
         "accuracy = { relative = 0.0 }, ",
         "accuracy.relative: should be greater than 0, got 0.0 (largest RMS error",
     ),
+    "a tolerance that is no share": (
+        SIZES,
+        'reduction = { basis = "error-controlled", tolerance = 1.0, modes = 10 }',
+        "reduction.tolerance: should be less than 1, got 1.0 (largest relative error of the eigenvalues,",
+    ),
+    "a tolerance below round-off": (
+        SIZES,
+        'reduction = { basis = "error-controlled", tolerance = 1e-9, modes = 10 }',
+        "reduction.tolerance: should be greater than or equal to 0.0000001, got 1e-09 (largest",
+    ),
+    "a tolerance of an unknown number of eigenvalues": (
+        SIZES,
+        'reduction = { basis = "error-controlled", tolerance = 1e-3 }',
+        "reduction.modes: this key is missing; add it (elastic eigenvalues, the lowest, that are within",
+    ),
+    "two kinds of accuracy": (
+        SIZES,
+        'reduction = { basis = "error-controlled", tolerance = 1e-3, modes = 9, accuracy = {} }',
+        "reduction.accuracy: unknown key; known keys: basis, tolerance, modes, attachment_modes, derivatives",
+    ),
+    "an unknown selection": (
+        'basis = "rubin"',
+        'basis = "craig-bampton", select = "coupling"',
+        "reduction.select: 'coupling' is not known, did you mean 'coupling-moment'?; choose one of",
+    ),
+    "candidates of no selection": (
+        'basis = "rubin"',
+        'basis = "craig-bampton", candidates = 40',
+        "reduction.candidates: the lowest modes are kept unless told otherwise; remove the key, or add",
+    ),
+    "too few candidates": (
+        'basis = "rubin"',
+        'basis = "craig-bampton", select = "coupling-moment", candidates = 9',
+        "reduction.candidates: 10 modes cannot be selected among 9 candidates; give more",
+    ),
     "twice the same mode": (
         "modes = [1, 2]",
         "modes = [2, 2]",
@@ -462,6 +500,26 @@ def test_a_superelement_names_nodes_by_number(folder):
     assert read(folder, SUPERELEMENT).case.body[0].interface[0].node_indices == (0, 3)
     report = mistakes(folder, SUPERELEMENT.replace("node_indices = [0, 3]", 'nodes = "A"'))
     assert "line 9, body[1].interface[1].nodes: a superelement has no node sets; give node_indices" in report
+
+
+def test_a_basis_of_interface_shapes_needs_an_interface(folder):
+    interface = '[[body.interface]]\nname = "a"\nnode_indices = [0, 3]\n'
+    controlled = SUPERELEMENT.replace(
+        'basis = "none"', 'basis = "error-controlled", tolerance = 0.1, modes = 3'
+    )
+    read(folder, controlled)
+    report = mistakes(folder, controlled.replace(interface, ""))
+    assert "line 6, body[1].reduction.basis: error-controlled needs an interface; add [[body.in" in report
+    read(folder, SUPERELEMENT.replace(interface, "").replace('"none"', '"normal-modes"'))
+
+
+def test_a_case_without_elements_has_no_stress_to_show(folder):
+    coloured = SUPERELEMENT + '[output]\ncolour = "von-mises"\n'
+    assert (
+        "line 15, output.colour: no body has elements whose stress could be shown (shell, solid, nastran)"
+        in mistakes(folder, coloured)
+    )
+    read(folder, coloured.replace("von-mises", "deflection"))
 
 
 def test_a_missing_matrix_file_is_named(folder):

@@ -117,6 +117,14 @@ def test_pair_forces_do_not_depend_on_the_chunks(model, rng, monkeypatch):
     assert_close(assemble(model).pair_forces(X), whole)
 
 
+def test_energies_are_those_of_the_columns(model, rigid_end, rng, monkeypatch):
+    reduced = assemble(model, rigid_end)
+    Q = 0.05 * rng.normal(size=(reduced.n, 3))
+    expected = [reduced.energy(q) for q in Q.T]
+    monkeypatch.setattr(assembly, "CHUNK", 1)
+    np.testing.assert_allclose(reduced.energies(Q), expected, rtol=1e-13)
+
+
 def test_every_matrix_has_the_same_sorted_pattern(model, rigid_end, rng):
     reduced = assemble(model, rigid_end)
     first, second = (reduced.tangent(rng.normal(size=reduced.n)) for _ in range(2))

@@ -11,6 +11,7 @@ from supple.fem.quadratic_strain import (
     internal_force,
     pair_forces,
     stiffness,
+    strain,
     tangent,
     tangent_derivative,
 )
@@ -69,6 +70,17 @@ def test_force_is_the_gradient_of_the_energy(elements, random):
     assert_close(
         (internal_force(elements, q) * x).sum(axis=1), energy(elements, q + STEP * 1j * x).imag / STEP
     )
+
+
+def test_energy_is_the_work_of_the_stress_on_the_strain(elements, random):
+    """Half of it, point by point, and half of q^T K_l q where the energy has such a part."""
+    q = random()
+    eps = strain(elements, q)
+    D = np.broadcast_to(elements.D, (len(q), *elements.D.shape[-2:]))
+    expected = 0.5 * np.einsum("eg,egs,est,egt->e", elements.w, eps, D, eps)
+    if elements.linear_stiffness is not None:
+        expected += 0.5 * np.einsum("ei,eij,ej->e", q, elements.linear_stiffness, q)
+    assert_close(energy(elements, q), expected)
 
 
 def test_tangent_is_the_gradient_of_the_force(elements, random):

@@ -55,3 +55,17 @@ def test_motion_at_some_instants_keeps_all_its_fields():
     for rows in (slice(1, 4, 2), np.array([1, 3])):
         for name, value in values.items():
             np.testing.assert_array_equal(getattr(motion.at(rows), name), value[[1, 3]])
+
+
+def test_solution_at_some_instants_is_that_of_its_parts():
+    """The rows of a joined solution that came from one part are that part again, at the cost of the whole."""
+    parts = [chunk([0.0]), chunk([1.0, 2.0]), chunk([3.0])]
+    whole = concatenate(parts)
+    for rows in (slice(1, 3), np.array([1, 2])):
+        some = whole.at(rows)
+        np.testing.assert_array_equal(some.times, parts[1].times)
+        np.testing.assert_array_equal(some.joint_forces["hinge"], parts[1].joint_forces["hinge"])
+        for f in fields(BodyMotion):
+            expected = getattr(parts[1].bodies["link"], f.name)
+            np.testing.assert_array_equal(getattr(some.bodies["link"], f.name), expected)
+        assert some.statistics == whole.statistics

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from supple.body import MeanAxisFrame
-from supple.errors import ModelError
 from supple.integrate import BodyMotion, Solution, Statistics
-from supple.multibody import FullBody, Placed, System
+from supple.multibody import Placed, System
 from supple.multibody.energy import balances
 
 GRAVITY = np.array([0.3, -0.2, -9.81])
@@ -78,9 +76,3 @@ def test_strain_energy_is_that_of_the_tensors(floating_blade, kept, motion):
 
 def test_total_is_the_sum(kept):
     np.testing.assert_allclose(kept.total, kept.kinetic + kept.strain + kept.potential)
-
-
-def test_full_bodies_are_refused(blade):
-    system = System((Placed(FullBody(blade, MeanAxisFrame())),))
-    with pytest.raises(ModelError, match="energies of the full body 'blade' are not available: reduce it"):
-        balances(system, Solution(np.zeros(1), {}, {}, Statistics()))

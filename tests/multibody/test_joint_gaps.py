@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from supple.body import MeanAxisFrame
-from supple.errors import ModelError
-from supple.integrate import FixedStep
+from supple.integrate import BodyMotion, FixedStep, Solution, Statistics
 from supple.multibody import GROUND, At, Ball, FullBody, Placed, System, joint_gaps, simulate
 
 LIFT = np.array([0.0, 0.0, 0.25])
@@ -38,7 +37,14 @@ def test_a_body_moved_away_opens_its_joint_by_as_much(pendulum, swing):
     np.testing.assert_allclose(gaps - LIFT, 0.0, atol=1e-9)
 
 
-def test_full_bodies_are_refused(blade, swing):
-    system = System(bodies=(Placed(FullBody(blade, MeanAxisFrame())),))
-    with pytest.raises(ModelError, match="joint gaps of the full body 'blade' are not available"):
-        joint_gaps(system, swing)
+def test_joints_see_the_interfaces_of_a_full_body(blade):
+    """A ball joint with the ground at the tip opens by the tip's displacement."""
+    full = FullBody(blade, MeanAxisFrame())
+    hinge = Ball(first=GROUND, second=At("blade", "tip"))
+    q = 0.01 * np.random.default_rng(2).standard_normal((3, full.r))
+    rest = np.zeros_like(q)
+    frame = np.zeros((3, 3))
+    motion = BodyMotion(frame, np.tile(np.eye(3), (3, 1, 1)), q, frame, frame, rest, frame, frame, rest)
+    solution = Solution(np.arange(3.0), {"blade": motion}, {}, Statistics())
+    gaps = joint_gaps(System(bodies=(Placed(full),), joints=(hinge,)), solution)
+    np.testing.assert_allclose(gaps, q @ blade.interface("tip").motion[:3].T, atol=1e-15)

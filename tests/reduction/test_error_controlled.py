@@ -180,3 +180,14 @@ def test_a_tolerance_that_the_modes_allowed_do_not_reach(rigid_body):
     )
     with pytest.raises(AccuracyError, match=message):
         error_controlled_modes(rigid_body, ErrorControlled(0.001, N, most=20))
+
+
+def test_memory_given_back_for_the_count_changes_nothing(monkeypatch, strip_body):
+    """What a large body gives back (its factor, its Krylov space) is made again where it is needed."""
+    control = ErrorControlled(1e-3, 8)
+    kept = error_controlled_modes(strip_body, control)
+    monkeypatch.setattr("supple.reduction.error_controlled.LARGEST_WITH_TWO_FACTORS", 0)
+    given_back = error_controlled_modes(strip_body, control)
+    assert str(given_back.certificate) == str(kept.certificate)
+    np.testing.assert_allclose(given_back.certificate.values, kept.certificate.values, rtol=1e-9)
+    np.testing.assert_allclose(np.abs(given_back.vectors), np.abs(kept.vectors), atol=1e-6)

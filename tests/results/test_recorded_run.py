@@ -9,7 +9,7 @@ from supple.body import RigidBody
 from supple.errors import ConvergenceError, ModelError, ResultFileError
 from supple.integrate import FixedStep, Tolerances
 from supple.multibody import GROUND, At, Placed, PrescribedRotation, Revolute, System, Table, simulate
-from supple.results import read_header, simulate_recorded
+from supple.results import begin_recorded, continue_recorded, read_header, simulate_recorded
 
 RUN = {"duration": 1.0, "output_step": 0.05}
 
@@ -64,6 +64,26 @@ def test_another_run_is_not_overwritten(tmp_path, pendulum):
     simulate_recorded(pendulum, tmp_path / "run.h5", case="pendulum", **RUN)
     with pytest.raises(ResultFileError, match=r"another run than .*There: pendulum. Here: x"):
         simulate_recorded(pendulum, tmp_path / "run.h5", case="x", **RUN)
+
+
+def test_a_run_begun_anew_replaces_the_one_that_is_there(tmp_path, pendulum):
+    path = tmp_path / "run.h5"
+    begin_recorded(pendulum, path, case="long", **RUN)
+    short = begin_recorded(
+        pendulum, path, case="short", metadata={"title": "b"}, duration=0.2, output_step=0.1
+    )
+    np.testing.assert_allclose(short.times, [0.0, 0.1, 0.2])
+    header = read_header(path)
+    assert (header.case, header.metadata, header.n_times) == ("short", {"title": "b"}, 3)
+
+
+def test_only_what_was_cut_off_can_be_continued(tmp_path, pendulum):
+    path = tmp_path / "run.h5"
+    with pytest.raises(ResultFileError, match=r"run\.h5"):
+        continue_recorded(pendulum, path, case="pendulum", **RUN)
+    begin_recorded(pendulum, path, case="pendulum", **RUN)
+    with pytest.raises(ResultFileError, match="its run is complete"):
+        continue_recorded(pendulum, path, case="pendulum", **RUN)
 
 
 def test_a_load_table_shorter_than_the_run_is_refused_at_its_start(tmp_path):

@@ -20,6 +20,7 @@ from supple.algebra.sparse_factor import (
     factorize_symmetric,
     installed_solver,
 )
+from supple.algebra.tall_matrix import TallMatrix
 
 __all__ = [
     "ConstrainedFactor",
@@ -33,6 +34,7 @@ __all__ = [
     "Rslab",
     "SparseFactor",
     "SuperLU",
+    "TallMatrix",
     "constrained_factor",
     "count_below",
     "factorize_general",

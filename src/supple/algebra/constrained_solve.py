@@ -131,7 +131,9 @@ class ConstrainedFactor:
         for imbalance in (R.T @ b, np.zeros((R.shape[1], b.shape[1]))):
             right = self._scale[:, None] * np.vstack([D @ x - c, imbalance])
             forces, rigid = np.split(self._scale[:, None] * linalg.lu_solve(self._border, right), [len(D)])
-            x = x - self._response @ forces - R @ rigid
+            # In place: x of many columns of a large body is gigabytes.
+            x -= self._response @ forces
+            x -= R @ rigid
             mu += forces
         return x, mu
 

@@ -11,6 +11,7 @@ from scipy import linalg, sparse
 
 from supple.algebra.constrained_solve import ConstrainedFactor
 from supple.algebra.eigen import Eigenpairs, lowest_modes
+from supple.algebra.tall_matrix import TallMatrix
 from supple.errors import AccuracyError, ModelError
 
 Array = NDArray[np.float64]
@@ -31,32 +32,32 @@ SMALLEST_GROWTH = 1.05
 class RitzModes:
     """M-orthonormal modes basis @ weights, formed only when asked for.
 
-    values  : (k,)     eigenvalues, rad^2/s^2, ascending
-    basis   : (n, m)   M-orthonormal
-    weights : (m, k)   orthonormal
+    values  : (k,)          eigenvalues, rad^2/s^2, ascending
+    basis   : TallMatrix    (n, m), M-orthonormal
+    weights : (m, k)        orthonormal
     """
 
     values: Array
-    basis: Array = field(repr=False)
+    basis: TallMatrix
     weights: Array = field(repr=False)
 
     @classmethod
     def of(cls, modes: Eigenpairs) -> RitzModes:
         """Modes that are known as vectors."""
-        return cls(modes.values, modes.vectors, np.eye(modes.values.size))
+        return cls(modes.values, TallMatrix((modes.vectors,)), np.eye(modes.values.size))
 
     @cached_property
     def vectors(self) -> Array:
         """The modes (n, k)."""
-        return self.basis @ self.weights
+        return self.basis.times(self.weights)
 
     def participation(self, loads: Array) -> Array:
         """Work (k, b) of loads (n, b) on each mode, Phi^T loads."""
-        return self.weights.T @ (self.basis.T @ loads)
+        return self.weights.T @ self.basis.transposed_times(loads)
 
     def combine(self, amounts: Array) -> Array:
         """The motion Phi @ amounts (n, b) of amounts (k, b)."""
-        return self.basis @ (self.weights @ amounts)
+        return self.basis.times(self.weights @ amounts)
 
 
 class GrowingModes:
@@ -73,7 +74,8 @@ class GrowingModes:
 
     def __init__(self, inverse: ConstrainedFactor, mass: sparse.csc_array):
         self.inverse, self.mass = inverse, mass
-        self.basis = np.empty((inverse.n, 0), order="F")
+        self.basis = TallMatrix((np.empty((inverse.n, 0)),))
+        self.last_block = np.empty((inverse.n, 0))
         self.projected = np.empty((0, 0))
         self.found = RitzModes(np.empty(0), self.basis, np.empty((0, 0)))
         start = inverse.solve(mass @ np.random.default_rng(0).standard_normal((inverse.n, BLOCK)))
@@ -95,8 +97,9 @@ class GrowingModes:
         if n_modes > self.available:
             raise ModelError(f"{n_modes} modes asked of a structure with {self.available} freedoms")
         while self.found.values.size < n_modes:
-            wanted = max(FIRST_VECTORS + VECTORS_PER_MODE * n_modes, SMALLEST_GROWTH * self.basis.shape[1])
-            reach = BLOCK * int(np.ceil(wanted / BLOCK))
+            known = self.basis.n_columns
+            wanted = max(FIRST_VECTORS + VECTORS_PER_MODE * n_modes, SMALLEST_GROWTH * known)
+            reach = known + BLOCK * int(np.ceil((wanted - known) / BLOCK))
             if reach + BLOCK > self.available // 2:
                 everything = lowest_modes(
                     self.inverse.grounded.stiffness,
@@ -110,24 +113,34 @@ class GrowingModes:
                 self.found = self._converged_modes()
         return self.found
 
+    def keep_modes_only(self) -> None:
+        """Give back the memory of the Krylov space but for the modes found in it (a thick restart).
+
+        More modes can still be asked for; the space they need is built up anew.
+        """
+        self.found = RitzModes.of(Eigenpairs(self.found.values, self.found.vectors))
+        self.basis, self.projected = self.found.basis, np.diag(1 / self.found.values)
+
     def _grow(self, size: int) -> None:
         """Extend Q to (n, size)."""
-        done = self.basis.shape[1]
-        basis = np.empty((self.inverse.n, size), order="F")
-        basis[:, :done] = self.basis
+        done = self.basis.n_columns
+        fresh = np.empty((self.inverse.n, size - done), order="F")
         projected = np.zeros((size, size))
         projected[:done, :done] = self.projected
         for first in range(done, size, BLOCK):
             m = first + BLOCK
-            basis[:, first:m] = self.next_block
+            fresh[:, first - done : m - done] = self.next_block
+            basis = self.basis.with_block(fresh[:, : m - done])
+            coupled = TallMatrix((self.last_block, self.next_block))
             images = self.inverse.solve(self.mass @ self.next_block)
             # First against the two blocks that the recurrence couples, then against what round-off leaves.
-            for known in (slice(max(0, m - 2 * BLOCK), m), slice(0, m)):
-                parts = basis[:, known].T @ (self.mass @ images)
-                images -= basis[:, known] @ parts
-                projected[known, first:m] += parts
+            for known in (coupled, basis):
+                parts = known.transposed_times(self.mass @ images)
+                images -= known.times(parts)
+                projected[m - len(parts) : m, first:m] += parts
+            self.last_block = self.next_block
             self.next_block, self.coupling = self._orthonormal(images)
-        self.basis, self.projected = basis, projected
+        self.basis, self.projected = self.basis.with_block(fresh), projected
 
     def _converged_modes(self) -> RitzModes:
         """Ritz pairs of T; the coupling to the next block tells the residual of each."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
@@ -138,12 +138,26 @@ def installed_solver() -> DirectSolver:
     return Rslab() if importlib.util.find_spec("rslab") else SuperLU()
 
 
-@dataclass(frozen=True, eq=False)
 class SparseFactor:
-    """The factors of a sparse matrix, checked by one refinement step when made."""
+    """The factors of a sparse matrix, checked by one refinement step when made.
 
-    n: int
-    _raw: RawFactor = field(repr=False)
+    Their numbers, gigabytes for a large body, can be given back: who solves next computes them again.
+    """
+
+    def __init__(self, matrix: sparse.csc_array, raw: RawFactor) -> None:
+        self._matrix = matrix
+        self._raw: RawFactor | None = raw
+        self._again = raw.refactorize
+        self.n: int = matrix.indptr.size - 1
+
+    def release(self) -> None:
+        """Give back the memory of the numbers, not that of the symbolic analysis."""
+        self._raw = None
+
+    def _numbers(self) -> RawFactor:
+        if self._raw is None:
+            self._raw = self._again(self._matrix)
+        return self._raw
 
     def solve(self, loads: ArrayLike) -> NDArray[np.float64]:
         """Solve A x = b for loads of shape (n,) or (n, k); the answer has the same shape."""
@@ -152,24 +166,26 @@ class SparseFactor:
             raise ModelError(
                 f"loads have shape {b.shape}; the matrix has {self.n} rows, so give (n,) or (n, k)"
             )
-        columns = b if b.ndim == 2 else b[:, None]
+        columns, raw = b if b.ndim == 2 else b[:, None], self._numbers()
+        if columns.shape[1] <= BLOCK_COLUMNS and columns.size:
+            return raw.solve(columns).reshape(b.shape)
         x = np.empty(columns.shape)
         for first in range(0, columns.shape[1], BLOCK_COLUMNS):
             block = slice(first, first + BLOCK_COLUMNS)
-            x[:, block] = self._raw.solve(columns[:, block])
+            x[:, block] = raw.solve(columns[:, block])
         return x.reshape(b.shape)
 
     @cached_property
     def inertia(self) -> Inertia:
         """Signs of the eigenvalues, by Sylvester's law; AccuracyError where the factors cannot tell."""
-        return self._raw.inertia()
+        return self._numbers().inertia()
 
     def refactorize(self, matrix: Any) -> SparseFactor:
         """Factor a matrix of the same pattern, reusing the symbolic analysis where the library allows."""
         matrix = _square_csc(matrix)
         if matrix.shape != (self.n, self.n):
             raise ModelError(f"the new matrix has shape {matrix.shape}; the factored one has {self.n} rows")
-        return _checked(lambda: self._raw.refactorize(matrix), matrix)
+        return _checked(lambda: self._again(matrix), matrix)
 
 
 def factorize_symmetric(matrix: Any, *, solver: DirectSolver | None = None) -> SparseFactor:
@@ -226,7 +242,7 @@ def _checked(factor: Callable[[], RawFactor], matrix: sparse.csc_array) -> Spars
     change = np.linalg.norm(scale * correction) / np.linalg.norm(scale * solution)
     if not change < LARGEST_REFINEMENT:  # NaN fails too
         raise _singular(n, f"one refinement step changes a solution by {change:.1e} of its size")
-    return SparseFactor(n, raw)
+    return SparseFactor(matrix, raw)
 
 
 def _singular(n: int, evidence: str) -> AccuracyError:

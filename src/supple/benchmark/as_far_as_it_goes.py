@@ -19,10 +19,3 @@ def as_far_as_it_goes(system: System, *, progress: Progress, **options: Any) -> 
         progress(1.0)
         return concatenate(parts), float(parts[-1].times[-1])
     return concatenate(parts), None
-
-
-def first_instants(solution: Solution, n_times: int) -> Solution:
-    """The first part of a solution."""
-    bodies = {name: motion.at(slice(n_times)) for name, motion in solution.bodies.items()}
-    forces = {name: values[:n_times] for name, values in solution.joint_forces.items()}
-    return Solution(solution.times[:n_times], bodies, forces, solution.statistics)

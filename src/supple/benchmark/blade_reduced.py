@@ -8,7 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
-from supple.benchmark.as_far_as_it_goes import as_far_as_it_goes, first_instants
+from supple.benchmark.as_far_as_it_goes import as_far_as_it_goes
 from supple.benchmark.blade import BODY, FRAMES, Blade, BladeCase, TipMotion, tip_motion
 from supple.benchmark.blade_full import OUTPUT_STEP, STEP, TOLERANCES, FullRun
 from supple.body import FlexibleBody, RayleighDamping
@@ -136,4 +136,4 @@ def run_reduced(
 def error_against(full_body: FullBody, full: Solution, body: ReducedBody, solution: Solution) -> MotionError:
     """RMS error (52) over the time that both runs cover."""
     n = int(np.minimum(len(full.times), len(solution.times)))
-    return motion_error(first_instants(full, n), full_body, first_instants(solution, n), body, body=BODY)
+    return motion_error(full.at(slice(n)), full_body, solution.at(slice(n)), body, body=BODY)

@@ -97,6 +97,7 @@ class EigenvalueErrors:
     beams: tuple[tuple[CellType, tuple[int, int, int]], ...] = (
         (CellType.TETRA10, (3, 1, 28)),
         (CellType.TETRA4, (3, 1, 28)),
+        (CellType.TETRA4, (4, 2, 48)),
         (CellType.TETRA4, (6, 3, 70)),
     )
     candidates: int = 300

@@ -32,6 +32,8 @@ class FlexibleMachine:
     size : m                       a length of the machine, 1 % of which counts as far apart
     n_modes : int                  N_m, modal coordinates kept of every basis
     duration, output_step : s      step : s, of the runs that are compared
+    settled : s                    from then on errors are ordered: by then the steps have damped what a jump
+        of the load at the start rang in modes that they are too long to resolve
     camera : Camera                from where the machine is filmed
     """
 
@@ -48,6 +50,7 @@ class FlexibleMachine:
     duration: float
     output_step: float
     step: float
+    settled: float
     camera: Camera
 
     @property

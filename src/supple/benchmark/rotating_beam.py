@@ -15,7 +15,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.benchmark.as_far_as_it_goes import as_far_as_it_goes, first_instants
+from supple.benchmark.as_far_as_it_goes import as_far_as_it_goes
 from supple.benchmark.beam_motion import spin_up_beam
 from supple.benchmark.planar_beam import ROTATING_BEAM
 from supple.benchmark.spin_up import SpinUp
@@ -311,7 +311,7 @@ def _run_reduced(
         step=FixedStep(problem.step),
         progress=progress,
     )
-    reference = first_instants(full.solution, len(solution.times))
+    reference = full.solution.at(slice(len(solution.times)))
     return ReducedRun(
         full=full,
         basis=choice.basis_name,

@@ -98,6 +98,7 @@ class SliderCrank:
             duration=self.duration,
             output_step=self.output_step,
             step=self.step,
+            settled=0.0,  # the torque grows from nothing
             camera=Camera.looking(along=(0.25, -0.35, -1.0), up=(0.0, 1.0, 0.0)),
         )
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from supple.benchmark.flexible_machine import FlexibleMachine
-from supple.benchmark.tolerance_study import MachineRun, Study
+from supple.benchmark.tolerance_study import Form, MachineRun, Study, equivalent_strain
 from supple.integrate import Solution
 from supple.results import node_positions, von_mises_history
 from supple.viz.animation import animate
@@ -37,19 +37,23 @@ def draw_figures(study: Study, folder: Path) -> list[Path]:
         pictures.append(_draw_responses(study, rows, folder / f"{quantity}.png"))
     rows = [_scalar(study, quantity) for quantity in _SCALARS]
     pictures.append(_draw_responses(study, rows, folder / "stress_strain.png"))
-    for kind in STROKES:
-        pictures += _draw_contours(study, study.of_kind(kind), folder, kind.replace(" ", "_"))
+    for form in DASHES:
+        pictures += _draw_contours(study, study.of(form), folder)
     if study.separations:
         pictures.append(_draw_separations(study, folder / "separation.png"))
     return pictures
 
 
-STROKES = {"modal coordinates": (3.0, 1.5), "whole basis": ()}
-"""Dashes of the kinds of reduced bodies; the colours tell the tolerances."""
+DASHES = {
+    Form.MODAL_COORDINATES: (3.0, 1.5),
+    Form.WITH_ATTACHMENT_MODES: (1.0, 1.0),
+    Form.WHOLE_BASIS: (),
+}
+"""Dashes of the forms of the reduced body; the colours tell the tolerances."""
 
 
 def _label(run: MachineRun) -> str:
-    return f"{100 * (run.tolerance or 0):g} %, {run.kind}"
+    return f"{100 * (run.tolerance or 0):g} %, {run.form.value}"
 
 
 def _response(study: Study, quantity: str, values: Callable[[MachineRun], np.ndarray]) -> Response:
@@ -57,9 +61,9 @@ def _response(study: Study, quantity: str, values: Callable[[MachineRun], np.nda
         return Series(label, run.point.times, values(run), stroke)
 
     models = [
-        series(run, _label(run), Stroke(COLOURS[rank], STROKES[kind], width=0.9))
-        for kind in STROKES
-        for rank, run in enumerate(study.of_kind(kind))
+        series(run, _label(run), Stroke(COLOURS[rank], dashes, width=0.9))
+        for form, dashes in DASHES.items()
+        for rank, run in enumerate(study.of(form))
     ]
     return Response(quantity, series(study.reference, "unreduced", REFERENCE), models)
 
@@ -77,8 +81,8 @@ def _draw_responses(study: Study, rows: list[Response], path: Path) -> Path:
     return plot_response_errors(path, rows, until=study.compared_until)
 
 
-def _draw_contours(study: Study, runs: list[MachineRun], folder: Path, name: str) -> list[Path]:
-    """Error of the von Mises stress all over the body, when node A's is largest before chaos."""
+def _draw_contours(study: Study, runs: list[MachineRun], folder: Path) -> list[Path]:
+    """Errors of stress and strain all over the body, when node A's stress is largest before chaos."""
     machine, reference = study.machine, study.reference
     compared = reference.point.times <= study.compared_until
     i = int(np.argmax(np.where(compared, reference.point.stress, 0.0)))
@@ -88,9 +92,12 @@ def _draw_contours(study: Study, runs: list[MachineRun], folder: Path, name: str
     for run in runs:
         error = np.abs(_stress_at(machine, run, i) - true)
         title = f"{_label(run)}, t = {reference.point.times[i]:.4g} s"
-        path = folder / f"stress_error_{name}_{100 * (run.tolerance or 0):g}.png"
-        field = NodalField("error of von Mises stress (Pa)", error)
-        pictures.append(plot_contour(path, mesh.nodes, skin_of(mesh), field, title=title))
+        form = run.form.value.replace(" ", "_")
+        fields = {"stress": error, "strain": equivalent_strain(machine.material, error)}
+        for quantity, field in fields.items():
+            path = folder / f"{quantity}_error_{form}_{100 * (run.tolerance or 0):g}.png"
+            shown = NodalField(f"error of {_SCALARS[quantity]}", field)
+            pictures.append(plot_contour(path, mesh.nodes, skin_of(mesh), shown, title=title))
     return pictures
 
 
@@ -131,7 +138,7 @@ def _draw_machine(study: Study, path: Path) -> Path:
 
 def film(study: Study, path: Path, progress: Callable[[float], None]) -> Path:
     """The machine in motion as a GIF, its flexible body coloured by the von Mises stress."""
-    run = study.of_kind("modal coordinates")[-1]
+    run = study.of(Form.MODAL_COORDINATES)[-1]
     solution: Solution = run.solution
     rows = slice(0, None, max(1, len(solution.times) // _MOST_FRAMES))
     scene = scene_of(_actors(study, run, rows, coloured=True))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.benchmark.machine import describe_machine
-from supple.benchmark.tolerance_study import APART, MachineRun, PointHistory, Separation, Study
+from supple.benchmark.tolerance_study import APART, Form, MachineRun, PointHistory, Separation, Study
 from supple.reduction import ReducedBody
 
 __all__ = ["QUANTITIES", "report", "tables"]
@@ -18,15 +18,27 @@ Array = NDArray[np.float64]
 
 QUANTITIES = ("position", "velocity", "acceleration", "stress", "strain")
 """Of node A: m, m/s, m/s^2, Pa, 1."""
-KINDS = {"modal coordinates": "tolerances", "whole basis": "whole_bases"}
-"""Kinds of reduced bodies, and their names in the report."""
+FORMS = {
+    Form.MODAL_COORDINATES: "tolerances",
+    Form.WITH_ATTACHMENT_MODES: "with_attachment_modes",
+    Form.WHOLE_BASIS: "whole_bases",
+}
+"""Forms of the reduced body, and their names in the report."""
+SHORT = {
+    Form.UNREDUCED: "unreduced",
+    Form.EXACT_MODES: "exact",
+    Form.MODAL_COORDINATES: "modal",
+    Form.WITH_ATTACHMENT_MODES: "attachment",
+    Form.WHOLE_BASIS: "whole",
+}
+"""Their names in a table, which has no room for more."""
 
 
 def report(study: Study) -> dict[str, Any]:
     """Everything measured, ready for JSON."""
     machine, reference = study.machine, study.reference
     mesh = machine.model.mesh
-    exact = study.of_kind("exact modes")
+    exact = study.of(Form.EXACT_MODES)
     return {
         "benchmark": machine.name,
         "body": {
@@ -38,18 +50,25 @@ def report(study: Study) -> dict[str, Any]:
         "node_a": {"number": machine.point, "position": mesh.nodes[machine.point]},
         "duration": machine.duration,
         "step": machine.step,
-        "unreduced": _cost(reference) | {"largest": _largest(reference.point)},
+        "unreduced": _kept(reference) | _cost(reference) | {"largest": _largest(reference.point)},
         "compared_until": study.compared_until,
         "chaos": {
             "criterion": f"node A of two runs of one body further apart than {APART * machine.size:g} m",
             "takes_over_at": min((s.time for s in study.separations if s.time is not None), default=None),
             "separations": [_separation(each) for each in study.separations],
         },
-        **{name: [_row(study, run) for run in study.of_kind(kind)] for kind, name in KINDS.items()},
+        **{name: [_row(study, run) for run in study.of(form)] for form, name in FORMS.items()},
         "exact_modes": _row(study, exact[0]) if exact else None,
-        "outputs_where_smaller_e_has_smaller_error": {
-            name: {quantity: _ordered_share(study, kind, quantity) for quantity in QUANTITIES}
-            for kind, name in KINDS.items()
+        "smaller_e_smaller_error": {
+            "from": machine.settled,
+            "share_of_outputs": {
+                name: _ordered_shares(study, study.of(form), reference) for form, name in FORMS.items()
+            },
+            "share_of_outputs_against_exact_modes": {
+                "tolerances": _ordered_shares(study, study.of(Form.MODAL_COORDINATES), exact[0])
+                if exact
+                else None
+            },
         },
         "machine": describe_machine(),
     }
@@ -66,9 +85,13 @@ def _cost(run: MachineRun) -> dict[str, Any]:
     }
 
 
+def _kept(run: MachineRun) -> dict[str, float]:
+    return {"energy_drift": run.drift.energy, "joint_drift": run.drift.joints}
+
+
 def _row(study: Study, run: MachineRun) -> dict[str, Any]:
     proven = run.body.report.certificate if isinstance(run.body, ReducedBody) else None
-    exact = study.of_kind("exact modes")[0]
+    exact = study.of(Form.EXACT_MODES)[0]
     return {
         "e": run.tolerance,
         "modes": run.modes,
@@ -76,8 +99,7 @@ def _row(study: Study, run: MachineRun) -> dict[str, Any]:
         "largest_eigenvalue_error": None if proven is None else proven.largest_error,
         "errors": errors(study, run, study.reference),
         "errors_against_exact_modes": errors(study, run, exact),
-        "energy_drift": run.drift.energy if run.drift else None,
-        "joint_drift": run.drift.joints if run.drift else None,
+        **_kept(run),
         "offline_seconds": run.offline_seconds,
         **_cost(run),
     }
@@ -107,18 +129,23 @@ def _largest(point: PointHistory) -> dict[str, float]:
     return {quantity: float(np.abs(getattr(point, quantity)).max()) for quantity in QUANTITIES}
 
 
-def _ordered_share(study: Study, kind: str, quantity: str) -> float | None:
-    """Share of the outputs at which each smaller tolerance has had the smaller error so far."""
-    runs = study.of_kind(kind)
+def _ordered_shares(study: Study, runs: list[MachineRun], against: MachineRun) -> dict[str, float] | None:
+    """For each quantity, the share of outputs at which each smaller tolerance has had the smaller error."""
     if len(runs) < 2:
         return None
-    compared = study.reference.point.times <= study.compared_until * (1 + 1e-12)
-    # At the start all are exact.
-    so_far = [
-        np.maximum.accumulate(_distance(run.point, study.reference.point, quantity))[compared][1:]
-        for run in runs
-    ]
-    ordered = np.all([tighter <= looser for looser, tighter in pairwise(so_far)], axis=0)
+    return {quantity: ordered_share(study, runs, against, quantity) for quantity in QUANTITIES}
+
+
+def ordered_share(study: Study, runs: list[MachineRun], against: MachineRun, quantity: str) -> float:
+    """Share of the outputs up to which each run has had a smaller RMS error than the run before.
+
+    Up to an output: since the machine has settled. The error of a vibration passes through zero again and
+    again; at those instants a better body may well be further off.
+    """
+    times = against.point.times
+    compared = (times > study.machine.settled) & (times <= study.compared_until * (1 + 1e-12))
+    squares = [np.cumsum(_distance(run.point, against.point, quantity)[compared] ** 2) for run in runs]
+    ordered = np.all([tighter <= looser for looser, tighter in pairwise(squares)], axis=0)
     return float(ordered.mean())
 
 
@@ -134,13 +161,13 @@ def _separation(each: Separation) -> dict[str, Any]:
 
 def tables(study: Study) -> list[tuple[str, list[str], list[list[str]]]]:
     """The report's tables: title, column heads, rows."""
-    heads = ["basis", "e, %", "modes", "coords", "r, m", "v, m/s", "a, m/s2", "stress, Pa", "us/step"]
+    heads = ["basis", "e, %", "modes", "size", "r, m", "v, m/s", "a, m/s2", "Pa", "us/step"]
     rows = []
     for run in study.runs:
         found = errors(study, run, study.reference)
         rows.append(
             [
-                run.kind,
+                SHORT[run.form],
                 "0" if run.tolerance is None else f"{100 * run.tolerance:g}",
                 "" if run.modes is None else str(run.modes),
                 str(run.body.r),
@@ -149,7 +176,7 @@ def tables(study: Study) -> list[tuple[str, list[str], list[list[str]]]]:
             ]
         )
     largest = _largest(study.reference.point)
-    full = ["unreduced", "", "", str(study.machine.body.n)]
+    full = [SHORT[Form.UNREDUCED], "", "", str(study.machine.body.n)]
     full += [f"{largest[quantity]:.1e}" for quantity in QUANTITIES[:4]]
     rows.append([*full, f"{_cost(study.reference)['us_per_step']:.0f}"])
     title = f"Largest errors of node A until {study.compared_until:.4g} s; last row: what it reaches"

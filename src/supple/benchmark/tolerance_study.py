@@ -1,8 +1,9 @@
 """A machine run with its flexible body unreduced, and reduced to tolerances on its eigenvalues.
 
-Every tolerance gives two bodies: the whole Craig-Bampton basis, and its lowest N_m vibrations as in [Han2020]
-(46)-(49), which makes all of one size but drops the static motions of the interface. Beside them stands the
-body with its N_m exact modes, which the second kind approaches as the tolerance goes to zero.
+Every tolerance gives three bodies: the whole Craig-Bampton basis; its lowest N_m vibrations as in [Han2020]
+(46)-(49), which makes all of one size but drops the static motions of the interface; and those vibrations
+with attachment modes, which bring them back. Beside them stands the body with its N_m exact modes, which the
+second kind approaches as the tolerance goes to zero.
 
 Runs that are compared take the same fixed steps, so that errors of time integration, which are larger, drop
 out. What the adaptive step costs, and how far integration errors go, is found in runs of the finest body.
@@ -13,17 +14,21 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from enum import Enum
+from functools import cached_property
 from pathlib import Path
-from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.benchmark.flexible_machine import FlexibleMachine
+from supple.export import read_reduced_body, write_reduced_body
+from supple.fem import Isotropic
 from supple.integrate import AdaptiveStep, FixedStep, Solution, StepControl, Tolerances
 from supple.multibody import FullBody, System, balances, joint_gaps
 from supple.reduction import (
+    AttachmentModes,
     CraigBampton,
     ErrorControlled,
     LinearBasisRecipe,
@@ -35,7 +40,18 @@ from supple.reduction import (
 from supple.results import simulate_recorded, von_mises_history
 from supple.results.node_motion import node_motion
 
-__all__ = ["ADAPTIVE", "APART", "Drift", "MachineRun", "PointHistory", "Separation", "Study", "run_study"]
+__all__ = [
+    "ADAPTIVE",
+    "APART",
+    "Drift",
+    "Form",
+    "MachineRun",
+    "PointHistory",
+    "Separation",
+    "Study",
+    "equivalent_strain",
+    "run_study",
+]
 
 Array = NDArray[np.float64]
 Announce = Callable[[str], Callable[[float], None]]
@@ -43,9 +59,20 @@ Announce = Callable[[str], Callable[[float], None]]
 
 ADAPTIVE = AdaptiveStep(first=1e-6, largest=1e-2, tolerance=1e-6)
 """First and largest step of [Han2020]."""
-NEWTON = Tolerances(residual=1e-8)
+NEWTON = Tolerances(residual=1e-12)
+"""Far below what bodies differ by: with 1e-8 the whole bases stop at 7e-9 m, whatever their size."""
 APART = 0.01
 """Two runs are apart when node A differs by this part of the machine's size."""
+
+
+class Form(Enum):
+    """What stands for the flexible body, in words."""
+
+    UNREDUCED = "unreduced"
+    EXACT_MODES = "exact modes"
+    MODAL_COORDINATES = "modal coordinates"
+    WITH_ATTACHMENT_MODES = "with attachment modes"
+    WHOLE_BASIS = "whole basis"
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +88,7 @@ class PointHistory:
 
 
 class Drift(NamedTuple):
-    """What a run of rigid and reduced bodies should have kept, and did not."""
+    """What a run should have kept, and did not."""
 
     energy: float
     """Largest change of the energy not put in from outside, over the largest kinetic energy."""
@@ -73,18 +100,17 @@ class Drift(NamedTuple):
 class MachineRun:
     """One simulation.
 
-    kind : "unreduced", "whole basis", "modal coordinates" or "exact modes"
     tolerance : of the eigenvalues; None where none was asked for      modes : fixed-interface modes, N_d
     """
 
-    kind: str
+    form: Form
     tolerance: float | None
     modes: int | None
     body: FullBody | ReducedBody
     system: System
     solution: Solution
     point: PointHistory
-    drift: Drift | None = None
+    drift: Drift
     offline_seconds: float = 0.0
 
 
@@ -119,9 +145,9 @@ class Study:
         apart = [each.time for each in self.separations if each.time is not None]
         return min(apart, default=float(self.reference.point.times[-1]))
 
-    def of_kind(self, kind: str) -> list[MachineRun]:
-        """The reduced runs of one kind, the loosest tolerance first."""
-        return [run for run in self.runs if run.kind == kind]
+    def of(self, form: Form) -> list[MachineRun]:
+        """The reduced runs of one form, the loosest tolerance first."""
+        return [run for run in self.runs if run.form is form]
 
 
 def run_study(
@@ -133,26 +159,33 @@ def run_study(
     """
     runner = _Runner(machine, folder, announce)
     full = FullBody(machine.body, machine.frame)
-    study = Study(machine, runner.run("unreduced", None, None, full))
+    study = Study(machine, runner.run(Form.UNREDUCED, None, None, full))
     yield study
-    exact = runner.reduced("exact modes", None, None, NormalModes(machine.n_modes))
-    study = replace(study, runs=(exact,))
-    yield study
-    for tolerance in tolerances:
-        small = runner.reduced(
-            "modal coordinates", tolerance, None, ErrorControlled(tolerance, machine.n_modes)
-        )
-        study = replace(study, runs=(*study.runs, small))
+    for form, tolerance, recipe in _recipes(machine, tolerances):
+        run = runner.reduced(form, tolerance, recipe)
+        study = replace(study, runs=(*study.runs, run))
         yield study
-        whole = runner.reduced("whole basis", tolerance, small.modes, CraigBampton(n_modes=small.modes))
-        study = replace(study, runs=(*study.runs, whole))
-        yield study
-    finest = study.of_kind("modal coordinates")[-1]
+        if form is Form.MODAL_COORDINATES:
+            whole = runner.reduced(Form.WHOLE_BASIS, tolerance, CraigBampton(n_modes=run.modes))
+            study = replace(study, runs=(*study.runs, whole))
+            yield study
+    finest = study.of(Form.MODAL_COORDINATES)[-1]
     half = FixedStep(machine.step / 2)
     tight = replace(ADAPTIVE, largest=ADAPTIVE.largest / 2, tolerance=ADAPTIVE.tolerance / 100)
     for coarse, fine in ((FixedStep(machine.step), half), (ADAPTIVE, tight)):
         study = replace(study, separations=(*study.separations, runner.separation(finest, coarse, fine)))
         yield study
+
+
+def _recipes(
+    machine: FlexibleMachine, tolerances: tuple[float, ...]
+) -> Iterator[tuple[Form, float | None, LinearBasisRecipe]]:
+    """The bases known beforehand; that of a whole basis is as large as its tolerance turned out to need."""
+    yield Form.EXACT_MODES, None, NormalModes(machine.n_modes)
+    for tolerance in tolerances:
+        modal = ErrorControlled(tolerance, machine.n_modes)
+        yield Form.MODAL_COORDINATES, tolerance, modal
+        yield Form.WITH_ATTACHMENT_MODES, tolerance, AttachmentModes(modal)
 
 
 @dataclass(frozen=True)
@@ -161,52 +194,70 @@ class _Runner:
     folder: Path
     announce: Announce
 
-    def reduced(
-        self, kind: str, tolerance: float | None, modes: int | None, recipe: LinearBasisRecipe
-    ) -> MachineRun:
-        began = perf_counter()
-        body = reduce(self.machine.body, self.machine.frame, recipe, derivatives=NoDerivatives())
-        seconds = perf_counter() - began
+    def reduced(self, form: Form, tolerance: float | None, recipe: LinearBasisRecipe) -> MachineRun:
+        # Kept beside its motion, which means nothing on columns of other signs: round-off decides on those.
+        path = self.folder / self.file_name(f"{_words(form, tolerance)} body")
+        if path.exists():
+            body = read_reduced_body(path)
+        else:
+            body = reduce(self.machine.body, self.machine.frame, recipe, derivatives=NoDerivatives())
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_reduced_body(path, body)
         proven = body.report.certificate
-        return self.run(kind, tolerance, proven.n_fixed_interface_modes if proven else modes, body, seconds)
+        modes = proven.n_fixed_interface_modes if proven else None
+        if isinstance(recipe, CraigBampton):
+            modes = recipe.n_modes
+        return self.run(form, tolerance, modes, body, sum(body.report.seconds.values()))
 
     def run(
         self,
-        kind: str,
+        form: Form,
         tolerance: float | None,
         modes: int | None,
         body: FullBody | ReducedBody,
         offline_seconds: float = 0.0,
     ) -> MachineRun:
         system = self.machine.system(body)
-        label = kind if tolerance is None else f"{kind}, {100 * tolerance:g} %"
-        solution = self.simulate(system, body, label, FixedStep(self.machine.step))
+        solution = self.simulate(system, body, _words(form, tolerance), FixedStep(self.machine.step))
         point = _history(self.machine, body, solution)
-        drift = None if isinstance(body, FullBody) else _drift(self.machine, system, solution)
-        return MachineRun(kind, tolerance, modes, body, system, solution, point, drift, offline_seconds)
+        drift = _drift(self.machine, system, solution)
+        return MachineRun(form, tolerance, modes, body, system, solution, point, drift, offline_seconds)
 
     def simulate(
         self, system: System, body: FullBody | ReducedBody, label: str, step: StepControl
     ) -> Solution:
-        machine = self.machine
-        mesh = hashlib.sha256(machine.body.nodes.tobytes()).hexdigest()[:12]
-        case = f"{machine.label}, nodes {mesh}, {label}, {body.r} coordinates, {step}"
-        name = "".join(c if c.isalnum() or c in "-_." else "_" for c in f"{label} {body.r} {_words(step)}")
         options: dict[str, Any] = {
-            "duration": machine.duration,
-            "output_step": machine.output_step,
+            "duration": self.machine.duration,
+            "output_step": self.machine.output_step,
             "step": step,
             "tolerances": NEWTON,
         }
-        path = self.folder / f"{machine.label}_{name}.h5"
-        return simulate_recorded(system, path, case=case, progress=self.announce(label), **options)
+        name = self.file_name(f"{label} {_step_words(step)}")
+        case = f"{name}, {body.r} coordinates, {step}, {NEWTON}"
+        return simulate_recorded(
+            system, self.folder / name, case=case, progress=self.announce(label), **options
+        )
+
+    def file_name(self, label: str) -> str:
+        """Of what belongs to the machine's body as it is: its matrices are part of the name."""
+        name = f"{self.machine.label}_{self.fingerprint}_{label}"
+        return "".join(c if c.isalnum() or c in "-_." else "_" for c in name) + ".h5"
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Eight characters that change with the flexible body."""
+        body = self.machine.body
+        digest = hashlib.sha256()
+        for numbers in (body.nodes, body.stiffness.data, body.mass.data):
+            digest.update(numbers.tobytes())
+        return digest.hexdigest()[:8]
 
     def separation(self, run: MachineRun, coarse: StepControl, fine: StepControl) -> Separation:
-        label = f"{run.kind}, {100 * (run.tolerance or 0):g} %"
+        label = _words(run.form, run.tolerance)
         solutions = [
             run.solution
             if step == FixedStep(self.machine.step)
-            else self.simulate(run.system, run.body, f"{label}, {_words(step)}", step)
+            else self.simulate(run.system, run.body, label, step)
             for step in (coarse, fine)
         ]
         points = [
@@ -217,13 +268,19 @@ class _Runner:
         apart = distance > APART * self.machine.size
         times = solutions[0].times
         time = float(times[np.argmax(apart)]) if apart.any() else None
-        return Separation(_words(coarse), _words(fine), times, distance, time, (solutions[0], solutions[1]))
+        return Separation(
+            _step_words(coarse), _step_words(fine), times, distance, time, (solutions[0], solutions[1])
+        )
 
 
-def _words(step: StepControl) -> str:
+def _words(form: Form, tolerance: float | None) -> str:
+    return form.value if tolerance is None else f"{form.value} {100 * tolerance:g} %"
+
+
+def _step_words(step: StepControl) -> str:
     if isinstance(step, FixedStep):
-        return f"fixed step {step.size:g} s"
-    return f"adaptive step, tolerance {step.tolerance:g}, largest {step.largest:g} s"
+        return f"fixed {step.size:g} s"
+    return f"adaptive {step.tolerance:g}, to {step.largest:g} s"
 
 
 def _drift(machine: FlexibleMachine, system: System, solution: Solution) -> Drift:
@@ -239,13 +296,17 @@ def _history(machine: FlexibleMachine, body: FullBody | ReducedBody, solution: S
     motion = solution.bodies[body.name]
     node = node_motion(body, motion, [machine.point])
     stress = von_mises_history(body, machine.model, motion.coordinates, [machine.point])[:, 0]
-    # In an isotropic material the equivalent strain is the equivalent stress over 3 G.
-    shear_modulus = machine.material.youngs_modulus / (2 + 2 * machine.material.poissons_ratio)
     return PointHistory(
         solution.times,
         node.position[:, 0],
         node.velocity[:, 0],
         node.acceleration[:, 0],
         stress,
-        stress / (3 * shear_modulus),
+        equivalent_strain(machine.material, stress),
     )
+
+
+def equivalent_strain(material: Isotropic, stress: Array) -> Array:
+    """Von Mises strain of a von Mises stress: in an isotropic material, over 3 G."""
+    shear_modulus = material.youngs_modulus / (2 + 2 * material.poissons_ratio)
+    return stress / (3 * shear_modulus)

@@ -72,7 +72,10 @@ class FlexibleBody:
 
     def linearized(self) -> FlexibleBody:
         """The same body without quadratic strains: its internal force is K q."""
-        return replace(self, model=None)
+        linear = replace(self, model=None)
+        if "grounded_stiffness" in vars(self):  # the same K need not be factored twice
+            vars(linear)["grounded_stiffness"] = self.grounded_stiffness
+        return linear
 
     @cached_property
     def assembly(self) -> Assembly:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
@@ -33,7 +34,7 @@ from supple.body import (
     rigid_mass_properties,
 )
 from supple.cli import case_schema as schema
-from supple.cli.build_reduction import build_basis, build_derivatives, corrects_itself
+from supple.cli.build_reduction import build_basis, build_derivatives, corrects_itself, search_words
 from supple.cli.did_you_mean import did_you_mean
 from supple.cli.line_index import KeyPath
 from supple.cli.read_case import CaseFile
@@ -50,12 +51,16 @@ from supple.fem import (
 from supple.importers import Connection, NastranModel, read_matrix, read_mesh, read_nastran
 from supple.mesh import Mesh
 from supple.multibody import FullBody
-from supple.reduction import (
-    ReducedBody,
-    reduce,
-)
+from supple.reduction import ReducedBody, reduce
 
-Notify = Callable[[str], None]
+
+class Notify(Protocol):
+    """What hears of the long steps of a build."""
+
+    def __call__(self, step: str, detail: str = "", /) -> None:
+        """A step begins; or, of the step that goes on, how far it has come."""
+        ...
+
 
 _KINEMATICS = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
@@ -125,14 +130,19 @@ def build_body(
         assert not isinstance(damping, ModalDamping)  # a rule of the case file
         return FullBody(flexible, frame, damping)
     assert table.reduction is not None  # it would correct itself
-    notify(f"reducing body '{table.name}' ({flexible.n} freedoms)")
-    return reduce(
+    step = f"reducing body '{table.name}' ({flexible.n} freedoms)"
+    notify(step)
+    reduced = reduce(
         flexible,
         frame,
-        build_basis(table.reduction),
+        build_basis(table.reduction, lambda detail: notify(step, detail)),
         derivatives=build_derivatives(table.reduction.derivatives),
         damping=damping,
     )
+    proven = reduced.report.certificate
+    if proven is not None:  # the numbers tried last are not those that were kept
+        notify(step, search_words(proven.n_fixed_interface_modes, proven.largest_error))
+    return reduced
 
 
 def build_flexible_body(case_file: CaseFile, table: schema.Body, mesh: Mesh | None) -> FlexibleBody:

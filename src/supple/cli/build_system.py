@@ -11,11 +11,19 @@ import numpy as np
 
 from supple.body import FlexibleBody
 from supple.cli import case_schema as schema
-from supple.cli.build_bodies import Notify, build_body, build_flexible_body, checked_line, read_meshes
+from supple.cli.build_bodies import (
+    Notify,
+    build_body,
+    build_flexible_body,
+    build_model,
+    checked_line,
+    read_meshes,
+)
 from supple.cli.build_reduction import build_start, corrects_itself
 from supple.cli.read_case import CaseFile
 from supple.cli.reduced_file import read_body
 from supple.cli.time_laws import time_function
+from supple.errors import ModelError
 from supple.fem import stress_recovery
 from supple.integrate import AdaptiveStep, FixedStep
 from supple.mesh import Mesh
@@ -62,11 +70,11 @@ class BuiltCase:
 def build_case(case_file: CaseFile, notify: Notify) -> BuiltCase:
     """Read meshes, assemble and reduce bodies, and join them.
 
-    notify : called with a line of text as each long step begins
+    notify : hears of each long step as it begins, and how far a search has come
 
     Raises
     ------
-    CaseError   a node set that its mesh does not have
+    CaseError   a node set that its mesh does not have; stress to draw of elements that have none
     SuppleError whatever the meshes, bodies, reductions and joints find wrong
     """
     case = case_file.case
@@ -79,7 +87,7 @@ def build_case(case_file: CaseFile, notify: Notify) -> BuiltCase:
             flexible[table.name] = build_flexible_body(case_file, table, meshes.get(table.name))
             notify(checked_line(flexible[table.name]))
     if case.output.colour == "von-mises":
-        _check_stress(flexible)
+        _check_stress(case_file, meshes, flexible)
     bodies = tuple(_placed(case_file, table, flexible.get(table.name), notify) for table in case.body)
     joints = tuple(build_joint(table, case_file.path.parent) for table in case.joint)
     unloaded = System(bodies=bodies, joints=joints, gravity=np.array(case.gravity))
@@ -91,11 +99,27 @@ def build_case(case_file: CaseFile, notify: Notify) -> BuiltCase:
     return BuiltCase(case_file, replace(unloaded, loads=(*loads, *springs)), meshes, flexible, starts)
 
 
-def _check_stress(flexible: Mapping[str, FlexibleBody]) -> None:
-    """ModelError where elements have no stress to draw: better now than when the run is over."""
-    for body in flexible.values():
-        if body.model is not None:
-            stress_recovery(body.model)
+def with_faces(meshes: Mapping[str, Mesh]) -> dict[str, Mesh]:
+    """The meshes that can be drawn: beams alone have no faces."""
+    return {name: mesh for name, mesh in meshes.items() if any(kind.dimension > 1 for kind in mesh.cells)}
+
+
+def _check_stress(
+    case_file: CaseFile, meshes: Mapping[str, Mesh], flexible: Mapping[str, FlexibleBody]
+) -> None:
+    """CaseError where what is drawn has no stress: better now than when the run is over."""
+    tables = {table.name: table for table in case_file.case.body}
+    drawn = with_faces(meshes)
+    mistakes = [] if drawn else ["stress colours faces, and beams have none; remove the key"]
+    for name, mesh in drawn.items():
+        # A linear body has left its elements behind.
+        model = flexible[name].model or build_model(case_file, tables[name], mesh)
+        try:
+            stress_recovery(model)
+        except ModelError as error:
+            mistakes.append(f"body '{name}': {error}; remove the key")
+    if mistakes:
+        raise case_file.error((("output", "colour"), mistake) for mistake in mistakes)
 
 
 def build_step(table: schema.Simulation) -> FixedStep | AdaptiveStep:

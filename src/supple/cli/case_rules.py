@@ -20,7 +20,16 @@ Mistakes = Iterator[tuple[KeyPath, str]]
 
 _BODY_KINDS = ("shell", "solid", "nastran", "matrices", "superelement", "rigid", "reduced")
 _KINDS_WITH_MESH = ("shell", "solid", "nastran", "matrices")
+_KINDS_WITH_STRESS = ("shell", "solid", "nastran")
 _ELASTIC_ONLY = ("frame", "reduction", "damping", "linear")
+_INTERFACE_BASES = (
+    "rubin",
+    "craig-bampton",
+    "craig-bampton-residual",
+    "herting",
+    "guyan",
+    "error-controlled",
+)
 
 
 def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
@@ -42,9 +51,12 @@ def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
         _ends_exist,
         _loads_suit_their_place,
         _nonlinear_options_have_strains,
+        _bases_have_interfaces,
+        _selections_have_candidates,
         _sizes_are_fixed_or_corrected,
         _time_steps_are_given_once,
         _damped_modes_differ,
+        _stress_has_elements,
     )
     mistakes = [mistake for rule in rules for mistake in rule(raw)]
     return mistakes + list(_files_exist(raw, folder))
@@ -269,12 +281,41 @@ def _nonlinear_options_have_strains(raw: Raw) -> Mistakes:
             )
 
 
+def _bases_have_interfaces(raw: Raw) -> Mistakes:
+    for path, body in _tables(raw, "body"):
+        reduction = body.get("reduction")
+        basis = reduction.get("basis") if isinstance(reduction, Mapping) else None
+        if basis in _INTERFACE_BASES and _is_made_here(body) and not _interface_names(body):
+            yield (
+                (*path, "reduction", "basis"),
+                f'{basis} needs an interface; add [[body.interface]], or take basis = "normal-modes"',
+            )
+
+
+def _selections_have_candidates(raw: Raw) -> Mistakes:
+    for path, body in _tables(raw, "body"):
+        reduction = body.get("reduction")
+        candidates = reduction.get("candidates") if isinstance(reduction, Mapping) else None
+        if not (isinstance(candidates, int) and isinstance(reduction, Mapping)):
+            continue
+        place, modes = (*path, "reduction", "candidates"), reduction.get("modes")
+        if reduction.get("select", "lowest-frequency") == "lowest-frequency":
+            yield (
+                place,
+                'the lowest modes are kept unless told otherwise; remove the key, or add select = "coupling-'
+                'moment" or "effective-interface-mass"',
+            )
+        if isinstance(modes, int) and modes > candidates:
+            yield place, f"{modes} modes cannot be selected among {candidates} candidates; give more"
+
+
 def _sizes_are_fixed_or_corrected(raw: Raw) -> Mistakes:
     """A reduction has a fixed size, or corrects itself: then with a damping that the full body can have."""
     for path, body in _tables(raw, "body"):
         reduction = body.get("reduction", {})
-        elastic = "rigid" not in body and "reduced" not in body
-        if not (elastic and isinstance(reduction, Mapping)) or reduction.get("basis") == "none":
+        if not (_is_made_here(body) and isinstance(reduction, Mapping)):
+            continue
+        if reduction.get("basis") in ("none", "error-controlled"):  # which have one size
             continue
         accuracy = reduction.get("accuracy")
         if isinstance(accuracy, Mapping) and "relative" in accuracy and "absolute" in accuracy:
@@ -308,6 +349,18 @@ def _damped_modes_differ(raw: Raw) -> Mistakes:
                 (*path, "damping", "modes"),
                 f"give two different mode numbers from 1, for example [1, 2]; got {modes}",
             )
+
+
+def _stress_has_elements(raw: Raw) -> Mistakes:
+    output = raw.get("output")
+    if not isinstance(output, Mapping) or output.get("colour") != "von-mises":
+        return
+    if not any(kind in body for _, body in _tables(raw, "body") for kind in _KINDS_WITH_STRESS):
+        yield (
+            ("output", "colour"),
+            f"no body has elements whose stress could be shown ({', '.join(_KINDS_WITH_STRESS)}); remove the "
+            "key",
+        )
 
 
 def _files_exist(raw: Raw, folder: Path) -> Mistakes:
@@ -351,6 +404,11 @@ def _tables(raw: Raw, key: str, path: KeyPath = ()) -> Iterator[tuple[KeyPath, R
     for position, item in enumerate(items if isinstance(items, list) else []):
         if isinstance(item, Mapping):
             yield (*path, key, position), item
+
+
+def _is_made_here(body: Raw) -> bool:
+    """True of an elastic body that the case builds, and may reduce."""
+    return "rigid" not in body and "reduced" not in body
 
 
 def _interface_names(body: Raw) -> list[str]:

@@ -169,6 +169,34 @@ class CraigBampton(Table):
 
     basis: Literal["craig-bampton"]
     modes: int | None = Field(None, ge=0, description="fixed-interface modes, besides the constraint modes")
+    select: Literal["lowest-frequency", "effective-interface-mass", "coupling-moment"] = Field(
+        "lowest-frequency", description="which modes are kept: the lowest, or those the interfaces feel most"
+    )
+    candidates: int | None = Field(
+        None, ge=1, description="lowest modes to select among; five times as many as are kept if left out"
+    )
+    derivatives: Derivatives | None = None
+    accuracy: Accuracy | None = None
+
+
+class CraigBamptonResidual(Table):
+    """Fixed-interface modes, constraint modes, and the static answer of the modes left out."""
+
+    basis: Literal["craig-bampton-residual"]
+    modes: int | None = Field(
+        None, ge=0, description="fixed-interface modes, besides the constraint and residual modes"
+    )
+    derivatives: Derivatives | None = None
+    accuracy: Accuracy | None = None
+
+
+class Herting(Table):
+    """Constraint modes, inertia relief modes and free-interface modes."""
+
+    basis: Literal["herting"]
+    modes: int | None = Field(
+        None, ge=1, description="free-interface modes, besides the constraint and inertia relief modes"
+    )
     derivatives: Derivatives | None = None
     accuracy: Accuracy | None = None
 
@@ -190,13 +218,30 @@ class Guyan(Table):
     accuracy: Accuracy | None = None
 
 
+class ErrorControlled(Table):
+    """The lowest vibrations of the free body, each eigenvalue proven to be within a tolerance."""
+
+    basis: Literal["error-controlled"]
+    # The lower end is what round-off leaves, as in supple.reduction.
+    tolerance: float = Field(
+        ge=1e-7, lt=1.0, description="largest relative error of the eigenvalues, such as 1e-3 for 0.1 %"
+    )
+    modes: int = Field(ge=1, description="elastic eigenvalues, the lowest, that are within the tolerance")
+    attachment_modes: bool = Field(
+        True, description="false leaves out the static answers to forces at the interfaces"
+    )
+    derivatives: Derivatives | None = None
+
+
 class FullOrder(Table):
     """No reduction: every freedom of the mesh is simulated."""
 
     basis: Literal["none"]
 
 
-ReducedOrder = Rubin | CraigBampton | NormalModes | Guyan
+CountedOrder = Rubin | CraigBampton | CraigBamptonResidual | Herting | NormalModes
+CorrectableOrder = CountedOrder | Guyan
+ReducedOrder = CorrectableOrder | ErrorControlled
 Reduction = Annotated[ReducedOrder | FullOrder, Field(discriminator="basis")]
 
 

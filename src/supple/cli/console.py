@@ -41,6 +41,11 @@ def progress_bars() -> Progress:
     )
 
 
+def worded(step: str, detail: str = "") -> str:
+    """A step and how far it has come, in a line."""
+    return f"{step}: {detail}" if detail else step
+
+
 def bar(bars: Progress, label: str) -> Callable[[float], None]:
     """One more bar; the function returned takes the share that is done."""
     task = bars.add_task(label, total=1.0)

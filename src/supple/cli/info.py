@@ -91,6 +91,8 @@ def _reduced_body(path: Path) -> Table:
     table.add_row("coordinates", f"{body.r} of {len(body.nodal_basis)} freedoms, {kind}; {body.frame}")
     table.add_row("mass", f"{body.gram[0, 0]:g}")
     table.add_row("lowest frequencies", f"{_listed(body.frequencies[:6] / (2 * np.pi))} Hz in its frame")
+    if body.report.certificate is not None:
+        table.add_row("eigenvalues", str(body.report.certificate))
     for interface in body.interfaces:
         table.add_row(f"interface {interface.name}", f"at {_point(interface.position)}")
     return table

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from supple.cli.build_bodies import build_model
-from supple.cli.build_system import BuiltCase
+from supple.cli.build_system import BuiltCase, with_faces
 from supple.cli.tracked_motion import TrackedMotion, deflections
 from supple.integrate import BodyMotion, Solution
 from supple.mesh import Mesh
@@ -133,9 +133,9 @@ def _upright_camera(positions: np.ndarray, gravity: np.ndarray) -> Camera | None
 
 
 def _elastic_bodies(built: BuiltCase) -> list[tuple[ElasticBody, Mesh]]:
-    """Elastic bodies that have something to show: beams alone have no faces."""
+    """Elastic bodies that have something to show."""
     bodies = [placed.body for placed in built.system.bodies]
-    shown = {name: mesh for name, mesh in built.meshes.items() if any(k.dimension > 1 for k in mesh.cells)}
+    shown = with_faces(built.meshes)
     return [
         (body, shown[body.name])
         for body in bodies

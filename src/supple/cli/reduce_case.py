@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.table import Table
 
 from supple.cli.build_system import build_case
-from supple.cli.console import console
+from supple.cli.console import console, worded
 from supple.cli.read_case import read_case
 from supple.cli.summary import body_numbers, body_table
 from supple.errors import CaseError
@@ -27,7 +27,7 @@ def reduce_case(path: Path, folder: Path) -> None:
     case_file = read_case(path)
     made_here = {table.name for table in case_file.case.body if table.reduced is None}
     with console.status("reducing") as status:
-        built = build_case(case_file, status.update)
+        built = build_case(case_file, lambda step, detail="": status.update(worded(step, detail)))
     bodies = [
         placed.body
         for placed in built.system.bodies
@@ -36,7 +36,8 @@ def reduce_case(path: Path, folder: Path) -> None:
     if not bodies:
         raise CaseError(
             f"{path} has no body to reduce: give an elastic body a reduction of fixed size, for example "
-            'reduction = { basis = "rubin", modes = 10 }; one that corrects itself is written by supple run'
+            'reduction = { basis = "error-controlled", tolerance = 1e-3, modes = 10 }; one that corrects '
+            "itself is written by supple run"
         )
     console.print(body_table({"bodies": {body.name: body_numbers(body) for body in bodies}}))
     for body in bodies:

@@ -8,20 +8,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.progress import Progress
+from rich.progress import Progress, TaskID
 
 from supple.cli.build_system import BuiltCase, build_case, build_step
-from supple.cli.console import console, progress_bars
+from supple.cli.console import console, progress_bars, worded
 from supple.cli.correct_case import correct_case, draw_correction
 from supple.cli.correction_summary import correction_table
 from supple.cli.read_case import CaseFile, read_case
 from supple.cli.summary import body_table, cost_line, joint_loads, joint_table, place_table, summarize
 from supple.cli.tracked_motion import TrackedMotion, track
 from supple.integrate import GeneralizedAlpha, Solution
-from supple.multibody import Checkpoint, Validity, simulate, warn_of_missing_modes
+from supple.multibody import Validity, warn_of_missing_modes
 from supple.multibody.simulate import output_times
 from supple.reduction import ReducedBody
-from supple.results import ResultFile, read_last_instant, read_solution, write_json
+from supple.results import begin_recorded, continue_recorded, write_json
 
 
 def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = False) -> None:
@@ -59,6 +59,9 @@ def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = F
     tables += [body_table(numbers), joint_table(numbers)] + ([place_table(numbers)] if tracked else [])
     for table in tables:
         console.print(table)
+    for name, body in numbers["bodies"].items():
+        if "eigenvalues" in body:
+            console.print(f"{name}: {body['eigenvalues']}", highlight=False)
     console.print(cost_line(solution), highlight=False)
     write_json(
         folder / f"{path.stem}.json",
@@ -70,7 +73,7 @@ def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = F
 def _build(case_file: CaseFile, bars: Progress) -> BuiltCase:
     steps = _Steps(bars)
     with steps.last_finished():
-        return build_case(case_file, steps.begin)
+        return build_case(case_file, steps.show)
 
 
 def look_at_loads(built: BuiltCase) -> None:
@@ -86,27 +89,18 @@ def look_at_loads(built: BuiltCase) -> None:
 def _simulate(built: BuiltCase, result_path: Path, bars: Progress, *, resume: bool, strict: bool) -> Solution:
     case = built.case_file.case
     text = built.case_file.path.read_text(encoding="utf-8")
-    if resume:
-        start = Checkpoint(read_last_instant(result_path))
-        file = ResultFile.resume(result_path, case=text)
-    else:
-        start = None
-        file = ResultFile.create(result_path, case=text, metadata={"title": case.title})
     task = bars.add_task("compiling and simulating", total=1.0)
-    with file:
-        simulate(
-            built.system,
-            duration=case.simulation.duration,
-            output_step=case.simulation.output_step,
-            step=build_step(case.simulation),
-            method=GeneralizedAlpha(case.simulation.rho_inf),
-            validity=Validity(strict=strict),
-            resume=start,
-            progress=lambda fraction: bars.update(task, completed=fraction),
-            record=file.append,
-        )
-        file.finish()
-    return read_solution(result_path)
+    options: dict[str, Any] = {
+        "duration": case.simulation.duration,
+        "output_step": case.simulation.output_step,
+        "step": build_step(case.simulation),
+        "method": GeneralizedAlpha(case.simulation.rho_inf),
+        "validity": Validity(strict=strict),
+        "progress": lambda fraction: bars.update(task, completed=fraction),
+    }
+    if resume:
+        return continue_recorded(built.system, result_path, case=text, **options)
+    return begin_recorded(built.system, result_path, case=text, metadata={"title": case.title}, **options)
 
 
 def _draw(
@@ -125,7 +119,7 @@ def _draw(
         }
         steps = _Steps(bars)
         with steps.last_finished():
-            steps.begin("drawing pictures")
+            steps.show("drawing pictures")
             draw_pictures(built, solution, tracked, sizes, folder)
     if output.animation:
         task = bars.add_task("drawing the film", total=1.0)
@@ -137,14 +131,20 @@ class _Steps:
 
     def __init__(self, bars: Progress) -> None:
         self._bars = bars
-        self._finish = lambda: None
+        self._step: str | None = None
+        self._task = TaskID(0)
 
-    def begin(self, description: str) -> None:
-        self._finish()
-        task = self._bars.add_task(description, total=None)
-        self._finish = lambda: self._bars.update(task, total=1.0, completed=1.0)
+    def show(self, step: str, detail: str = "", /) -> None:
+        if step != self._step:
+            self._finish()
+            self._step, self._task = step, self._bars.add_task(step, total=None)
+        self._bars.update(self._task, description=worded(step, detail))
 
     @contextmanager
     def last_finished(self) -> Iterator[None]:
         yield
         self._finish()
+
+    def _finish(self) -> None:
+        if self._step is not None:
+            self._bars.update(self._task, total=1.0, completed=1.0)

@@ -39,6 +39,7 @@ def body_numbers(body: Any) -> dict[str, Any]:
     held = {
         i.name: _hertz(held_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies) for i in body.interfaces
     }
+    proven = body.report.certificate
     return {
         "kind": "reduced",
         "mass": float(body.gram[0, 0]),
@@ -51,6 +52,7 @@ def body_numbers(body: Any) -> dict[str, Any]:
         "largest singular value dropped": float(np.max(body.report.singular_values_dropped, initial=0.0)),
         "frequencies in the frame, Hz": _hertz(body.frequencies[:N_FREQUENCIES]),
         "frequencies held, Hz": held,
+        **({} if proven is None else {"eigenvalues": str(proven)}),
         "seconds": dict(body.report.seconds),
     }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -22,7 +23,7 @@ IntArray = NDArray[np.integer]
 # Any scipy.sparse array: their common base declares no shape.
 SparseArray = Any
 
-# Numbers held at once while pairs of directions are evaluated: 8 MiB, about a processor's cache.
+# Numbers held at once while many directions are evaluated: 8 MiB, about a processor's cache.
 CHUNK = 2**20
 
 
@@ -61,7 +62,19 @@ class Assembly:
 
     def energy(self, q: Array) -> Any:
         """Strain energy U(q), J."""
-        return np.sum([quadratic_strain.energy(*pair).sum() for pair in self._elements(q)])
+        return self.energies(q[:, None])[0]
+
+    def energies(self, Q: Array) -> Array:
+        """Strain energies (t,), J, of every column of Q (n, t)."""
+        t = Q.shape[1]
+        total = np.zeros(t, dtype=np.result_type(Q, np.float64))
+        for block, gather in zip(self.model.blocks, self.gathers, strict=True):
+            n_elements, n_points, s, n_e = block.B.shape
+            each = (n_points * s * block.G.shape[2] + n_e) * t
+            for elements in _ranges(n_elements, each):
+                own = (gather[elements.start * n_e : elements.stop * n_e] @ Q).reshape(-1, n_e, t)
+                total += quadratic_strain.energies(block.of(elements), own).sum(axis=0)
+        return total
 
     def internal_force(self, q: Array) -> Array:
         """Internal force dU/dq (n,), N and N m."""
@@ -88,11 +101,10 @@ class Assembly:
         for block, gather in zip(self.model.blocks, self.gathers, strict=True):
             n_elements, n_points, s, n_e = block.B.shape
             each = n_points * (s + block.G.shape[2]) * m * m + n_e * forces.shape[1]
-            bounds = np.append(np.arange(0, n_elements, max(1, CHUNK // each)), n_elements)
-            for first, last in pairwise(bounds):
-                rows = gather[first * n_e : last * n_e]
+            for elements in _ranges(n_elements, each):
+                rows = gather[elements.start * n_e : elements.stop * n_e]
                 directions = (rows @ X).reshape(-1, n_e, m)
-                pairs = quadratic_strain.pair_forces(block.of(slice(first, last)), directions)
+                pairs = quadratic_strain.pair_forces(block.of(elements), directions)
                 forces += rows.T @ pairs.reshape(-1, forces.shape[1])
         return forces
 
@@ -188,6 +200,12 @@ def _congruence(nodal: NodeSparsity, T: SparseArray) -> tuple[csr_array, IntArra
     values = T.data[left] * T.data[right]
     transform = csr_array((values, (target, source)), shape=(len(keys), len(row)))
     return transform, j.astype(np.int32), indptr
+
+
+def _ranges(n_elements: int, each: int) -> Iterator[slice]:
+    """Elements, `each` numbers of work apiece, in portions of about `CHUNK` numbers."""
+    bounds = np.append(np.arange(0, n_elements, max(1, CHUNK // each)), n_elements)
+    return (slice(first, last) for first, last in pairwise(bounds))
 
 
 def _keys(indices: IntArray, indptr: IntArray) -> NDArray[np.int64]:

@@ -75,10 +75,19 @@ def strain(block: QuadraticStrain, q: Array) -> Array:
 
 def energy(block: QuadraticStrain, q: Array) -> Array:
     """Strain energy U (E,) of each element."""
-    eps = strain(block, q)
-    U = 0.5 * (eps * _apply(block.weighted_D, eps)).sum(axis=(1, 2))
+    return energies(block, q[..., None])[..., 0]
+
+
+def energies(block: QuadraticStrain, Q: Array) -> Array:
+    """Strain energies U (E, t) of each element, for t sets of element freedoms Q (E, n, t)."""
+    a = _directions(block.G, Q)
+    # N(a, a) with the sets before the strains, so that each is one small matrix product.
+    Na = np.tensordot(a, block.N, axes=(2, 1))
+    quadratic = (Na @ a.swapaxes(2, 3)[..., None])[..., 0].swapaxes(2, 3)
+    eps = _directions(block.B, Q) + 0.5 * quadratic
+    U = 0.5 * (eps * (block.weighted_D @ eps)).sum(axis=(1, 2))
     if block.linear_stiffness is not None:
-        U = U + 0.5 * (q * _times(block.linear_stiffness, q)).sum(axis=1)
+        U = U + 0.5 * (Q * (block.linear_stiffness @ Q)).sum(axis=1)
     return U
 
 

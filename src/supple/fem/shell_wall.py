@@ -127,6 +127,7 @@ class LaminateWall:
 
 
 ShellWall = HomogeneousWall | LaminateWall
+"""What a shell is made of: its stiffnesses, and its mass and rotary inertia per area."""
 
 
 def _stiffness(name: str, given: ArrayLike) -> FloatArray:

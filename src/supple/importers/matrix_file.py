@@ -16,8 +16,10 @@ from supple.importers.output4 import read_output4
 
 DMIG_SUFFIXES = (".pch", *NASTRAN_SUFFIXES)
 HDF5_SUFFIXES = (".h5", ".hdf5")
+"""Names of HDF5 files end so."""
 MATRIX_SUFFIXES = (*DMIG_SUFFIXES, ".op4", *HDF5_SUFFIXES, ".mtx", ".sti", ".mas")
 NODE_SUFFIXES = (".inp", *NASTRAN_SUFFIXES, *HDF5_SUFFIXES)
+"""Files that `read_nodes` reads."""
 
 
 def read_nodes(path: str | Path) -> NodeTable:

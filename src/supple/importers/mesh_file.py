@@ -14,6 +14,7 @@ from supple.mesh import Mesh
 READERS = {".inp": read_abaqus, ".msh": read_gmsh} | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran_mesh)
 
 MESH_SUFFIXES = tuple(READERS)
+"""Files that `read_mesh` reads."""
 
 
 def read_mesh(

@@ -25,6 +25,7 @@ from supple.mesh import CellType, Mesh
 IntArray = NDArray[np.int64]
 
 NASTRAN_SUFFIXES = (".bdf", ".dat", ".nas", ".blk")
+"""Names of Nastran bulk data files end so."""
 
 
 _READ = (

@@ -64,6 +64,15 @@ class Solution:
     moments of the joint on its first end, along the first end's joint axes (z is the joint's axis)."""
     statistics: Statistics
 
+    def at(self, rows: slice | np.ndarray) -> Solution:
+        """The solution at some of its output times, by their numbers; its cost remains that of the whole."""
+        return Solution(
+            times=self.times[rows],
+            bodies={name: motion.at(rows) for name, motion in self.bodies.items()},
+            joint_forces={name: forces[rows] for name, forces in self.joint_forces.items()},
+            statistics=self.statistics,
+        )
+
 
 def concatenate(parts: Sequence[Solution]) -> Solution:
     """One solution from consecutive parts; the parts share bodies and joints and do not repeat a time."""

@@ -74,6 +74,7 @@ class AdaptiveStep:
 
 
 StepControl = FixedStep | AdaptiveStep
+"""How the step size is chosen."""
 
 
 @dataclass(frozen=True)

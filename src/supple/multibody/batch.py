@@ -12,7 +12,7 @@ import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -42,7 +42,7 @@ from supple.multibody.simulate import (
     output_times,
 )
 from supple.multibody.system import System
-from supple.multibody.time_step import State, march
+from supple.multibody.time_step import Controls, State, march
 from supple.multibody.validity import Peaks, Validity, watch
 
 __all__ = ["BatchSolution", "simulate_batch"]
@@ -144,37 +144,57 @@ def simulate_batch(
     failures: dict[int, str] = {}
     seconds = compile_seconds = 0.0
     for begin in range(0, len(cases), chunk):
-        part = cases[begin : begin + chunk]
-        mark = clock.perf_counter()
-        models, states = _starts(part, times, step)
-        leaves, axes = _stacked_leaves(models)
-        structure = jax.tree.structure(models[0])
-        start = jax.tree.map(lambda *items: jnp.stack(items), *states)
-        lowered = _mapped_march(structure, axes).lower(leaves, settings, start, jnp.asarray(times[1:]))
-        run = lowered.compile(compiler_options=MARCHING)
-        ready = clock.perf_counter()
-        final, history = jax.device_get(run(leaves, settings, start, jnp.asarray(times[1:])))
-        done = clock.perf_counter()
-        compile_seconds += ready - mark
-        seconds += done - ready
-        for own, (system, case_model, first) in enumerate(zip(part, models, states, strict=True)):
-            cost = Statistics(
-                steps=int(final.steps[own]),
-                iterations=int(final.iterations[own]),
-                cuts=int(final.cuts[own]),
-                seconds=(done - ready) / len(part),
-            )
-            solution = _case_solution(
-                system, case_model, first, jax.tree.map(lambda a, i=own: a[i], history), cost
-            )
-            solutions.append(solution)
+        part = _marched_together(cases[begin : begin + chunk], times, step, settings)
+        for solution in part.solutions:
             peaks = limits.observe(peaks, solution)
-            if final.failed[own]:
-                failures[begin + own] = failure_message(float(final.time[own]), final.imbalance[own])
+        solutions += part.solutions
+        failures |= {begin + own: message for own, message in part.failures.items()}
+        seconds += part.seconds
+        compile_seconds += part.compile_seconds
         if progress is not None:
             progress(min(begin + chunk, len(cases)) / len(cases))
     limits.report(peaks)
     return BatchSolution(tuple(solutions), failures, seconds, compile_seconds)
+
+
+class _Part(NamedTuple):
+    """What became of the cases of one chunk."""
+
+    solutions: list[Solution]
+    failures: dict[int, str]
+    """By the number of the case in the chunk."""
+    seconds: float
+    compile_seconds: float
+
+
+def _marched_together(
+    cases: Sequence[System], times: np.ndarray, step: StepControl, settings: Controls
+) -> _Part:
+    began = clock.perf_counter()
+    models, states = _starts(cases, times, step)
+    leaves, axes = _stacked_leaves(models)
+    start = jax.tree.map(lambda *items: jnp.stack(items), *states)
+    arguments = leaves, settings, start, jnp.asarray(times[1:])
+    lowered = _mapped_march(jax.tree.structure(models[0]), axes).lower(*arguments)
+    run = lowered.compile(compiler_options=MARCHING)
+    ready = clock.perf_counter()
+    final, history = jax.device_get(run(*arguments))
+    seconds = clock.perf_counter() - ready
+    solutions = []
+    for own, (system, model, first) in enumerate(zip(cases, models, states, strict=True)):
+        cost = Statistics(
+            steps=int(final.steps[own]),
+            iterations=int(final.iterations[own]),
+            cuts=int(final.cuts[own]),
+            seconds=seconds / len(cases),
+        )
+        of_case = jax.tree.map(lambda array, own=own: array[own], history)
+        solutions.append(_case_solution(system, model, first, of_case, cost))
+    failures = {
+        int(own): failure_message(float(final.time[own]), final.imbalance[own])
+        for own in np.flatnonzero(final.failed)
+    }
+    return _Part(solutions, failures, seconds, ready - began)
 
 
 def _starts(cases: Sequence[System], times: np.ndarray, step: StepControl) -> tuple[list[Model], list[State]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array, vstack
 
 from supple.body import FlexibleBody, Frame, RayleighDamping
 from supple.body.interface import BodyInterface
@@ -44,6 +45,12 @@ class FullBody:
     def interfaces(self) -> tuple[BodyInterface, ...]:
         """The body's interfaces."""
         return self.body.interfaces
+
+    @property
+    def interface_motions(self) -> csr_array:
+        """Displacement and rotation of all interfaces per coordinate, (6 p, n)."""
+        motions = [interface.motion for interface in self.interfaces]
+        return csr_array(vstack(motions)) if motions else csr_array((0, self.r))
 
     def expand(self, coordinates: np.ndarray) -> np.ndarray:
         """Nodal displacements (..., N, 3) of coordinates (..., n), in the body's frame."""

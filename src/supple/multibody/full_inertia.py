@@ -7,6 +7,7 @@ velocities `V = Phi_w(q) w + qdot`, `h = M V` and `hdot = M (Phi_t a + Phi_w(q) 
     force        p = sum y
     moment       m = sum (x + u) x y + V x h + sum_rot (hdot + w x h)
 
+The velocity of the frame's origin drops out of these; `momenta` adds it to `V`.
 Arrays over nodes have the shape (N, d, ...) with d = 3 or 6 freedoms a node, translations first.
 """
 
@@ -21,7 +22,15 @@ from scipy.sparse import csc_array, csr_array, eye_array, kron
 
 from supple.body import FlexibleBody
 
-__all__ = ["FullInertia", "FullMotion", "InertiaBorder", "InertiaTerms", "cross_matrices", "cross_matrix"]
+__all__ = [
+    "FullInertia",
+    "FullMomenta",
+    "FullMotion",
+    "InertiaBorder",
+    "InertiaTerms",
+    "cross_matrices",
+    "cross_matrix",
+]
 
 
 class FullMotion(NamedTuple):
@@ -41,6 +50,14 @@ class InertiaTerms(NamedTuple):
 
     nodal: np.ndarray
     frame: np.ndarray
+
+
+class FullMomenta(NamedTuple):
+    """Kinetic energy (t,), linear momentum (3, t), angular momentum about the frame's origin (3, t)."""
+
+    kinetic: np.ndarray
+    linear: np.ndarray
+    angular: np.ndarray
 
 
 class InertiaBorder(NamedTuple):
@@ -119,6 +136,50 @@ class FullInertia:
             moment = moment + (nodal[:, 3:] + np.cross(motion.spin, momentum[:, 3:])).sum(axis=0)
         return InertiaTerms(nodal, np.concatenate([nodal[:, :3].sum(axis=0), moment]))
 
+    def momenta(
+        self, displacement: np.ndarray, rate: np.ndarray, spin: np.ndarray, velocity: np.ndarray
+    ) -> FullMomenta:
+        """Kinetic energy and momenta at t instants.
+
+            V = Phi_t v + Phi_w(q) w + qdot,   h = M V,   T = V h / 2,   P = Phi_t^T h,   H = Phi_w(q)^T h
+
+        displacement, rate : (N, d, t) of the nodes
+        spin, velocity : (3, t) of the frame, `w` and `v = A^T Rdot`
+        """
+        place = self.body.nodes[:, :, None] + displacement[:, :3]
+        fields = rate.copy()
+        fields[:, :3] += velocity + np.cross(spin[None], place, axis=1)
+        if self._d == 6:
+            fields[:, 3:] += spin
+        momentum = self._times_mass(fields)
+        angular = np.cross(place, momentum[:, :3], axis=1).sum(axis=0)
+        if self._d == 6:
+            angular += momentum[:, 3:].sum(axis=0)
+        return FullMomenta(
+            np.einsum("ndt,ndt->t", fields, momentum) / 2, momentum[:, :3].sum(axis=0), angular
+        )
+
+    @cached_property
+    def _mass_translations(self) -> np.ndarray:
+        """`M Phi_t`, (N, d, 3)."""
+        return self._times_mass(self._translations)
+
+    @property
+    def mass(self) -> float:
+        """Mass of the body, kg."""
+        return float(self._mass_translations[:, 0, 0].sum())
+
+    def first_moment(self, displacement: np.ndarray) -> np.ndarray:
+        """`sum m (x + u)` in body components, (3, t), for displacements (N, d, t).
+
+        At rest from `Phi_t^T M Phi_w(0) = -(m c)~`, in motion with `Phi_t^T M q`, whose rate is momentum.
+        """
+        weights = self._mass_translations
+        at_rest = np.zeros((len(self.body.nodes), self._d))
+        turning = np.einsum("nda,ndb->ab", weights, self._rotations(at_rest))
+        rest = np.array([turning[1, 2], turning[2, 0], turning[0, 1]])
+        return rest[:, None] + np.einsum("nda,ndt->at", weights, displacement)
+
     @cached_property
     def _axis_turns(self) -> tuple[csr_array, ...]:
         """`E_i`: the sparse matrices of `e_i x` on the translations of all nodes."""
@@ -168,7 +229,7 @@ class FullInertia:
         spin, spin_rate = motion.spin, motion.spin_rate
         rotations = self._rotations(motion.displacement)
         _, momentum, rate = self._momenta(motion)
-        mass_translations = self._times_mass(self._translations)
+        mass_translations = self._mass_translations
         mass_rotations = self._times_mass(rotations)
         axes = np.eye(3)
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import jax
 import numpy as np
-from scipy.sparse import csc_array, csr_array, vstack
+from scipy.sparse import csc_array, csr_array
 
 from supple.algebra.rotation import rotation_right_jacobian
 from supple.algebra.sparse_factor import SparseFactor, factorize_general
@@ -95,6 +95,26 @@ LARGEST_TURN = 0.02
 """Change of spin times step up to which a linear body's factor is kept: about Newton's contraction."""
 
 
+@dataclass(eq=False)
+class _FactorCache:
+    """The last factored tangent of a linear body.
+
+    It changes with the step and the spin alone, so that one factor serves many steps, and a solution costs a
+    tenth of a factorisation. Newton's iteration ends at the same motion without it, to its tolerance.
+    """
+
+    _last: _Factored | None = field(default=None, init=False)
+
+    def serving(self, motion: FullMotion, velocity: float, position: float) -> _Factored | None:
+        """The last factor where it still serves."""
+        last = self._last
+        return last if last is not None and last.serves(motion, velocity, position) else None
+
+    def keep(self, factored: _Factored) -> None:
+        """Replace the last factor."""
+        self._last = factored
+
+
 @dataclass(frozen=True, eq=False)
 class FullInterior:
     """A full body prepared for stepping; built by `prepare_interior`."""
@@ -113,9 +133,8 @@ class FullInterior:
     tangent_places: np.ndarray
     """Where the entries of the nonlinear tangent stand in the pattern."""
     loads: tuple[DeadForce, ...]
-    _kept: list[_Factored] = field(default_factory=list, init=False, repr=False)
-    """The last factor. A linear body's tangent changes with the step and the spin alone, so that one factor
-    serves many steps: a solution costs a tenth of a factorisation."""
+    _cache: _FactorCache = field(default_factory=_FactorCache, init=False, repr=False)
+    """The only thing here that changes while stepping; it saves time alone."""
 
     def _nodal(self, coordinates: np.ndarray) -> np.ndarray:
         body = self.full.body
@@ -214,8 +233,8 @@ class FullInterior:
     ) -> _Factored:
         """The interior's tangent, factored; a linear body's is kept while it serves."""
         linear = self.full.body.model is None
-        if linear and self._kept and self._kept[0].serves(motion, velocity, position):
-            return self._kept[0]
+        if linear and (last := self._cache.serving(motion, velocity, position)) is not None:
+            return last
         data = velocity * self.constant["damping"][0]
         if position:
             data = data + position * self._stiffness_data(coordinates)
@@ -226,7 +245,8 @@ class FullInterior:
         factored = _Factored(
             factor, velocity, position, motion.spin, motion.spin_rate, -factor.solve(constant)
         )
-        self._kept[:] = [factored]
+        if linear:
+            self._cache.keep(factored)
         return factored
 
     def _border(
@@ -307,12 +327,11 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[DeadForce, ...]) -
     pattern = csc_array(pattern + shape)
     pattern.sort_indices()
     columns = np.repeat(np.arange(body.n), np.diff(shape.indptr))
-    motions = [interface.motion for interface in body.interfaces]
     return FullInterior(
         index=index,
         full=full,
         inertia=inertia,
-        interface_rows=csr_array(vstack(motions)) if motions else csr_array((0, full.r)),
+        interface_rows=full.interface_motions,
         frame_rows=_unit_rows(full.frame.constraint(body)),
         damping=damping,
         pattern=pattern,

@@ -6,12 +6,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.multibody.equations import Configuration, constraints
 from supple.multibody.full_body import FullBody
 from supple.multibody.model import Model, build_model
-from supple.multibody.system import System
+from supple.multibody.system import Body, System
 
 __all__ = ["joint_gaps"]
 
@@ -22,19 +21,19 @@ def _gaps(model: Model, times: jax.Array, configurations: Configuration) -> jax.
 
 
 def joint_gaps(system: System, solution: Solution) -> np.ndarray:
-    """Constraint equations g (t, m) of all joints at the output times: m and rad, zero where exact.
-
-    Raises
-    ------
-    ModelError      a body with all its finite-element freedoms: only rigid and reduced bodies are supported
-    """
-    for placed in system.bodies:
-        if isinstance(placed.body, FullBody):
-            raise ModelError(f"joint gaps of the full body '{placed.body.name}' are not available: reduce it")
+    """Constraint equations g (t, m) of all joints at the output times: m and rad, zero where exact."""
     motions = [solution.bodies[placed.body.name] for placed in system.bodies]
     configurations = Configuration(
         origins=jnp.stack([jnp.asarray(motion.position) for motion in motions], axis=1),
         rotations=jnp.stack([jnp.asarray(motion.rotation) for motion in motions], axis=1),
-        coordinates=tuple(jnp.asarray(motion.coordinates) for motion in motions),
+        coordinates=tuple(
+            jnp.asarray(_seen_by_joints(placed.body, motion.coordinates))
+            for placed, motion in zip(system.bodies, motions, strict=True)
+        ),
     )
     return np.asarray(_gaps(build_model(system), jnp.asarray(solution.times), configurations))
+
+
+def _seen_by_joints(body: Body, coordinates: np.ndarray) -> np.ndarray:
+    """Of a full body the motions of its interfaces, which stand for it in the compiled equations."""
+    return coordinates @ body.interface_motions.T if isinstance(body, FullBody) else coordinates

@@ -16,7 +16,7 @@ from supple.multibody.correction_rounds import (
 from supple.multibody.full_body import FullBody
 from supple.multibody.round_archive import Forgotten, RoundArchive
 from supple.multibody.system import System
-from supple.multibody.system_correction import Announce, CorrectionProgress, Problem, correct
+from supple.multibody.system_correction import Announce, CorrectionProgress, Problem, RunOptions, correct
 from supple.multibody.validity import Validity
 from supple.reduction import CompressedDerivatives, DerivativeChoice, LinearBasisRecipe, ReducedBody
 
@@ -88,14 +88,7 @@ def self_correct(
             system_of=lambda bodies, _: system_of(bodies[body.name]),
             fulls={body.name: FullBody(body, frame, damping)},
             starts={body.name: ReductionStart(target, basis, derivatives)},
-            options={
-                "duration": duration,
-                "output_step": output_step,
-                "step": step,
-                "method": method,
-                "tolerances": tolerances,
-                "validity": validity,
-            },
+            options=RunOptions(duration, output_step, step, method, tolerances, validity),
             announce=announce,
             progress=progress,
             archive=archive or Forgotten(),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
@@ -29,7 +28,7 @@ from supple.multibody.system import Placed, System
 from supple.multibody.validity import Validity
 from supple.reduction import ReducedBody, enrich, project, reduction_basis
 
-__all__ = ["Announce", "CorrectionProgress", "Problem", "correct", "self_correct_system"]
+__all__ = ["Announce", "CorrectionProgress", "Problem", "RunOptions", "correct", "self_correct_system"]
 
 Announce = Callable[[Round], None]
 """Called with every round as it is finished; of several bodies one after the other."""
@@ -86,14 +85,7 @@ def self_correct_system(
         system_of=lambda bodies, bases: _with_reduced(system, bodies, bases),
         fulls={name: _full(system, name) for name in starts},
         starts=starts,
-        options={
-            "duration": duration,
-            "output_step": output_step,
-            "step": step,
-            "method": method,
-            "tolerances": tolerances,
-            "validity": validity,
-        },
+        options=RunOptions(duration, output_step, step, method, tolerances, validity),
         announce=announce,
         progress=progress,
         archive=archive or Forgotten(),
@@ -129,20 +121,32 @@ def _with_reduced(system: System, runs: Mapping[str, ReducedBody], bases: RoundB
     return replace(system, bodies=tuple(reduced(placed) for placed in system.bodies))
 
 
+@dataclass(frozen=True)
+class RunOptions:
+    """What all runs of a correction have in common, as for `simulate`."""
+
+    duration: float
+    output_step: float
+    step: StepControl | None
+    method: TimeIntegrator | None
+    tolerances: Tolerances | None
+    validity: Validity | None
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """All that stays the same from round to round.
 
     system_of : function        the system with the reduced bodies of a run in it, given their bases
     fulls, starts : by body
-    options : of every run, as for `simulate`
+    options : of every run
     announce, progress, archive : as for `self_correct_system`
     """
 
     system_of: Callable[[Mapping[str, ReducedBody], RoundBases], System]
     fulls: Mapping[str, FullBody]
     starts: Mapping[str, ReductionStart]
-    options: Mapping[str, Any]
+    options: RunOptions
     announce: Announce | None
     progress: CorrectionProgress | None
     archive: RoundArchive
@@ -239,7 +243,7 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
 
 
 def _look_at_loads(problem: Problem, model: _Model) -> None:
-    times = output_times(problem.options["duration"], problem.options["output_step"])
+    times = output_times(problem.options.duration, problem.options.output_step)
     for name, full in problem.fulls.items():
         warn_of_missing_modes(model.system, times, full.body, model.bodies[name])
 
@@ -255,7 +259,7 @@ def _simulated(problem: Problem, model: _Model) -> _Run:
         problem.archive.simulate(
             model.number,
             model.system,
-            **problem.options,
+            **vars(problem.options),
             record=parts.append,
             progress=lambda fraction: problem.report(step, fraction),
         )

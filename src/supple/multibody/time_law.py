@@ -152,6 +152,7 @@ class Turning:
 
 
 TimeLaw = Constant | Table | TimeFunction | Turning
+"""A value, or an array of them, over time: `law(time)`, defined from `law.begin` to `law.end`."""
 
 
 def as_time_law(value: Any) -> TimeLaw:

@@ -1,5 +1,6 @@
 """Reduction bases, modal derivatives, their selection, online tensors, and the reduced body."""
 
+from supple.reduction.attachment_modes import AttachmentModes
 from supple.reduction.component_model import ComponentModel, ReducedMatrices, RitzComponent
 from supple.reduction.compression import CompressedDerivatives, compress
 from supple.reduction.coupling_moment import CouplingMoment, coupling_moments
@@ -72,6 +73,7 @@ from supple.reduction.tensors import InternalForceTensors, internal_force_tensor
 
 __all__ = [
     "AmplitudeProduct",
+    "AttachmentModes",
     "Bisection",
     "ChosenModes",
     "CompleteBasis",

@@ -18,7 +18,7 @@ from supple.reduction.interface_columns import motion_rows, require_interfaces
 N_RIGID = 6
 
 # When modes run out, this many more at least: searches that add one at a time would ask again and again.
-GROWTH = 1.25
+GROWTH = 1.1
 
 
 class CraigBamptonFamily:
@@ -64,6 +64,12 @@ class CraigBamptonFamily:
         amounts = np.zeros((self.modes.values.size, vibrations.values.size))
         amounts[: len(vibrations.modal)] = vibrations.modal
         return self.shapes @ vibrations.interfaces + self.modes.combine(amounts)
+
+    def make_room(self) -> None:
+        """Give back memory: the factor's numbers, and the Krylov space but for the modes found in it."""
+        self.body.grounded_stiffness.factor.release()
+        self.growing.keep_modes_only()
+        self.modes = self.growing.found
 
     def _know(self, n_kept: int) -> None:
         """Have n_kept modes and one more, which bounds those left out; and their residual, by deflation."""

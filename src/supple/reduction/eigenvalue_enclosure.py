@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,7 +36,11 @@ class EigenvalueEnclosure:
 
 
 def enclose_eigenvalues(
-    body: FlexibleBody, trial: np.ndarray, n_values: int, largest_width: float
+    body: FlexibleBody,
+    trial: np.ndarray,
+    n_values: int,
+    largest_width: float,
+    make_room: Callable[[], None] | None = None,
 ) -> EigenvalueEnclosure:
     """Enclose the lowest n_values elastic eigenvalues of a free body by Lehmann and Goerisch's theorem.
 
@@ -52,15 +57,18 @@ def enclose_eigenvalues(
 
     trial : (n, p)          approximations of the lowest elastic modes, somewhat more than n_values of them
     largest_width : float   of upper / lower - 1
+    make_room : called before K - rho M is factored, to give back memory
     Raises AccuracyError when the bounds do not come that close, or the count and the modes found disagree.
     Source: [Lehmann1963] in the form of [GoerischHaunhorst1985]; with one trial motion it is Temple's and
         Kato's bound.
     """
     mean_axis = body.constrained(MeanAxisFrame().constraint(body))
     W = mean_axis.solve(body.mass @ trial)
+    del trial  # a large body has no room for what is used no more
     width, count, inside = np.inf, None, 0
     for _ in range(ROUNDS):
         U, upper = _ritz(body, W)
+        del W
         W = mean_axis.solve(body.mass @ U)
         inside = _last_before_gap(upper, n_values)
         shift = 0.5 * float(upper[inside - 1] + upper[inside])
@@ -68,6 +76,8 @@ def enclose_eigenvalues(
         width = float(np.max(upper[:inside] / lower - 1)) if lower.size == inside else np.inf
         if width > largest_width:
             continue
+        if make_room is not None:
+            make_room()
         count = count_below(body.stiffness, body.mass, shift, grounded=body.grounded_stiffness)
         count -= RIGID_MOTIONS
         if count == inside:
@@ -80,8 +90,8 @@ def enclose_eigenvalues(
 
 
 def _ritz(body: FlexibleBody, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """M-orthonormal Ritz vectors of the columns' span and their values, ascending."""
-    columns = columns / np.sqrt(np.sum(columns * (body.mass @ columns), axis=0))
+    """M-orthonormal Ritz vectors of the span of the columns, which are used up; their values, ascending."""
+    columns /= np.sqrt(np.einsum("ij,ij->j", columns, body.mass @ columns))
     stiffness = columns.T @ (body.stiffness @ columns)
     mu, weights = linalg.eigh(columns.T @ (body.mass @ columns), 0.5 * (stiffness + stiffness.T))
     return columns @ (weights[:, ::-1] / np.sqrt(mu[::-1])), 1 / mu[::-1]

@@ -21,6 +21,8 @@ from supple.reduction.stopwatch import timed
 
 SMALLEST_TOLERANCE = 1e-7
 """Below this, round-off in the eigenvalues of large bodies could decide."""
+LARGEST_WITH_TWO_FACTORS = 100_000
+"""Freedoms; beyond, a minute for factoring K once more is cheaper than the memory."""
 
 
 @dataclass(frozen=True)
@@ -170,7 +172,9 @@ def _enclosed(family: CraigBamptonFamily, control: ErrorControlled, n_kept: int)
     n_needed = n_trial - (len(family.rigid_motion) - 6)
     trial = family.vibrations(min(max(n_kept, n_needed), family.n_available), n_trial)
     width = max(0.01 * control.tolerance, 0.1 * SMALLEST_TOLERANCE)
-    return enclose_eigenvalues(body, family.vectors(trial), control.n_modes, width)
+    # Two factors of a large body, gigabytes each, are not held at once.
+    make_room = family.make_room if body.n > LARGEST_WITH_TWO_FACTORS else None
+    return enclose_eigenvalues(body, family.vectors(trial), control.n_modes, width, make_room)
 
 
 def _not_reached(family: CraigBamptonFamily, control: ErrorControlled, step: SearchStep) -> AccuracyError:

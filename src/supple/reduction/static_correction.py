@@ -51,4 +51,5 @@ class StaticCorrection:
             labels=basis.labels + tuple(f"static answer to load {i + 1}" for i in range(n_loads)),
             static_solver=basis.static_solver,
             dropped=basis.dropped,
+            certificate=basis.certificate,
         )

@@ -4,7 +4,7 @@ from supple.results.correction_folder import CorrectionFolder
 from supple.results.error_measures import MotionError, motion_error, relative_error, rms_error
 from supple.results.json_report import write_json
 from supple.results.node_motion import NodeMotion, node_motion
-from supple.results.recorded_run import simulate_recorded
+from supple.results.recorded_run import begin_recorded, continue_recorded, simulate_recorded
 from supple.results.recovery import (
     ElasticBody,
     displacement_from_axes,
@@ -25,6 +25,8 @@ __all__ = [
     "ResultHeader",
     "StrainModes",
     "StressModes",
+    "begin_recorded",
+    "continue_recorded",
     "displacement_from_axes",
     "motion_error",
     "node_displacements",

@@ -1,22 +1,59 @@
-"""A simulation that lives on disk: read where it is complete, continued where it was cut off, else begun."""
+"""A simulation that lives on disk: begun, continued where it was cut off, read where it is complete."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from supple.errors import ResultFileError
 from supple.integrate import Solution
 from supple.multibody import Checkpoint, System, simulate
 from supple.multibody.simulate import Progress
-from supple.results.result_reader import read_header, read_last_instant, read_solution
+from supple.results.result_reader import Metadata, read_header, read_last_instant, read_solution
 from supple.results.storage import ResultFile
+
+
+def begin_recorded(
+    system: System,
+    path: Path | str,
+    *,
+    case: str,
+    metadata: Metadata = MappingProxyType({}),
+    **options: Any,
+) -> Solution:
+    """Simulate a system from its start, keeping every finished part in a result file, new or replaced.
+
+    Parameters
+    ----------
+    path : file to write; its folder is made
+    case, metadata      kept in the file, to continue it and for the record
+    options : as for `simulate`
+
+    Raises
+    ------
+    ResultFileError     the file cannot be written (a full disk, say)
+    errors of `simulate`; what was computed until then is kept in the file
+    """
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    return _recorded(system, ResultFile.create(path, case=case, metadata=metadata), None, options)
+
+
+def continue_recorded(system: System, path: Path | str, *, case: str, **options: Any) -> Solution:
+    """Simulate the rest of a run that was cut off, from the last instant its result file holds.
+
+    Parameters and errors as for `begin_recorded`; also
+
+    ResultFileError     no such file, or its run is complete, of another case, or without any output
+    """
+    start = Checkpoint(read_last_instant(path))
+    return _recorded(system, ResultFile.resume(path, case=case), start, options)
 
 
 def simulate_recorded(
     system: System, path: Path | str, *, case: str, progress: Progress | None = None, **options: Any
 ) -> Solution:
-    """Simulate a system, keeping every finished part in a result file, from which the next call goes on.
+    """Simulate a system unless its result file holds the run: begin it, or continue what was cut off.
 
     Parameters
     ----------
@@ -34,24 +71,27 @@ def simulate_recorded(
     errors of `simulate`; what was computed until then is kept in the file
     """
     path = Path(path)
-    if path.exists():
-        header = read_header(path)
-        if header.case != case:
-            raise ResultFileError(
-                f"{path} holds another run than the one asked for; delete it or choose another folder. "
-                f"There: {header.case}. Here: {case}"
-            )
-        if header.complete:
-            if progress is not None:
-                progress(1.0)
-            return read_solution(path)
-        start = Checkpoint(read_last_instant(path)) if header.n_times else None
-        file = ResultFile.resume(path, case=case)
-    else:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        start = None
-        file = ResultFile.create(path, case=case)
+    if not path.exists():
+        return begin_recorded(system, path, case=case, progress=progress, **options)
+    header = read_header(path)
+    if header.case != case:
+        raise ResultFileError(
+            f"{path} holds another run than the one asked for; delete it or choose another folder. "
+            f"There: {header.case}. Here: {case}"
+        )
+    if header.complete:
+        if progress is not None:
+            progress(1.0)
+        return read_solution(path)
+    # A run that ended before its first output left nothing to continue from.
+    proceed = continue_recorded if header.n_times else begin_recorded
+    return proceed(system, path, case=case, progress=progress, **options)
+
+
+def _recorded(
+    system: System, file: ResultFile, start: Checkpoint | None, options: dict[str, Any]
+) -> Solution:
     with file:
-        simulate(system, **options, resume=start, progress=progress, record=file.append)
+        simulate(system, **options, resume=start, record=file.append)
         file.finish()
-    return read_solution(path)
+    return read_solution(file.path)

@@ -1,0 +1,45 @@
+"""A matrix of many rows and few columns that grows by columns without being copied."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class TallMatrix:
+    """Q = [Q_1 Q_2 ...], (n, m), kept as its blocks of columns.
+
+    One array would have to be copied to get more columns, and both copies held at once: for a Krylov space
+    of a large body that is gigabytes.
+
+    blocks : (n, m_i) each
+    """
+
+    blocks: tuple[Array, ...] = field(repr=False)
+
+    @property
+    def n_columns(self) -> int:
+        """m, of all blocks together."""
+        return sum(block.shape[1] for block in self.blocks)
+
+    def with_block(self, block: Array) -> TallMatrix:
+        """[Q block]."""
+        return TallMatrix((*self.blocks, block))
+
+    def times(self, amounts: Array) -> Array:
+        """Q amounts, (n, k) from (m, k)."""
+        ends = np.cumsum([block.shape[1] for block in self.blocks])
+        parts = np.split(amounts, ends[:-1])
+        total = self.blocks[0] @ parts[0]
+        for block, part in zip(self.blocks[1:], parts[1:], strict=True):
+            total += block @ part
+        return total
+
+    def transposed_times(self, vectors: Array) -> Array:
+        """Q^T vectors, (m, k) from (n, k)."""
+        return np.vstack([block.T @ vectors for block in self.blocks])
