@@ -120,6 +120,7 @@ class GrowingModes:
         """
         self.found = RitzModes.of(Eigenpairs(self.found.values, self.found.vectors))
         self.basis, self.projected = self.found.basis, np.diag(1 / self.found.values)
+        self.last_block = np.empty((self.inverse.n, 0))  # no longer part of the space
 
     def _grow(self, size: int) -> None:
         """Extend Q to (n, size)."""
