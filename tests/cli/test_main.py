@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 
 import numpy as np
 import pytest
@@ -135,8 +136,12 @@ def test_a_run_that_was_cut_off_is_continued_to_the_same_end(case_folder):
     cut.mkdir()
     with ResultFile.create(cut / "strip.h5", case=case.read_text()) as file:
         file.append(half)
+    shutil.copy(whole / "strip-reduced.h5", cut)
+    begun_with = (cut / "strip-reduced.h5").stat().st_mtime_ns
     assert "cut off" in call("info", cut / "strip.h5")
     call("run", case, "-o", cut, "--resume")
+    # Not replaced by one whose columns may have other signs.
+    assert (cut / "strip-reduced.h5").stat().st_mtime_ns == begun_with
     continued = read_solution(cut / "strip.h5")
     np.testing.assert_array_equal(continued.times, solution.times)
     ends = [each.bodies["strip"].coordinates[-1] for each in (solution, continued)]
@@ -158,6 +163,7 @@ def test_pictures_and_film_are_drawn(case_folder, monkeypatch):
         "motion.gif",
         "strip.h5",
         "strip.json",
+        "strip-reduced.h5",
     }
 
 

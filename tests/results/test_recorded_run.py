@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from supple.body import RigidBody
+from supple.body import MeanAxisFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import ConvergenceError, ModelError, ResultFileError
+from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Tolerances
+from supple.mesh import CellType, block
 from supple.multibody import GROUND, At, Placed, PrescribedRotation, Revolute, System, Table, simulate
+from supple.reduction import NoDerivatives, NormalModes, reduce
 from supple.results import begin_recorded, continue_recorded, read_header, simulate_recorded
 
 RUN = {"duration": 1.0, "output_step": 0.05}
@@ -112,3 +117,19 @@ def test_what_was_computed_before_a_failure_is_kept(tmp_path, pendulum):
     header = read_header(path)
     assert not header.complete
     assert header.n_times >= 2
+
+
+def test_a_motion_is_never_taken_for_one_on_other_columns(tmp_path):
+    """Modes have no sign of their own: a body reduced once more may move the other way."""
+    model = solid_model(block(1.0, 0.1, 0.1, 4, 1, 1, CellType.HEXA20), Isotropic(1e9, 0.3, 1000.0))
+    bar = flexible_body("bar", model, [RigidInterface("root", "root")]).linearized()
+    body = reduce(bar, MeanAxisFrame(), NormalModes(2), derivatives=NoDerivatives())
+    flipped = replace(body, nodal_basis=body.nodal_basis * [1.0, -1.0])
+    nearly = replace(body, nodal_basis=body.nodal_basis * (1 + 1e-9))
+    path, options = tmp_path / "run.h5", {"duration": 0.02, "output_step": 0.01, "case": "bar"}
+    first = simulate_recorded(System(bodies=(Placed(body),)), path, **options)
+    again = simulate_recorded(System(bodies=(Placed(nearly),)), path, **options)
+    assert again.statistics == first.statistics
+    for proceed in (simulate_recorded, continue_recorded):
+        with pytest.raises(ResultFileError, match="motion of body 'bar' on 2 columns that are not those"):
+            proceed(System(bodies=(Placed(flipped),)), path, **options)

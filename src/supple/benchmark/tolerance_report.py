@@ -28,7 +28,7 @@ SHORT = {
     Form.UNREDUCED: "unreduced",
     Form.EXACT_MODES: "exact",
     Form.MODAL_COORDINATES: "modal",
-    Form.WITH_ATTACHMENT_MODES: "attachment",
+    Form.WITH_ATTACHMENT_MODES: "attached",
     Form.WHOLE_BASIS: "whole",
 }
 """Their names in a table, which has no room for more."""
@@ -159,6 +159,12 @@ def _separation(each: Separation) -> dict[str, Any]:
     }
 
 
+def _brief(number: float) -> str:
+    """Two digits, and no zeros in the exponent."""
+    mantissa, exponent = f"{number:.1e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
 def tables(study: Study) -> list[tuple[str, list[str], list[list[str]]]]:
     """The report's tables: title, column heads, rows."""
     heads = ["basis", "e, %", "modes", "size", "r, m", "v, m/s", "a, m/s2", "Pa", "us/step"]
@@ -171,13 +177,13 @@ def tables(study: Study) -> list[tuple[str, list[str], list[list[str]]]]:
                 "0" if run.tolerance is None else f"{100 * run.tolerance:g}",
                 "" if run.modes is None else str(run.modes),
                 str(run.body.r),
-                *(f"{found[quantity]['max']:.1e}" for quantity in QUANTITIES[:4]),
+                *(_brief(found[quantity]["max"]) for quantity in QUANTITIES[:4]),
                 f"{_cost(run)['us_per_step']:.0f}",
             ]
         )
     largest = _largest(study.reference.point)
     full = [SHORT[Form.UNREDUCED], "", "", str(study.machine.body.n)]
-    full += [f"{largest[quantity]:.1e}" for quantity in QUANTITIES[:4]]
+    full += [_brief(largest[quantity]) for quantity in QUANTITIES[:4]]
     rows.append([*full, f"{_cost(study.reference)['us_per_step']:.0f}"])
     title = f"Largest errors of node A until {study.compared_until:.4g} s; last row: what it reaches"
     apart = [

@@ -14,6 +14,7 @@ from rich.progress import Progress, TaskID
 from supple.cli.build_system import BuiltCase, build_step
 from supple.cli.console import console
 from supple.cli.correction_summary import best_round, correction_numbers, correction_table
+from supple.cli.kept_bodies import kept_path
 from supple.errors import ValidityWarning
 from supple.export import write_reduced_body
 from supple.integrate import GeneralizedAlpha, Solution
@@ -85,7 +86,7 @@ def correct_case(
     write_solution(result_path, corrected.solution, case=text, metadata=metadata)
     for placed in corrected.system.bodies:
         if isinstance(placed.body, ReducedBody) and placed.body.name in built.starts:
-            write_reduced_body(folder / f"{placed.body.name}-reduced.h5", placed.body)
+            write_reduced_body(kept_path(folder, placed.body.name), placed.body)
     limits = watch(corrected.system, Validity(strict=strict))
     limits.report(limits.observe({}, corrected.solution))
     return CorrectedCase(replace(built, system=corrected.system), corrected.solution, numbers)

@@ -8,6 +8,7 @@ from rich.table import Table
 
 from supple.cli.build_system import build_case
 from supple.cli.console import console, worded
+from supple.cli.kept_bodies import kept_path
 from supple.cli.read_case import read_case
 from supple.cli.summary import body_numbers, body_table
 from supple.errors import CaseError
@@ -42,7 +43,7 @@ def reduce_case(path: Path, folder: Path) -> None:
     console.print(body_table({"bodies": {body.name: body_numbers(body) for body in bodies}}))
     for body in bodies:
         console.print(_report_table(body))
-        written = write_reduced_body(folder / f"{body.name}-reduced.h5", body)
+        written = write_reduced_body(kept_path(folder, body.name), body)
         console.print(f"written to {written} ({written.stat().st_size / 2**20:.1f} MiB)", highlight=False)
 
 

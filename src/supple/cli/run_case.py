@@ -14,6 +14,7 @@ from supple.cli.build_system import BuiltCase, build_case, build_step
 from supple.cli.console import console, progress_bars, worded
 from supple.cli.correct_case import correct_case, draw_correction
 from supple.cli.correction_summary import correction_table
+from supple.cli.kept_bodies import with_kept_bodies
 from supple.cli.read_case import CaseFile, read_case
 from supple.cli.summary import body_table, cost_line, joint_loads, joint_table, place_table, summarize
 from supple.cli.tracked_motion import TrackedMotion, track
@@ -49,6 +50,7 @@ def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = F
             built, solution, corrections = corrected.built, corrected.solution, corrected.numbers
             draw_correction(built, corrections, folder)
         else:
+            built = with_kept_bodies(built, folder, resume=resume)
             solution = _simulate(built, result_path, bars, resume=resume, strict=strict)
         tracked = [
             track(place, built.system, built.meshes, solution) for place in case_file.case.output.track

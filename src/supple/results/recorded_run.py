@@ -10,6 +10,7 @@ from supple.errors import ResultFileError
 from supple.integrate import Solution
 from supple.multibody import Checkpoint, System, simulate
 from supple.multibody.simulate import Progress
+from supple.results.recorded_columns import check_columns, columns_of
 from supple.results.result_reader import Metadata, read_header, read_last_instant, read_solution
 from supple.results.storage import ResultFile
 
@@ -36,6 +37,7 @@ def begin_recorded(
     errors of `simulate`; what was computed until then is kept in the file
     """
     Path(path).parent.mkdir(parents=True, exist_ok=True)
+    metadata = {**metadata, **columns_of(system)}
     return _recorded(system, ResultFile.create(path, case=case, metadata=metadata), None, options)
 
 
@@ -44,8 +46,10 @@ def continue_recorded(system: System, path: Path | str, *, case: str, **options:
 
     Parameters and errors as for `begin_recorded`; also
 
-    ResultFileError     no such file, or its run is complete, of another case, or without any output
+    ResultFileError     no such file, or its run is complete, of another case, or without any output; a
+                        reduced body is not the one that it was begun with
     """
+    check_columns(read_header(path), system, path)
     start = Checkpoint(read_last_instant(path))
     return _recorded(system, ResultFile.resume(path, case=case), start, options)
 
@@ -67,7 +71,8 @@ def simulate_recorded(
 
     Raises
     ------
-    ResultFileError     the file holds another case, or cannot be read or written (a full disk, say)
+    ResultFileError     the file holds another case, or motions of reduced bodies other than those given, or
+                        cannot be read or written (a full disk, say)
     errors of `simulate`; what was computed until then is kept in the file
     """
     path = Path(path)
@@ -79,6 +84,7 @@ def simulate_recorded(
             f"{path} holds another run than the one asked for; delete it or choose another folder. "
             f"There: {header.case}. Here: {case}"
         )
+    check_columns(header, system, path)
     if header.complete:
         if progress is not None:
             progress(1.0)
