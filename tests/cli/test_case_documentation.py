@@ -112,3 +112,17 @@ def test_the_script_of_the_reduction_page_runs():
     names: dict[str, object] = {}
     exec(compile(script, "reduce_in_python.md", "exec"), names)
     assert names["displacement"].shape == (101, 63, 3)
+
+
+@pytest.mark.slow
+def test_the_script_of_the_machine_page_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "how-to" / "flexible_machine.md").read_text(encoding="utf-8")
+    script = "\n".join(re.findall(r"```python\n(.*?)```", page, re.DOTALL))
+    names: dict[str, object] = {}
+    exec(compile(script, "flexible_machine.md", "exec"), names)
+    assert names["drift"] < 1e-3
+    # A rigid rod on its pin bends most at a third of its length from there.
+    mesh, stress = names["mesh"], names["everywhere"].von_mises(names["gamma"][names["instant"]])
+    assert abs(mesh.nodes[stress.argmax(), 0] - 0.1) < 0.035
+    assert (tmp_path / "link.png").exists()

@@ -21,7 +21,7 @@ from supple.viz.style import (
 from supple.viz.time_history import Series
 
 _LARGE = 1e4
-_FEWEST_DECADES, _MOST_DECADES = 1.0, 9.0
+_FEWEST_DECADES, _MOST_DECADES = 1.0, 12.0
 
 
 @dataclass(frozen=True, eq=False)
