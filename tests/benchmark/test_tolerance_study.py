@@ -7,16 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from supple.benchmark.machine_run import Drift, Form, MachineRun, PointHistory, energy_norm, equivalent_strain
 from supple.benchmark.tolerance_report import errors, ordered_share, report
-from supple.benchmark.tolerance_study import (
-    Drift,
-    Form,
-    MachineRun,
-    PointHistory,
-    Separation,
-    Study,
-    run_study,
-)
+from supple.benchmark.tolerance_study import Separation, Study, run_study
 from supple.integrate import Solution
 
 TIMES = np.linspace(0.0, 1.0, 11)
@@ -31,7 +24,10 @@ def history(offset):
 
 def made_up(form, tolerance, offset):
     nothing = Solution(TIMES, {}, {}, None)
-    return MachineRun(form, tolerance, 10, None, None, nothing, history(offset * TIMES), Drift(0.0, 0.0))
+    error = abs(offset) * TIMES
+    return MachineRun(
+        form, tolerance, 10, None, None, nothing, history(offset * TIMES), error, Drift(0.0, 0.0)
+    )
 
 
 @pytest.fixture
@@ -56,20 +52,45 @@ def test_motions_are_compared_until_two_runs_of_one_body_part(study):
     assert errors(study, study.runs[0], study.reference)["position"]["max"] == pytest.approx(0.15)
 
 
+def test_errors_of_the_deformation_are_relative_to_its_norm(study):
+    reference = replace(study.reference, deformation_error=4.0 * TIMES)
+    found = errors(replace(study, reference=reference), study.runs[0], reference)
+    assert found["deformation"]["max"] == pytest.approx(0.3)
+    assert found["deformation"]["max_over_largest"] == pytest.approx(0.075)
+    # Against another reduced run nothing is known of it.
+    assert "deformation" not in errors(study, study.runs[0], study.runs[1])
+
+
+def test_the_energy_norm_is_the_root_of_twice_the_strain_energy(pendulum):
+    """Of a stretched cylinder: E eps^2 V."""
+    strain, poisson = np.array([0.0, 1e-3, -2e-3]), pendulum.material.poissons_ratio
+    x = pendulum.model.mesh.nodes
+    stretched = (x * [1.0, -poisson, -poisson]).reshape(-1, 1) * strain
+    mass = pendulum.body.rigid_modes[:, 0] @ (pendulum.body.mass @ pendulum.body.rigid_modes[:, 0])
+    volume = mass / pendulum.material.density
+    expected = np.sqrt(pendulum.material.youngs_modulus * strain**2 * volume)
+    np.testing.assert_allclose(energy_norm(pendulum, stretched), expected, rtol=1e-9, atol=1e-12)
+
+
+def test_equivalent_strain_of_uniaxial_stress_is_that_of_the_strains(pendulum):
+    """sqrt(2/3 e:e) of the deviator of (1, -nu, -nu) s/E."""
+    nu, E = pendulum.material.poissons_ratio, pendulum.material.youngs_modulus
+    axial = np.array([1.0, -nu, -nu]) / E
+    deviator = axial - axial.mean()
+    expected = np.sqrt(2 / 3 * deviator @ deviator)
+    assert equivalent_strain(pendulum.material, np.array([1.0]))[0] == pytest.approx(expected)
+
+
 def test_smaller_errors_of_smaller_tolerances_are_counted_over_the_outputs(study):
     study = replace(study, machine=replace(study.machine, settled=0.0))
-    assert ordered_share(study, list(study.runs), study.reference, "position") == 1.0
-    # A third run that is worse than the second from half time on.
-    late = made_up(Form.WHOLE_BASIS, 0.001, 0.0)
-    worse = replace(late, point=history(np.where(TIMES > 0.45, 1.0, 0.0)))
-    assert ordered_share(study, [*study.runs, worse], study.reference, "stress") == 0.4
+    loose, tight = 0.3 * TIMES, 0.02 * TIMES
+    assert ordered_share(study, [loose, tight]) == 1.0
+    # A third error that is larger than the second from half time on.
+    late = np.where(TIMES > 0.45, 1.0, 0.0)
+    assert ordered_share(study, [loose, tight, late]) == 0.4
     # Counted from 0.35 s on: one of seven outputs is still in order.
     settled = replace(study, machine=replace(study.machine, settled=0.35))
-    share = ordered_share(settled, [*study.runs, worse], study.reference, "stress")
-    assert share == pytest.approx(1 / 7)
-    # One instant at which the error of the better run is the larger one does not count against it.
-    touched = replace(late, point=history(np.where(TIMES == 1.0, 0.025, 0.0)))
-    assert ordered_share(study, [*study.runs, touched], study.reference, "stress") == 1.0
+    assert ordered_share(settled, [loose, tight, late]) == pytest.approx(1 / 7)
 
 
 @pytest.mark.slow
@@ -99,6 +120,11 @@ def test_whole_bases_converge_to_the_unreduced_pendulum_and_cut_ones_to_the_exac
     drifts = [numbers["unreduced"], *numbers["whole_bases"]]
     assert max(abs(row["energy_drift"]) for row in drifts) < 1e-3
     assert max(row["joint_drift"] for row in numbers["tolerances"]) < 1e-9
+    # In the energy norm, at every output.
+    assert numbers["smaller_e_smaller_error"]["share_of_outputs"]["whole_bases"]["deformation"] == 1.0
+    for form in ("whole_bases", "with_attachment_modes"):
+        loose, tight = (row["errors"]["deformation"]["max"] for row in numbers[form])
+        assert tight < 0.8 * loose
     # A second study finds every body and motion on disk: nothing is reduced or simulated again.
     stored = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*.h5")}
     again = list(run_study(pendulum, tmp_path, announce, (0.1, 0.01)))[-1]

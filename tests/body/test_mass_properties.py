@@ -33,6 +33,21 @@ def test_a_block_has_the_inertia_of_the_formula(kind):
         np.testing.assert_allclose(found.inertia, inertia, rtol=1e-9, atol=1e-9 * mass)
 
 
+def test_the_centre_of_nodes_is_not_the_centre_of_mass():
+    """Cells of growing length: a block has its centre in the middle, its nodes have theirs near an end."""
+    even = block(2.0, 1.0, 0.5, 8, 2, 2, CellType.HEXA8)
+    nodes = even.nodes - even.nodes.min(axis=0)
+    nodes[:, 0] = nodes[:, 0] ** 3 / 4
+    mesh = Mesh(nodes, even.cells)
+    model = solid_model(mesh, MATERIAL)
+    assert abs(nodes[:, 0].mean() - 1.0) > 0.3
+    for found in (mesh_mass_properties(model), rigid_mass_properties(model.mass, mesh.nodes, 3)):
+        np.testing.assert_allclose(found.centre, [1.0, 0.5, 0.25], rtol=1e-12)
+        np.testing.assert_allclose(
+            np.diag(found.inertia), [1.25 / 12 * 1000, 4.25 / 12 * 1000, 5 / 12 * 1000]
+        )
+
+
 def test_a_shell_agrees_with_its_mesh_up_to_its_rotary_inertia():
     mesh, _ = moved(cylinder_shell(1.0, 0.4, 6, 12))
     wall = HomogeneousWall(MATERIAL, 0.01)

@@ -19,7 +19,7 @@ from supple.body import (
 from supple.errors import ModelError
 from supple.fem import Isotropic, solid_model
 from supple.importers import LabelledMatrix, NodeTable
-from supple.mesh import CellType, block
+from supple.mesh import CellType, Mesh, block
 
 
 def refused(check):
@@ -158,6 +158,23 @@ def test_units_that_cannot_be_right(length, modulus, density, verdict):
     (units,) = (finding for finding in check.findings if finding.what == "units")
     assert units.verdict is verdict
     assert check.is_accepted is (verdict is not Verdict.REFUSED)
+
+
+def test_the_speed_of_sound_in_steel_stands_beside_the_models(solid):
+    (units,) = (
+        finding for finding in check_elements(solid, n_frequencies=0).findings if finding.what == "units"
+    )
+    assert "in steel 5e3 m/s" in units.seen
+
+
+def test_cells_that_lie_twice_are_doubtful(solid):
+    mesh = solid.mesh
+    cells = {kind: np.vstack([array, array[3:5]]) for kind, array in mesh.cells.items()}
+    (kind,) = cells
+    twice = solid_model(Mesh(mesh.nodes, cells), Isotropic(2.1e11, 0.3, 7850.0))
+    (found,) = (f for f in check_elements(twice, n_frequencies=0).findings if f.verdict is Verdict.DOUBTFUL)
+    assert found.what == "cells on the same nodes"
+    assert found.seen == f"2 places with several {kind.name} cells, first at cell 3"
 
 
 def test_entries_that_are_no_numbers(solid):

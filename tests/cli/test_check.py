@@ -152,6 +152,20 @@ def test_a_refused_body_is_not_run(folder):
         build_flexible_body(case_file, case_file.case.body[1], None)
 
 
+def test_an_rbe2_that_is_no_interface_is_not_lost(folder):
+    """It stiffens the body in Nastran; left out of the interfaces, it would not here."""
+    table = 'connection = "rbe2_7"'
+    (folder / "strip.toml").write_text(CASE.replace(table, 'nodes = "rbe2_7"'))
+    case_file = read_case(folder / "strip.toml")
+    build_flexible_body(case_file, case_file.case.body[0], read_meshes(case_file)["strip"])
+    (folder / "strip.toml").write_text(CASE.replace(table, 'nodes = "rbe2_7"\nkind = "averaging"'))
+    case_file = read_case(folder / "strip.toml")
+    with pytest.raises(
+        ModelError, match=r'rbe2_7 of strip\.bdf ties nodes rigidly.*connection = "rbe2_7", or'
+    ):
+        build_flexible_body(case_file, case_file.case.body[0], read_meshes(case_file)["strip"])
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

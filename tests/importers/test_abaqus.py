@@ -8,6 +8,7 @@ import pytest
 
 from supple.errors import ImportFormatError, MeshError
 from supple.importers import UnusedNodes, read_abaqus
+from supple.importers.abaqus import read_abaqus_nodes
 from supple.mesh import CellType, block
 from supple.mesh.reference_cell import reference_nodes
 
@@ -244,7 +245,9 @@ def test_missing_file(tmp_path):
 
 
 def test_missing_included_file(read):
-    with pytest.raises(ImportFormatError, match=r"nodes\.msh: no such file"):
+    with pytest.raises(
+        ImportFormatError, match=r"mesh\.inp, line 1: includes .*nodes\.msh, and there is no such file"
+    ):
         read("*INCLUDE, INPUT=nodes.msh\n")
 
 
@@ -261,12 +264,15 @@ def test_a_file_that_includes_itself(read):
         ("1, 0., 0., 0.\n", "mesh.inp, line 1: data before the first *KEYWORD"),
         (SQUARE.partition("*ELEMENT")[0], "mesh.inp: no elements below an *ELEMENT"),
         (SQUARE.partition("1, 10, 20")[0], "mesh.inp, line 10: no elements below *ELEMENT"),
-        (SQUARE.partition(", 40\n")[0], "mesh.inp, line 12: an S3 element is an id and 3 nodes"),
+        (SQUARE.partition(", 40\n")[0], "mesh.inp, line 12: an element of type S3 is an id and 3 nodes"),
         (SQUARE.partition("1., 0.\n*ELEMENT")[0], "mesh.inp, line 9: 2 fields; a node is id, x, y, z"),
-        (SQUARE.replace("1, 10, 20, 30", "1, 10, 20"), "mesh.inp, line 11: an S3 element is an id and 3"),
+        (
+            SQUARE.replace("1, 10, 20, 30", "1, 10, 20"),
+            "mesh.inp, line 11: an element of type S3 is an id and 3",
+        ),
         (
             SQUARE.replace("1, 10, 20, 30", "1, 10, 20, 30, 40"),
-            "mesh.inp, line 11: an S3 element is an id and",
+            "mesh.inp, line 11: an element of type S3 is an id and",
         ),
         (SQUARE.replace("TYPE=S3", "TYPE=B31"), "line 10: unknown element type 'B31'; supported are TYPE=S3"),
         (SQUARE.replace("TYPE=S3, ", ""), "line 10: unknown element type ''; supported are TYPE=S3"),
@@ -295,6 +301,29 @@ def test_a_file_that_includes_itself(read):
             "line 14: GENERATE from 40 to 10 by 10 names nothing",
         ),
         (SQUARE + "*NSET, NSET=a, ELSET=skin\n", "line 13: *NSET, ELSET= is not supported; write out"),
+        (SQUARE.replace("20, 1.,", "20, nan,"), "line 6: 'NAN' is not a number"),
+        (SQUARE.replace("20, 1.,", "20, 1_0.,"), "line 6: '1_0.' is not a number"),
+        (
+            SQUARE.replace("TYPE=S3", "TYPE=S4").replace("1, 10, 20, 30\n2, 10, 30, 40", "1, 10, 30, 20, 40"),
+            "line 11: element 1: its sides cross, so its nodes do not go round it; list them in their order",
+        ),
+        (
+            SQUARE + "*TIE, NAME=t\na, b\n",
+            "line 13: *TIE is not part of a mesh, and without it the body",
+        ),
+        (SQUARE + "*Rigid Body, ref node=1\n", "line 13: *RIGID BODY is not part of a mesh"),
+        (
+            SQUARE + "*SHELL SECTION, ELSET=skin, OFFSET=SPOS\n0.1\n",
+            "line 13: *SHELL SECTION, OFFSET is not read; mesh the middle surface",
+        ),
+        (
+            SQUARE + "*ASSEMBLY, NAME=a\n*INSTANCE, NAME=i, PART=p\n*END INSTANCE\n*NODE\n10, 5., 0., 0.\n",
+            "line 16: reference points (*NODE below *ASSEMBLY) are not part of the mesh; remove them",
+        ),
+        (
+            SQUARE + "*INSTANCE, NAME=i, PART=p\n*END INSTANCE\n*INSTANCE, NAME=j, PART=p\n*END INSTANCE\n",
+            "line 15: several or moved parts are not supported",
+        ),
         (SQUARE + "*NGEN\n10, 40, 10\n", "line 13: *NGEN is not supported; write out what it makes"),
         (SQUARE.replace("*NODE", "*NODE, SYSTEM=C"), "line 4: *NODE, SYSTEM= is not supported; write out"),
         (SQUARE + "*PART, NAME=a\n*PART, NAME=b\n", "line 14: several or moved parts are not supported"),
@@ -313,6 +342,16 @@ def test_an_error_in_an_included_file_names_that_file(tmp_path):
     deck.write_text("** comment\n*INCLUDE, INPUT=bad.msh\n")
     with pytest.raises(ImportFormatError, match=r"bad\.msh, line 2: 2 fields"):
         read_abaqus(deck)
+
+
+def test_nodes_for_matrices_may_stand_beside_constraints_but_not_turn(tmp_path):
+    """Matrices hold what ties and masses do; *TRANSFORM would turn their rows."""
+    deck = tmp_path / "deck.inp"
+    deck.write_text(SQUARE + "*TIE, NAME=t\na, b\n")
+    assert read_abaqus_nodes(deck).ids.tolist() == [10, 20, 30, 40]
+    deck.write_text(SQUARE + "*TRANSFORM, NSET=all, TYPE=C\n0., 0., 0., 0., 0., 1.\n")
+    with pytest.raises(ImportFormatError, match=r"line 13: \*TRANSFORM turns the freedoms of its nodes"):
+        read_abaqus_nodes(deck)
 
 
 def test_a_mesh_that_cannot_be_used_names_the_file(read):

@@ -56,7 +56,7 @@ def test_numbers_as_nastran_writes_them(word, value):
     assert bulk_real(word) == pytest.approx(value, rel=1e-15)
 
 
-@pytest.mark.parametrize("word", ["nan", "inf", "1.5.2", "E5", "THRU", "1.5+3+2"])
+@pytest.mark.parametrize("word", ["nan", "inf", "1_0", "1_0.5", "1.5.2", "E5", "THRU", "1.5+3+2"])
 def test_words_that_are_no_numbers(word):
     with pytest.raises(ValueError):
         bulk_real(word)
@@ -88,6 +88,33 @@ def test_sections_comments_and_includes(read, tmp_path):
     ]
 
 
+def test_a_parameter_may_stand_in_case_control(read):
+    text = "SOL 103\nCEND\nSPC = 1\n param, WTMASS, .01\nPARAM POST = 1\nBEGIN BULK\nGRID,1\nENDDATA\n"
+    assert [(card.name, *fields(card)) for card in read(text).cards] == [
+        ("PARAM", "WTMASS", ".01"),
+        ("GRID", "1"),
+    ]
+
+
+@pytest.mark.parametrize("name", ["'sub/part.inc'", "sub/part.inc", '"sub\\part.inc"', "'sub/\n  part.inc'"])
+def test_names_of_included_files(read, tmp_path, name):
+    """Quoted or not, from Windows, and over two lines."""
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "part.inc").write_text("GRID,2\n")
+    file = read(f"GRID,1\nINCLUDE {name}\nGRID,3\n")
+    assert [card.integer(0, "id") for card in file.cards] == [1, 2, 3]
+
+
+def test_line_ends_of_windows(tmp_path):
+    (tmp_path / "model.bdf").write_bytes(
+        f"{SMALL}\r\n$ comment\r\n{LARGE}\r\n".replace("\n*", "\r\n*").encode()
+    )
+    assert [fields(card) for card in read_bulk_data(tmp_path / "model.bdf").cards] == [
+        ["7", "3", "1.50000", "2.0", "3.0", "4", "123"],
+        ["7", "3", "1.5", "2.0", "3.0", "4", "123"],
+    ]
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -103,7 +130,15 @@ def test_sections_comments_and_includes(read, tmp_path):
         ("RBE2,1,2,3,4,5,6,7,8,9\n", r"line 1: '9' stands where only a continuation label may; write it on"),
         ("GRID*,1,2,3,4,5,6\n", r"line 1: 7 large fields; a line has a name, 4"),
         ("INCLUDE 'model.bdf'\n", "does a file include itself"),
-        ("INCLUDE 'absent.bdf'\n", r"absent\.bdf: no such file"),
+        (
+            "GRID,1\nINCLUDE 'absent.bdf'\n",
+            r"model\.bdf, line 2: includes .*absent\.bdf, and there is no such",
+        ),
+        ("INCLUDE 'absent.bdf\n", r"model\.bdf, line 1: includes .*absent\.bdf, and there is no such file"),
+        (
+            "PSHELL* 7               5               .1              5\n+                               2.\n",
+            "line 2: PSHELL: small fields continue a single large line; write a row as two large lines",
+        ),
     ],
 )
 def test_what_breaks_the_grammar_is_named_with_its_line(read, text, message):
@@ -123,6 +158,9 @@ def test_fields_that_are_no_numbers_or_blank(read):
         card.integer(0, "the id")
     with pytest.raises(ImportFormatError, match=r"X1 \(field 4\) is '1\.0\.0', not a number"):
         card.real(2, "X1")
+    (grouped,) = read("GRID,1_0\n").cards
+    with pytest.raises(ImportFormatError, match=r"the id \(field 2\) is '1_0', not a whole number"):
+        grouped.integer(0, "the id")
     with pytest.raises(ImportFormatError, match=r"CP \(field 3\) is blank; give a whole number"):
         card.integer(1, "CP")
     with pytest.raises(ImportFormatError, match=r"X2 \(field 5\) is blank; give a number"):

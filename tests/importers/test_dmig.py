@@ -74,6 +74,11 @@ def test_a_file_of_another_program(tmp_path):
         ),
         ("DMIG,KAAX,0,6,2,0\n", "DMIG KAAX has no entries; is the file cut short"),
         (GOOD.replace("-1.0", "-1.0.0"), r"line 2: DMIG: an entry \(field 4\) is '-1\.0\.0', not a number"),
+        (
+            GOOD.replace("0,6,2,0", "0,1,2,0"),
+            r"line 1: DMIG: KAAX has form 1 \(square\), but entries on one side of its diagonal only",
+        ),
+        (GOOD.replace(",2,3,-1.0", ",,3,-1.0"), r"line 2: DMIG: the grid of a row \(field 2\) is blank"),
         (GOOD.replace(",2,3,-1.0", ",2,3"), r"line 2: DMIG: an entry \(field 4\) is blank"),
         (
             GOOD.replace(",2,3,-1.0", ",1,1,-1.0"),

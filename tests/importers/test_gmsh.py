@@ -109,6 +109,13 @@ def test_quadrilaterals_become_triangles(changed):
         np.testing.assert_array_equal(mesh.cells_of(name)[CellType.TRIANGLE3], np.arange(4))
 
 
+def test_a_quadrilateral_whose_sides_cross(changed):
+    path = changed(TEXT_4, "2 1 2 4\n4 1 5 4 \n5 4 5 6 \n", "2 1 3 1\n4 1 6 5 4 \n2 1 2 2\n")
+    path.write_text(path.read_text().replace("$Elements\n4 7", "$Elements\n5 6"))
+    with pytest.raises(ImportFormatError, match=r"quadrilateral 0 \(of its block, from 0\): its sides cross"):
+        read_gmsh(path)
+
+
 def test_only_one_group(changed):
     """The first two triangles keep surface 1's groups; the last two get surface 3 alone."""
     path = changed(TEXT_2, "10 2 2 1 1 6 2 3", "10 2 2 3 1 6 2 3")

@@ -62,6 +62,11 @@ def test_single_precision_is_known_as_such(path):
         ("stiffness", None, "no dataset /stiffness/data"),
         ("stiffness/indices", K.indices + 1, "row index 3 in a matrix of 3 columns"),
         ("stiffness/indptr", [0, 1, 2], "data, indices and indptr do not fit each other"),
+        (
+            "stiffness/indices",
+            np.array([*K.indices[:1], *K.indices[:-1]]),
+            "the entry of row 0 and column 0 .from 0. is given twice; sum them up",
+        ),
         ("stiffness/data", [4.0, -1, -2, 3, 2], "/stiffness: not symmetric"),
     ],
 )

@@ -157,8 +157,13 @@ def test_rotations_of_solids_may_stand_in_a_connection_or_not(read):
 
 
 def test_mass_in_units_of_weight_and_mass_without_strength(read):
-    shell = read(SQUARE.replace("0.1,5", "0.1,5,,,,2.0") + "PARAM,WTMASS,.01\n").properties["pshell_7"]
-    assert shell.material.density == pytest.approx(0.01 * (7850 + 2.0 / 0.1))
+    text = SQUARE.replace("0.1,5", "0.1,5,,,,2.0")
+    for given in (
+        text + "PARAM,WTMASS,.01\n",
+        f"SOL 103\nCEND\nPARAM,WTMASS,.01\nBEGIN BULK\n{text}ENDDATA\n",
+    ):
+        shell = read(given).properties["pshell_7"]
+        assert shell.material.density == pytest.approx(0.01 * (7850 + 2.0 / 0.1))
 
 
 @pytest.mark.parametrize(
@@ -277,7 +282,9 @@ def changed(old, new, text=SQUARE):
         (changed("10,30,40", "10,30,99"), r"line 6: CTRIA3: element 2 names grid 99.*add its GRID card"),
         (changed("CTRIA3,2,", "CTRIA3,1,"), "line 6: CTRIA3: element 1 is defined a second time; renumber"),
         (changed("GRID,40", "GRID,30"), "line 4: GRID: grid 30 is defined a second time; renumber"),
-        (SQUARE + "CBUSH,9,3,10,20\n", "line 9: CBUSH: this card is not read; remove it, or replace it"),
+        (SQUARE + "CBUSH,9,3,10,20\n", "line 9: CBUSH: this card is not read; make it a spring"),
+        (SQUARE + "SPOINT,99\n", "line 9: SPOINT: this card is not read; remove it, or replace it"),
+        (SQUARE + "PARAM,CM1,2.0\n", "line 9: PARAM: the factor CM1 is not read; scale the materials"),
         (SQUARE + "CONM2,9,10,,5.\n", "line 9: CONM2: this card is not read; make it a rigid body"),
         ("GRID,9\n" + SQUARE, r"line 1: GRID: grid 9 \(one of 1\) is used by no element.*UnusedNodes.DROP"),
         (
@@ -292,6 +299,19 @@ def changed(old, new, text=SQUARE):
         (
             changed("10,20,30\n", "10,20,30,,.05\n"),
             "line 5: CTRIA3: an offset ZOFFS is not read; write the element without",
+        ),
+        (
+            changed("10,20,30\n", "10,20,30\n,,,.2\n"),
+            "line 5: CTRIA3: T1 is not read; write the element without",
+        ),
+        (changed("10,20,30\n", "10,20,30\n,,,,,.2\n"), "line 5: CTRIA3: T3 is not read"),
+        (
+            changed("CTRIA3,1,7,10,20,30", "CQUAD4,1,7,10,20,30,40\n,,,,,,.2"),
+            "line 5: CQUAD4: T4 is not read; write the element without",
+        ),
+        (
+            changed("CTRIA3,1,7,10,20,30", "CQUAD4,1,7,10,30,20,40"),
+            "line 5: CQUAD4: element 1: its sides cross.*list them in their order around it",
         ),
         (
             changed("CTETRA,1,3,1,2,3,4", "CTETRA,1,3,1,2,3,4,2", TETRA),
@@ -328,6 +348,15 @@ def test_elements_that_are_wrong(read, text, message):
             changed("PSOLID,3,5", "PSOLID,3,5,4", TETRA),
             r"line 6: PSOLID: a material coordinate system \(CORDM\)",
         ),
+        (
+            changed("PSOLID,3,5", "PSOLID,3,5,,,,,PFLUID", TETRA),
+            r"line 6: PSOLID: FCTN is PFLUID, a fluid; only structure \(SMECH\) is read",
+        ),
+        (TETRA + "PARAM,WTMASS,0.\n", "line 8: PARAM: WTMASS is 0; it must be positive"),
+        (
+            TETRA + "PARAM,WTMASS,1.\nPARAM,WTMASS,.01\n",
+            "line 9: PARAM: WTMASS is 0.01, and 1 above; keep one of the two",
+        ),
     ],
 )
 def test_properties_that_our_elements_do_not_have(read, text, message):
@@ -340,6 +369,8 @@ def test_properties_that_our_elements_do_not_have(read, text, message):
     [
         ("SPC1,1,127,10", "line 9: SPC1: components '127' are not some of 123456"),
         ("SPC1,1,123,99", "line 9: SPC1: names grid 99, which the file does not define"),
+        ("SPC1,1,123,10,THRU,20,40", "line 9: SPC1: '40' follows 10 THRU 20; write it on a card of its own"),
+        ("ASET1,123,10,THRU,40,EXCEPT,20", "line 9: ASET1: 'EXCEPT' follows 10 THRU 40"),
         ("SPC1,1,123,50,THRU,60", "line 9: SPC1: no grid lies in 50 THRU 60; correct the range"),
         ("SPC1,1,123", "line 9: SPC1: names no grids; add them, or is the file cut short"),
         ("ASET", "line 9: ASET: names no grids"),

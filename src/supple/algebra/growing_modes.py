@@ -19,11 +19,14 @@ Array = NDArray[np.float64]
 # Solving for eight right-hand sides takes twice the time of one; wider blocks need a longer Krylov space.
 BLOCK = 8
 
+# Modes as close as this, relatively, count as copies of one another.
+CLOSE = 1e-5
+
 # Of a mode in its equation: its eigenvalue is then good to the square of it.
 LARGEST_RESIDUAL = 1e-7
 
 # Krylov vectors that usually hold as many modes as are asked for, and by how much to grow where they do not.
-FIRST_VECTORS = 8 * BLOCK
+FIRST_BLOCKS = 8
 VECTORS_PER_MODE = 2.3
 SMALLEST_GROWTH = 1.05
 
@@ -66,7 +69,8 @@ class GrowingModes:
     Block Lanczos on K^-1 M (constrained) with full reorthogonalisation and no restart, so that a longer list
     costs what it adds, and the last one no more than it alone would have. The Krylov space Q and the
     projected inverse T = Q^T M K^-1 M Q only ever grow. Where Q would fill half of a small problem, all modes
-    are found by a dense solution.
+    are found by a dense solution. A block of b columns finds b copies of a multiple eigenvalue and no more
+    (the equal blades of a held hub): where it finds as many, Q begins anew with a block twice as wide.
 
     inverse : ConstrainedFactor     of the held stiffness
     mass    : csc (n, n)            symmetric, positive definite
@@ -74,12 +78,19 @@ class GrowingModes:
 
     def __init__(self, inverse: ConstrainedFactor, mass: sparse.csc_array):
         self.inverse, self.mass = inverse, mass
-        self.basis = TallMatrix((np.empty((inverse.n, 0)),))
-        self.last_block = np.empty((inverse.n, 0))
+        self._begin(BLOCK)
+
+    def _begin(self, width: int) -> None:
+        """An empty Krylov space, to be filled by blocks of so many columns."""
+        n = self.inverse.n
+        self.width = width
+        self.basis = TallMatrix((np.empty((n, 0)),))
+        self.last_block = np.empty((n, 0))
         self.projected = np.empty((0, 0))
         self.found = RitzModes(np.empty(0), self.basis, np.empty((0, 0)))
-        start = inverse.solve(mass @ np.random.default_rng(0).standard_normal((inverse.n, BLOCK)))
-        self.next_block, self.coupling = self._orthonormal(start)
+        if width <= self.available:
+            start = self.inverse.solve(self.mass @ np.random.default_rng(0).standard_normal((n, width)))
+            self.next_block, self.coupling = self._orthonormal(start)
 
     @property
     def available(self) -> int:
@@ -98,19 +109,28 @@ class GrowingModes:
             raise ModelError(f"{n_modes} modes asked of a structure with {self.available} freedoms")
         while self.found.values.size < n_modes:
             known = self.basis.n_columns
-            wanted = max(FIRST_VECTORS + VECTORS_PER_MODE * n_modes, SMALLEST_GROWTH * known)
-            reach = known + BLOCK * int(np.ceil((wanted - known) / BLOCK))
-            if reach + BLOCK > self.available // 2:
+            wanted = FIRST_BLOCKS * self.width + VECTORS_PER_MODE * n_modes
+            wanted = max(wanted, SMALLEST_GROWTH * known)
+            reach = known + self.width * int(np.ceil((wanted - known) / self.width))
+            if reach + self.width > self.available // 2:
                 everything = lowest_modes(
                     self.inverse.grounded.stiffness,
                     self.mass,
                     self.available,
                     constraint=self.inverse.constraint,
                 )
+                if not everything.values[0] > 0:
+                    raise AccuracyError(
+                        f"the lowest eigenvalue of the held structure is {everything.values[0]:.1e}: it is too "
+                        "soft, next to its stiffest motion, for the digits of its stiffness; check units and "
+                        "thicknesses, and what holds it"
+                    )
                 self.found = RitzModes.of(everything)
             else:
                 self._grow(reach)
                 self.found = self._converged_modes()
+                if _fills_a_block(self.found.values, self.width):
+                    self._begin(2 * self.width)
         return self.found
 
     def keep_modes_only(self) -> None:
@@ -128,8 +148,8 @@ class GrowingModes:
         fresh = np.empty((self.inverse.n, size - done), order="F")
         projected = np.zeros((size, size))
         projected[:done, :done] = self.projected
-        for first in range(done, size, BLOCK):
-            m = first + BLOCK
+        for first in range(done, size, self.width):
+            m = first + self.width
             fresh[:, first - done : m - done] = self.next_block
             basis = self.basis.with_block(fresh[:, : m - done])
             coupled = TallMatrix((self.last_block, self.next_block))
@@ -148,14 +168,14 @@ class GrowingModes:
         upper = np.triu(self.projected)
         mu, weights = linalg.eigh(upper + np.triu(self.projected, 1).T)
         mu, weights = mu[::-1], weights[:, ::-1]
-        residuals = np.linalg.norm(self.coupling @ weights[-BLOCK:], axis=0)
+        residuals = np.linalg.norm(self.coupling @ weights[-self.width :], axis=0)
         converged = residuals <= LARGEST_RESIDUAL * mu
         count = mu.size if converged.all() else int(np.argmin(converged))
         return RitzModes(1 / mu[:count], self.basis, weights[:, :count])
 
     def _orthonormal(self, block: Array) -> tuple[Array, Array]:
         """Q, R with block = Q R, Q^T M Q = I; by Cholesky, twice for the digits lost in the first."""
-        triangle = np.eye(BLOCK)
+        triangle = np.eye(self.width)
         for _ in range(2):
             try:
                 lower = np.linalg.cholesky(block.T @ (self.mass @ block))
@@ -167,3 +187,8 @@ class GrowingModes:
             block = linalg.solve_triangular(lower, block.T, lower=True).T
             triangle = lower.T @ triangle
         return block, triangle
+
+
+def _fills_a_block(values: Array, width: int) -> bool:
+    """Whether as many values as a block has columns are copies of one another: there may be more copies."""
+    return bool(np.any(values[width - 1 :] <= (1 + CLOSE) * values[: max(values.size - width + 1, 0)]))

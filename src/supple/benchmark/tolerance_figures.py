@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from supple.benchmark.flexible_machine import FlexibleMachine
-from supple.benchmark.tolerance_study import Form, MachineRun, Study, equivalent_strain
+from supple.benchmark.machine_run import Form, MachineRun, equivalent_strain
+from supple.benchmark.tolerance_study import Study
 from supple.integrate import Solution
 from supple.results import node_positions, von_mises_history
 from supple.viz.animation import animate
@@ -28,7 +29,7 @@ _MOST_FRAMES = 60
 
 
 def draw_figures(study: Study, folder: Path) -> list[Path]:
-    """Responses of node A with their errors, contours of the stress error, the parting of two runs."""
+    """Responses of node A with their errors, errors of the deformation, contours, the parting of two runs."""
     folder.mkdir(parents=True, exist_ok=True)
     pictures = [_draw_machine(study, folder / "machine.png")]
     for quantity in _VECTORS:
@@ -37,6 +38,7 @@ def draw_figures(study: Study, folder: Path) -> list[Path]:
         pictures.append(_draw_responses(study, rows, folder / f"{quantity}.png"))
     rows = [_scalar(study, quantity) for quantity in _SCALARS]
     pictures.append(_draw_responses(study, rows, folder / "stress_strain.png"))
+    pictures.append(_draw_deformation_errors(study, folder / "deformation.png"))
     for form in DASHES:
         pictures += _draw_contours(study, study.of(form), folder)
     if study.separations:
@@ -79,6 +81,26 @@ def _scalar(study: Study, quantity: str) -> Response:
 
 def _draw_responses(study: Study, rows: list[Response], path: Path) -> Path:
     return plot_response_errors(path, rows, until=study.compared_until)
+
+
+def _draw_deformation_errors(study: Study, path: Path) -> Path:
+    """Errors of the deformation in the energy norm, in which a larger space is the better one."""
+    truth = study.reference
+    rows = slice(1, None)  # undeformed at the start
+    models = [
+        Series(
+            _label(run),
+            truth.point.times[rows],
+            np.log10(np.maximum(run.deformation_error[rows], 1e-16)),
+            Stroke(COLOURS[rank], dashes, width=0.9),
+        )
+        for form, dashes in DASHES.items()
+        for rank, run in enumerate(study.of(form))
+    ]
+    size = Series(
+        "unreduced, its own norm", truth.point.times[rows], np.log10(truth.deformation_error[rows]), REFERENCE
+    )
+    return plot_time_history(path, [Panel("log10 of the energy norm (J$^{1/2}$)", [*models, size])])
 
 
 def _draw_contours(study: Study, runs: list[MachineRun], folder: Path) -> list[Path]:

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.benchmark.machine import describe_machine
-from supple.benchmark.tolerance_study import APART, Form, MachineRun, PointHistory, Separation, Study
+from supple.benchmark.machine_run import Form, MachineRun, PointHistory
+from supple.benchmark.tolerance_study import APART, Separation, Study
 from supple.reduction import ReducedBody
 
 __all__ = ["QUANTITIES", "report", "tables"]
@@ -18,6 +19,7 @@ Array = NDArray[np.float64]
 
 QUANTITIES = ("position", "velocity", "acceleration", "stress", "strain")
 """Of node A: m, m/s, m/s^2, Pa, 1."""
+TABLED = ("position", "velocity", "stress")
 FORMS = {
     Form.MODAL_COORDINATES: "tolerances",
     Form.WITH_ATTACHMENT_MODES: "with_attachment_modes",
@@ -64,11 +66,11 @@ def report(study: Study) -> dict[str, Any]:
             "share_of_outputs": {
                 name: _ordered_shares(study, study.of(form), reference) for form, name in FORMS.items()
             },
-            "share_of_outputs_against_exact_modes": {
-                "tolerances": _ordered_shares(study, study.of(Form.MODAL_COORDINATES), exact[0])
-                if exact
-                else None
-            },
+            "share_of_outputs_against_exact_modes": _ordered_shares(
+                study, study.of(Form.MODAL_COORDINATES), exact[0]
+            )
+            if exact
+            else None,
         },
         "machine": describe_machine(),
     }
@@ -106,17 +108,29 @@ def _row(study: Study, run: MachineRun) -> dict[str, Any]:
 
 
 def errors(study: Study, run: MachineRun, against: MachineRun) -> dict[str, dict[str, float]]:
-    """Largest and RMS distance of every quantity of node A, up to the time chaos takes over."""
-    found = {}
+    """Largest and RMS distance of every quantity of node A, up to the time chaos takes over.
+
+    Against the unreduced body also that of the deformation as a whole, in the energy norm.
+    """
     compared = run.point.times <= study.compared_until * (1 + 1e-12)
-    for quantity in QUANTITIES:
-        distance = _distance(run.point, against.point, quantity)[compared]
-        scale = float(np.abs(getattr(against.point, quantity)).max())
-        found[quantity] = {
+
+    def measured(distance: Array, scale: float) -> dict[str, float]:
+        return {
             "max": float(distance.max()),
             "rms": float(np.sqrt(np.mean(distance**2))),
             "max_over_largest": float(distance.max()) / scale if scale else 0.0,
         }
+
+    found = {
+        quantity: measured(
+            _distance(run.point, against.point, quantity)[compared],
+            float(np.abs(getattr(against.point, quantity)).max()),
+        )
+        for quantity in QUANTITIES
+    }
+    if against is study.reference:
+        norm = float(against.deformation_error[compared].max())
+        found["deformation"] = measured(run.deformation_error[compared], norm)
     return found
 
 
@@ -129,24 +143,33 @@ def _largest(point: PointHistory) -> dict[str, float]:
     return {quantity: float(np.abs(getattr(point, quantity)).max()) for quantity in QUANTITIES}
 
 
-def _ordered_shares(study: Study, runs: list[MachineRun], against: MachineRun) -> dict[str, float] | None:
-    """For each quantity, the share of outputs at which each smaller tolerance has had the smaller error."""
+def _ordered_shares(study: Study, runs: list[MachineRun], against: MachineRun) -> dict[str, Any] | None:
+    """Shares of outputs at which each smaller tolerance has the smaller error."""
     if len(runs) < 2:
         return None
-    return {quantity: ordered_share(study, runs, against, quantity) for quantity in QUANTITIES}
+    shares: dict[str, Any] = {}
+    if against is study.reference:
+        shares["deformation"] = ordered_share(study, [run.deformation_error for run in runs])
+    # The error of a vibrating node passes through zero again and again: its RMS up to each output.
+    shares["node_a_rms_so_far"] = {
+        quantity: ordered_share(
+            study, [_sum_so_far(study, _distance(run.point, against.point, quantity)) for run in runs]
+        )
+        for quantity in QUANTITIES
+    }
+    return shares
 
 
-def ordered_share(study: Study, runs: list[MachineRun], against: MachineRun, quantity: str) -> float:
-    """Share of the outputs up to which each run has had a smaller RMS error than the run before.
+def _sum_so_far(study: Study, distance: Array) -> Array:
+    return np.cumsum(np.where(study.reference.point.times > study.machine.settled, distance, 0.0) ** 2)
 
-    Up to an output: since the machine has settled. The error of a vibration passes through zero again and
-    again; at those instants a better body may well be further off.
-    """
-    times = against.point.times
+
+def ordered_share(study: Study, errors: list[Array]) -> float:
+    """Share of the outputs, from settling to chaos, at which no error (t,) is larger than the one before."""
+    times = study.reference.point.times
     compared = (times > study.machine.settled) & (times <= study.compared_until * (1 + 1e-12))
-    squares = [np.cumsum(_distance(run.point, against.point, quantity)[compared] ** 2) for run in runs]
-    ordered = np.all([tighter <= looser for looser, tighter in pairwise(squares)], axis=0)
-    return float(ordered.mean())
+    ordered = np.all([tighter <= looser for looser, tighter in pairwise(errors)], axis=0)
+    return float(ordered[compared].mean())
 
 
 def _separation(each: Separation) -> dict[str, Any]:
@@ -167,7 +190,7 @@ def _brief(number: float) -> str:
 
 def tables(study: Study) -> list[tuple[str, list[str], list[list[str]]]]:
     """The report's tables: title, column heads, rows."""
-    heads = ["basis", "e, %", "modes", "size", "r, m", "v, m/s", "a, m/s2", "Pa", "us/step"]
+    heads = ["basis", "e, %", "modes", "size", "u, %", "r, m", "v, m/s", "Pa", "us/step"]
     rows = []
     for run in study.runs:
         found = errors(study, run, study.reference)
@@ -177,15 +200,19 @@ def tables(study: Study) -> list[tuple[str, list[str], list[list[str]]]]:
                 "0" if run.tolerance is None else f"{100 * run.tolerance:g}",
                 "" if run.modes is None else str(run.modes),
                 str(run.body.r),
-                *(_brief(found[quantity]["max"]) for quantity in QUANTITIES[:4]),
+                f"{100 * found['deformation']['max_over_largest']:.2g}",
+                *(_brief(found[quantity]["max"]) for quantity in TABLED),
                 f"{_cost(run)['us_per_step']:.0f}",
             ]
         )
     largest = _largest(study.reference.point)
     full = [SHORT[Form.UNREDUCED], "", "", str(study.machine.body.n)]
-    full += [_brief(largest[quantity]) for quantity in QUANTITIES[:4]]
+    full += ["100", *(_brief(largest[quantity]) for quantity in TABLED)]
     rows.append([*full, f"{_cost(study.reference)['us_per_step']:.0f}"])
-    title = f"Largest errors of node A until {study.compared_until:.4g} s; last row: what it reaches"
+    title = (
+        f"Largest errors until {study.compared_until:.4g} s: of the deformation u in the energy norm, and of "
+        "node A; last row: what they reach"
+    )
     apart = [
         [each.coarse, each.fine, "never" if each.time is None else f"{each.time:.3f}"]
         for each in study.separations

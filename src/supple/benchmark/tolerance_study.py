@@ -14,19 +14,25 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from enum import Enum
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.benchmark.flexible_machine import FlexibleMachine
+from supple.benchmark.machine_run import (
+    Form,
+    MachineRun,
+    deformation,
+    drift,
+    energy_norm,
+    point_history,
+)
 from supple.export import read_reduced_body, write_reduced_body
-from supple.fem import Isotropic
 from supple.integrate import AdaptiveStep, FixedStep, Solution, StepControl, Tolerances
-from supple.multibody import FullBody, System, balances, joint_gaps
+from supple.multibody import FullBody, System
 from supple.reduction import (
     AttachmentModes,
     CraigBampton,
@@ -37,21 +43,10 @@ from supple.reduction import (
     ReducedBody,
     reduce,
 )
-from supple.results import simulate_recorded, von_mises_history
+from supple.results import simulate_recorded
 from supple.results.node_motion import node_motion
 
-__all__ = [
-    "ADAPTIVE",
-    "APART",
-    "Drift",
-    "Form",
-    "MachineRun",
-    "PointHistory",
-    "Separation",
-    "Study",
-    "equivalent_strain",
-    "run_study",
-]
+__all__ = ["ADAPTIVE", "APART", "Separation", "Study", "run_study"]
 
 Array = NDArray[np.float64]
 Announce = Callable[[str], Callable[[float], None]]
@@ -63,55 +58,6 @@ NEWTON = Tolerances(residual=1e-12)
 """Far below what bodies differ by: with 1e-8 the whole bases stop at 7e-9 m, whatever their size."""
 APART = 0.01
 """Two runs are apart when node A differs by this part of the machine's size."""
-
-
-class Form(Enum):
-    """What stands for the flexible body, in words."""
-
-    UNREDUCED = "unreduced"
-    EXACT_MODES = "exact modes"
-    MODAL_COORDINATES = "modal coordinates"
-    WITH_ATTACHMENT_MODES = "with attachment modes"
-    WHOLE_BASIS = "whole basis"
-
-
-@dataclass(frozen=True, eq=False)
-class PointHistory:
-    """What node A does: position, velocity, acceleration (t, 3), von Mises stress and strain (t,)."""
-
-    times: Array
-    position: Array
-    velocity: Array
-    acceleration: Array
-    stress: Array
-    strain: Array
-
-
-class Drift(NamedTuple):
-    """What a run should have kept, and did not."""
-
-    energy: float
-    """Largest change of the energy not put in from outside, over the largest kinetic energy."""
-    joints: float
-    """Largest constraint equation, m or rad."""
-
-
-@dataclass(frozen=True, eq=False)
-class MachineRun:
-    """One simulation.
-
-    tolerance : of the eigenvalues; None where none was asked for      modes : fixed-interface modes, N_d
-    """
-
-    form: Form
-    tolerance: float | None
-    modes: int | None
-    body: FullBody | ReducedBody
-    system: System
-    solution: Solution
-    point: PointHistory
-    drift: Drift
-    offline_seconds: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +105,9 @@ def run_study(
     """
     runner = _Runner(machine, folder, announce)
     full = FullBody(machine.body, machine.frame)
-    study = Study(machine, runner.run(Form.UNREDUCED, None, None, full))
+    reference = runner.run(Form.UNREDUCED, None, None, full)
+    runner = replace(runner, truth=deformation(full, reference.solution))
+    study = Study(machine, reference)
     yield study
     for form, tolerance, recipe in _recipes(machine, tolerances):
         run = runner.reduced(form, tolerance, recipe)
@@ -193,6 +141,8 @@ class _Runner:
     machine: FlexibleMachine
     folder: Path
     announce: Announce
+    truth: Array | None = None
+    """Deformation of the unreduced body, once it is known."""
 
     def reduced(self, form: Form, tolerance: float | None, recipe: LinearBasisRecipe) -> MachineRun:
         # Kept beside its motion, which means nothing on columns of other signs: round-off decides on those.
@@ -219,9 +169,19 @@ class _Runner:
     ) -> MachineRun:
         system = self.machine.system(body)
         solution = self.simulate(system, body, _words(form, tolerance), FixedStep(self.machine.step))
-        point = _history(self.machine, body, solution)
-        drift = _drift(self.machine, system, solution)
-        return MachineRun(form, tolerance, modes, body, system, solution, point, drift, offline_seconds)
+        shape = deformation(body, solution)
+        return MachineRun(
+            form,
+            tolerance,
+            modes,
+            body,
+            system,
+            solution,
+            point_history(self.machine, body, solution),
+            energy_norm(self.machine, shape if self.truth is None else shape - self.truth),
+            drift(self.machine, system, solution),
+            offline_seconds,
+        )
 
     def simulate(
         self, system: System, body: FullBody | ReducedBody, label: str, step: StepControl
@@ -281,32 +241,3 @@ def _step_words(step: StepControl) -> str:
     if isinstance(step, FixedStep):
         return f"fixed {step.size:g} s"
     return f"adaptive {step.tolerance:g}, to {step.largest:g} s"
-
-
-def _drift(machine: FlexibleMachine, system: System, solution: Solution) -> Drift:
-    energies = balances(system, solution)
-    excess = energies.total - machine.work(solution)
-    return Drift(
-        float(np.abs(excess - excess[0]).max() / energies.kinetic.max()),
-        float(np.abs(joint_gaps(system, solution)).max()),
-    )
-
-
-def _history(machine: FlexibleMachine, body: FullBody | ReducedBody, solution: Solution) -> PointHistory:
-    motion = solution.bodies[body.name]
-    node = node_motion(body, motion, [machine.point])
-    stress = von_mises_history(body, machine.model, motion.coordinates, [machine.point])[:, 0]
-    return PointHistory(
-        solution.times,
-        node.position[:, 0],
-        node.velocity[:, 0],
-        node.acceleration[:, 0],
-        stress,
-        equivalent_strain(machine.material, stress),
-    )
-
-
-def equivalent_strain(material: Isotropic, stress: Array) -> Array:
-    """Von Mises strain of a von Mises stress: in an isotropic material, over 3 G."""
-    shear_modulus = material.youngs_modulus / (2 + 2 * material.poissons_ratio)
-    return stress / (3 * shear_modulus)

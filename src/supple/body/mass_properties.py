@@ -52,9 +52,9 @@ def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> M
     total = float(np.trace(gram[:3, :3]) / 3)
     if not total > 0:
         return MassProperties(total, middle, np.zeros((3, 3)))
-    # The coupling of u_i with theta_j is m (theta x r)_i: its skew part holds m times the centre.
+    # The coupling of u_i with theta_j is m (e_j x r)_i: its skew part holds m times the centre.
     C = gram[:3, 3:]
-    arm = np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]]) / (-2 * total)
+    arm = np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]]) / (2 * total)
     about_centre = gram[3:, 3:] - total * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     return MassProperties(total, middle + arm, about_centre)
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 from typing import Any
 
@@ -21,6 +21,7 @@ from supple.body.mass_properties import MassProperties, mesh_mass_properties, ri
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import AccuracyError, ModelError
 from supple.fem import FiniteElementModel
+from supple.mesh import Mesh
 
 FloatArray = NDArray[np.float64]
 
@@ -35,6 +36,8 @@ SAME_MASS = 1e-4
 # that in mm. Outside the narrow range units are doubtful (as in mm with ms), outside the wide one wrong.
 USUAL_SPEEDS = (30.0, 3e8)
 POSSIBLE_SPEEDS = (0.3, 1e11)
+# Kilograms with mm and MPa fall in between, so the reader gets the numbers to compare with.
+SOUND_IN_STEEL = "in steel 5e3 m/s, 2e5 in/s, 5e6 mm/s"
 
 
 class Verdict(Enum):
@@ -140,8 +143,8 @@ def check_model(
 
 
 def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> ModelCheck:
-    """`check_model` of finite elements, with their mass against that of the mesh."""
-    return check_model(
+    """`check_model` of finite elements, with their mass against that of the mesh and cells that lie twice."""
+    check = check_model(
         model.mesh.nodes,
         model.stiffness,
         model.mass,
@@ -149,6 +152,7 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
         n_frequencies=n_frequencies,
         mesh_mass=mesh_mass_properties(model),
     )
+    return replace(check, findings=(*check.findings, _cells_twice(model.mesh)))
 
 
 def check_nodal_matrices(
@@ -164,6 +168,21 @@ def check_nodal_matrices(
         node_ids=matrices.node_ids,
         rigid_tolerance=matrices.rigid_tolerance if rigid_tolerance is None else rigid_tolerance,
     )
+
+
+def _cells_twice(mesh: Mesh) -> Finding:
+    """Two cells on the same nodes: two walls or beams side by side, or a part that was copied by mistake."""
+    for kind, cells in mesh.cells.items():
+        _, first, count = np.unique(np.sort(cells, axis=1), axis=0, return_index=True, return_counts=True)
+        again = first[count > 1]
+        if again.size:
+            return Finding(
+                "cells on the same nodes",
+                f"{again.size} places with several {kind.name} cells, first at cell {again.min()}",
+                Verdict.DOUBTFUL,
+                "their mass and stiffness add up; if a part lies there twice, remove it once",
+            )
+    return Finding("cells on the same nodes", "none")
 
 
 def _check_sizes(n: int, matrices: Mapping[str, sparse.csc_array]) -> None:
@@ -292,7 +311,7 @@ def _units(nodes: FloatArray, K: sparse.csc_array, M: sparse.csc_array, dofs_per
     spacing = np.median(KDTree(nodes).query(nodes, k=2)[0][:, 1])
     speed = float(spacing * np.sqrt(max(float(np.median(fastest)), 0.0)))
     extent = float(np.ptp(nodes, axis=0).max())
-    seen = f"size {extent:.3g}, waves travel about {speed:.1e} per unit of time"
+    seen = f"size {extent:.3g}, waves travel about {speed:.1e} per unit of time ({SOUND_IN_STEEL})"
     if USUAL_SPEEDS[0] <= speed <= USUAL_SPEEDS[1]:
         return Finding("units", seen)
     possible = POSSIBLE_SPEEDS[0] <= speed <= POSSIBLE_SPEEDS[1]
@@ -300,7 +319,7 @@ def _units(nodes: FloatArray, K: sparse.csc_array, M: sparse.csc_array, dofs_per
         "units",
         seen,
         Verdict.DOUBTFUL if possible else Verdict.REFUSED,
-        "sound in steel runs at 5e3 m/s, 5e6 mm/s; use one consistent set: m, kg, s, Pa or mm, t, s, MPa",
+        "use one consistent set: m, kg, s, Pa or mm, t, s, MPa",
     )
 
 

@@ -203,6 +203,7 @@ def _flexible_body(case_file: CaseFile, table: schema.Body, mesh: Mesh | None) -
         )
     if table.matrices is not None:
         nodal = _nodal_matrices(case_file, table, table.matrices)
+        _check_rigid_connections(table, nodal.connections)
         return labelled_superelement(
             table.name,
             nodal,
@@ -211,9 +212,22 @@ def _flexible_body(case_file: CaseFile, table: schema.Body, mesh: Mesh | None) -
         )
     model = build_model(case_file, table, _known(table, mesh))
     connections = _nastran_file(case_file, table).connections if table.nastran is not None else ()
+    _check_rigid_connections(table, connections)
     return flexible_body(
         table.name, model, [_interface(interface, connections) for interface in table.interface]
     )
+
+
+def _check_rigid_connections(table: schema.Body, connections: Sequence[Connection]) -> None:
+    """ModelError for an RBE2 that is no interface: it stiffens the body that the file describes."""
+    taken = {interface.connection for interface in table.interface}
+    taken |= {interface.nodes for interface in table.interface if interface.kind == "rigid"}
+    left = [c.name for c in connections if c.weights is None and c.name not in taken]
+    if left:
+        raise ModelError(
+            f"body '{table.name}': {', '.join(left)} of {table.mesh} ties nodes rigidly and is not among the "
+            f'interfaces; add an interface with connection = "{left[0]}", or remove the RBE2 from the file'
+        )
 
 
 def build_model(case_file: CaseFile, table: schema.Body, mesh: Mesh) -> FiniteElementModel:

@@ -20,7 +20,7 @@ from supple.importers.keyword_file import (
 )
 from supple.importers.node_table import NodeTable
 from supple.importers.numbering import first_repeated, numbers_of
-from supple.importers.quadrilateral import split_quadrilaterals
+from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
 from supple.mesh import CellType, Mesh
 
 IntArray = NDArray[np.int64]
@@ -30,6 +30,7 @@ _CELL_TYPES = {
     "S3R": CellType.TRIANGLE3,
     "C3D4": CellType.TETRA4,
     "C3D10": CellType.TETRA10,
+    "C3D10M": CellType.TETRA10,
     "C3D8": CellType.HEXA8,
     "C3D8I": CellType.HEXA8,
     "C3D8R": CellType.HEXA8,
@@ -40,6 +41,13 @@ _QUADRILATERALS = ("S4", "S4R")
 
 # Keywords and options that make or move nodes, elements or sets: to pass over them would read a wrong mesh.
 _KEYWORDS_NOT_READ = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
+# What ties nodes, adds mass or moves the wall away from its nodes: a mesh cannot hold it, matrices do.
+_KEYWORDS_BEYOND_A_MESH = (
+    "COUPLING", "CYCLIC SYMMETRY MODEL", "DISTRIBUTING COUPLING", "EMBEDDED ELEMENT", "EQUATION", "FASTENER",
+    "IMPERFECTION", "KINEMATIC COUPLING", "MODEL CHANGE", "MPC", "NONSTRUCTURAL MASS", "PRE-TENSION SECTION",
+    "RELEASE", "RIGID BODY", "SHELL TO SOLID COUPLING", "TIE",
+)  # fmt: skip
+_SHELL_OPTIONS_BEYOND_A_MESH = ("COMPOSITE", "NODAL THICKNESS", "OFFSET")
 _OPTIONS_NOT_READ = {"NODE": ("INPUT", "SYSTEM"), "ELEMENT": ("INPUT", "FILE", "OFFSET"), "NSET": ("ELSET",)}
 
 
@@ -66,11 +74,12 @@ class _ElementBlock:
 def read_abaqus(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:
-    """Mesh of an Abaqus or CalculiX input file; its materials, sections and steps are passed over.
+    """Mesh of an Abaqus or CalculiX input file; its materials, sections, supports and steps are passed over.
 
-    Reads *NODE, *ELEMENT (S3, S3R, S4, S4R, C3D4, C3D10, C3D8, C3D8I, C3D8R, C3D20, C3D20R), *NSET and *ELSET
-    with GENERATE and sets naming sets, NSET= on *NODE, ELSET= on *ELEMENT, and *INCLUDE. A four-node shell
-    becomes two triangles. Set names are compared regardless of case and keep their first spelling.
+    Reads *NODE, *ELEMENT (S3, S3R, S4, S4R, C3D4, C3D10, C3D10M, C3D8, C3D8I, C3D8R, C3D20, C3D20R), *NSET
+    and *ELSET with GENERATE and sets naming sets, NSET= on *NODE, ELSET= on *ELEMENT, and *INCLUDE. A
+    four-node shell becomes two triangles. Set names are compared regardless of case and keep their first
+    spelling.
 
     Parameters
     ----------
@@ -82,12 +91,14 @@ def read_abaqus(
     Mesh   nodes in the order of the file, node sets in the order of their lines
     Raises
     ------
-    ImportFormatError   missing or cut file, unknown element type, missing or repeated ids, unknown members
+    ImportFormatError   missing or cut file, unknown element type, missing or repeated ids, unknown members;
+                        constraints, masses and shell offsets, which a mesh does not have
     MeshError           what the file describes is no usable mesh
     """
     path = Path(path)
     file = read_keyword_file(path)
     _refuse_what_is_not_read(file)
+    _refuse_what_is_beyond_a_mesh(file)
     nodes = _read_nodes(file, path)
     blocks = _read_elements(file, path, nodes)
 
@@ -125,11 +136,16 @@ def read_abaqus_nodes(path: str | Path) -> NodeTable:
 
     Raises
     ------
-    ImportFormatError   missing or cut file, missing or repeated ids, sets of unknown nodes
+    ImportFormatError   missing or cut file, missing or repeated ids, sets of unknown nodes; *TRANSFORM
     """
     path = Path(path)
     file = read_keyword_file(path)
     _refuse_what_is_not_read(file)
+    for block in file.blocks:
+        if block.name == "TRANSFORM":
+            raise file.error(
+                block.line, "*TRANSFORM turns the freedoms of its nodes; export the matrices without it"
+            )
     nodes = _read_nodes(file, path)
     sets = _read_sets(file, "NSET", "node", nodes.ids, nodes.named)
     numbered = {name: numbers_of(nodes.ids, ids)[0] for name, ids in sets.items()}
@@ -137,7 +153,7 @@ def read_abaqus_nodes(path: str | Path) -> NodeTable:
 
 
 def _refuse_what_is_not_read(file: KeywordFile) -> None:
-    parts = 0
+    parts = instances = 0
     for block in file.blocks:
         if block.name in _KEYWORDS_NOT_READ:
             raise file.error(block.line, f"*{block.name} is not supported; write out what it makes")
@@ -147,10 +163,38 @@ def _refuse_what_is_not_read(file: KeywordFile) -> None:
                     block.line, f"*{block.name}, {option}= is not supported; write out what it makes"
                 )
         parts += block.name == "PART"
-        if parts > 1 or (block.name == "INSTANCE" and block.data):
+        instances += block.name == "INSTANCE"
+        if max(parts, instances) > 1 or (block.name == "INSTANCE" and block.data):
             raise file.error(
                 block.line,
                 "several or moved parts are not supported; export a flat input file, or one a part",
+            )
+
+
+def _refuse_what_is_beyond_a_mesh(file: KeywordFile) -> None:
+    below = ""
+    for block in file.blocks:
+        if block.name in _KEYWORDS_BEYOND_A_MESH:
+            raise file.error(
+                block.line,
+                f"*{block.name} is not part of a mesh, and without it the body would be another one; make it "
+                "an interface, a joint or a body of the machine and remove it, or import the matrices",
+            )
+        for option in _SHELL_OPTIONS_BEYOND_A_MESH:
+            if block.name == "SHELL SECTION" and option in block.options:
+                raise file.error(
+                    block.line,
+                    f"*SHELL SECTION, {option} is not read; mesh the middle surface of an even wall, or "
+                    "import the matrices",
+                )
+        below = (
+            block.name if block.name in ("ASSEMBLY", "INSTANCE", "END INSTANCE", "END ASSEMBLY") else below
+        )
+        if block.name == "NODE" and block.data and below in ("ASSEMBLY", "END INSTANCE"):
+            raise file.error(
+                block.line,
+                "reference points (*NODE below *ASSEMBLY) are not part of the mesh; remove them and their "
+                "sets: an interface has a position of its own",
             )
 
 
@@ -194,7 +238,8 @@ def _read_element_block(file: KeywordFile, block: KeywordBlock, nodes: _Nodes) -
         line = int(read.lines[starts[run_on[0] - 1 if run_on.size else -1]])
         raise file.error(
             line,
-            f"an {name} element is an id and {n_nodes} nodes, on lines of its own; is the file cut short?",
+            f"an element of type {name} is an id and {n_nodes} nodes, on lines of its own; is the file cut "
+            "short?",
         )
     rows, lines = read.values.reshape(-1, n_nodes + 1), read.lines[starts]
     numbers, known = numbers_of(nodes.ids, rows[:, 1:])
@@ -205,6 +250,10 @@ def _read_element_block(file: KeywordFile, block: KeywordBlock, nodes: _Nodes) -
             f"element {rows[row, 0]} names node {rows[row, 1 + corner]}, which the file does not define; "
             "add the node, or remove the element",
         )
+    if name in _QUADRILATERALS:
+        crossed = crossed_quadrilaterals(nodes.positions, numbers)
+        if crossed.size:
+            raise file.error(int(lines[crossed[0]]), f"element {rows[crossed[0], 0]}: {CROSSED}")
     return _ElementBlock(name, block.options.get("ELSET"), rows[:, 0], numbers, lines)
 
 

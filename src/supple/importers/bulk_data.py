@@ -15,7 +15,8 @@ MOST_INCLUDES = 20  # nested; more means a file that includes itself
 _CARD_NAME = re.compile(r"[A-Z][A-Z0-9]{0,7}$")
 _EXPONENT_WITHOUT_E = re.compile(r"([+-]?[0-9]*\.?[0-9]*)([+-][0-9]+)$")
 _BEGIN = re.compile(r"\s*BEGIN\s+(BULK|SUPER)\b(.*)", re.IGNORECASE)
-_INCLUDE = re.compile(r"\s*INCLUDE\s+['\"]?([^'\"]*)['\"]?\s*$", re.IGNORECASE)
+_INCLUDE = re.compile(r"\s*INCLUDE\s+(.*)", re.IGNORECASE)
+_PARAM_ABOVE = re.compile(r"\s*PARAM\s*,", re.IGNORECASE)
 
 RawLine = tuple[Path, int, str]
 
@@ -48,7 +49,7 @@ class BulkCard:
                 raise self.error(f"{what} (field {self._field(place)}) is blank; give a whole number")
             return default
         try:
-            return int(word)
+            return int(_without_underscores(word))
         except ValueError:
             raise self.error(
                 f"{what} (field {self._field(place)}) is '{word}', not a whole number; correct it"
@@ -95,6 +96,7 @@ class BulkFile:
 
 def bulk_real(word: str) -> float:
     """A number as Nastran writes it: 1.5, 1.5E3, 1.5D3 or 1.5+3; ValueError for anything else."""
+    word = _without_underscores(word)
     try:
         value = float(word)
     except ValueError:
@@ -105,8 +107,17 @@ def bulk_real(word: str) -> float:
     return value
 
 
+def _without_underscores(word: str) -> str:
+    """The word; ValueError for 1_000, which Python takes for a number."""
+    if "_" in word:
+        raise ValueError(word)
+    return word
+
+
 def read_bulk_data(path: str | Path) -> BulkFile:
     """Cards of a Nastran file: from BEGIN BULK to ENDDATA, or the whole file where it has neither.
+
+    A PARAM may stand above BEGIN BULK, too, among the cards of case control.
 
     Small fields (8 columns), large fields (16, NAME*), free fields (commas), tabs, comments and INCLUDE are
     understood. A continuation stands right below the line it continues.
@@ -132,6 +143,12 @@ def read_bulk_data(path: str | Path) -> BulkFile:
                     number,
                     f"{name}: continues '{label}', but the line above announces '{mnemonic}'; write "
                     "continuations in order, right below their card",
+                )
+            if len(data) == 8 and len(fields) % 8:
+                raise _error(
+                    file,
+                    number,
+                    f"{name}: small fields continue a single large line; write a row as two large lines",
                 )
             fields += data
         else:
@@ -189,7 +206,9 @@ def _bulk_lines(path: Path) -> Iterator[RawLine]:
     if len(starts) > 1 or any("SUPER" in lines[i][2].upper() for i in starts):
         file, number, _ = lines[starts[-1]]
         raise _error(file, number, "parts (BEGIN SUPER) are not read; export each as a file of its own")
-    for file, number, text in lines[starts[0] + 1 :] if starts else lines:
+    first = starts[0] + 1 if starts else 0
+    yield from (line for line in lines[:first] if _PARAM_ABOVE.match(line[2]))
+    for file, number, text in lines[first:]:
         if text.strip().upper() == "ENDDATA":
             return
         yield file, number, text
@@ -206,7 +225,8 @@ def _lines(path: Path, depth: int) -> list[RawLine]:
     if b"\0" in content:
         raise ImportFormatError(f"{path}: a binary file, not bulk data; export the model as text (.bdf)")
     found: list[RawLine] = []
-    for number, line in enumerate(content.decode("utf-8", errors="replace").splitlines(), start=1):
+    lines = enumerate(content.decode("utf-8", errors="replace").splitlines(), start=1)
+    for number, line in lines:
         text = line.partition("$")[0].rstrip()
         if not text:
             continue
@@ -219,7 +239,16 @@ def _lines(path: Path, depth: int) -> list[RawLine]:
             raise _error(
                 path, number, f"includes nest over {MOST_INCLUDES} deep; does a file include itself?"
             )
-        found += _lines(path.parent / included[1].strip(), depth + 1)
+        name = included[1].strip()
+        while name[0] in "'\"" and name.count(name[0]) == 1:  # a name in quotes may run over several lines
+            _, more = next(lines, (0, name[0]))
+            name += more.strip()
+        target = path.parent / name.strip("'\"").replace("\\", "/")
+        if not target.is_file():
+            raise _error(
+                path, number, f"includes {target}, and there is no such file; check its name and folder"
+            )
+        found += _lines(target, depth + 1)
     return found
 
 

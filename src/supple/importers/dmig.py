@@ -43,7 +43,7 @@ def read_dmig(path: str | Path, role: MatrixRole, *, name: str | None = None) ->
     _check_header(headers[0], chosen)
     is_single = headers[0].integer(3, "the type TIN") == _REAL_SINGLE
     entries = [card for card in cards if card.word(1) != "0"]
-    return _entries(file, entries, chosen, SINGLE_PRECISION if is_single else 0.0)
+    return _entries(file, headers[0], entries, SINGLE_PRECISION if is_single else 0.0)
 
 
 def _chosen_name(file: BulkFile, role: MatrixRole, name: str | None) -> str:
@@ -70,13 +70,14 @@ def _check_header(card: BulkCard, name: str) -> None:
         raise card.error(f"{name} has type {kind}, which is complex; export it as real (1 or 2)")
 
 
-def _entries(file: BulkFile, cards: list[BulkCard], name: str, precision: float) -> LabelledMatrix:
+def _entries(file: BulkFile, header: BulkCard, cards: list[BulkCard], precision: float) -> LabelledMatrix:
+    name = header.word(0)
     rows, columns, values = [], [], []
     resolution = 1.0
     for card in cards:
         column = (card.integer(1, "the grid of the column"), card.integer(2, "its component"))
         for place in range(4, len(card.fields), 4):
-            if not card.word(place):
+            if not any(card.fields[place : place + 4]):
                 continue
             rows.append((card.integer(place, "the grid of a row"), card.integer(place + 1, "its component")))
             columns.append(column)
@@ -84,6 +85,13 @@ def _entries(file: BulkFile, cards: list[BulkCard], name: str, precision: float)
             resolution = min(resolution, printed_resolution(card.word(place + 2)))
     if not values:
         raise ImportFormatError(f"{file.path}: DMIG {name} has no entries; is the file cut short?")
+    beside = {pair for pair in zip(rows, columns, strict=True) if pair[0] != pair[1]}
+    is_symmetric = header.integer(2, "the form IFO") == _SYMMETRIC
+    if beside and not is_symmetric and not any((column, row) in beside for row, column in beside):
+        raise header.error(
+            f"{name} has form 1 (square), but entries on one side of its diagonal only, so it is not "
+            "symmetric; a symmetric matrix given by one triangle has form 6"
+        )
     return from_labelled_entries(
         f"{file.path}, DMIG {name}",
         np.array(rows),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
 from supple.importers.file_mesh import FileMesh, UnusedNodes
-from supple.importers.quadrilateral import split_quadrilaterals
+from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
 from supple.mesh import CellType, Mesh
 
 IntArray = NDArray[np.int64]
@@ -154,6 +154,11 @@ def _cells_by_type(
     for block in blocks:
         if block.type_name == _QUADRILATERAL:
             groups = {name: np.repeat(inside, 2) for name, inside in block.groups.items()}
+            crossed = crossed_quadrilaterals(points, block.cells)
+            if crossed.size:
+                raise ImportFormatError(
+                    f"{path}: quadrilateral {crossed[0]} (of its block, from 0): {CROSSED}"
+                )
             split = _Block("triangle", 2, split_quadrilaterals(points, block.cells), groups)
             by_kind.setdefault(CellType.TRIANGLE3, []).append(split)
         elif block.type_name in _CELL_TYPES:

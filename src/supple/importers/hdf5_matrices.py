@@ -64,7 +64,8 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
 
     Raises
     ------
-    ImportFormatError   as for `read_hdf5_nodes`; indices outside the matrix; as for `LabelledMatrix`
+    ImportFormatError   as for `read_hdf5_nodes`; indices outside the matrix or given twice; as for
+                        `LabelledMatrix`
     """
     path = Path(path)
     source = f"{path}, /{role.label}"
@@ -94,6 +95,13 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
     if largest >= n or indices.min(initial=0) < 0:
         raise ImportFormatError(
             f"{source}: row index {largest} in a matrix of {n} columns; write a square matrix"
+        )
+    places = np.repeat(np.arange(n), np.diff(indptr)) * n + indices
+    second = first_repeated(places)
+    if second is not None:
+        raise ImportFormatError(
+            f"{source}: the entry of row {indices[second]} and column {places[second] // n} (from 0) is "
+            "given twice; sum them up (scipy: sum_duplicates)"
         )
     resolution = SINGLE_PRECISION if is_single else float(np.finfo(float).eps)
     return LabelledMatrix(source, csc_array((data, indices, indptr), shape=(n, n)), freedoms, resolution)

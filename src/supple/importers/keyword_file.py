@@ -111,14 +111,21 @@ def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
 
 def _converted(file: KeywordFile, words: list[str], lines: NDArray[np.int64], dtype, what: str) -> NDArray:
     try:
-        return np.array(words, dtype=dtype)
+        values = np.array(words, dtype=dtype)
     except ValueError:
-        for word, line in zip(words, lines, strict=True):
-            try:
-                dtype(word)
-            except ValueError:
-                raise file.error(line, f"'{word}' is not {what}; correct it, or remove the line") from None
-        raise
+        values = None
+    # 1_000, nan and inf are numbers to Python alone.
+    if values is None or "_" in "".join(words) or not np.isfinite(values).all():
+        word, line = next(pair for pair in zip(words, lines, strict=True) if not _is_number(pair[0], dtype))
+        raise file.error(line, f"'{word}' is not {what}; correct it, or remove the line")
+    return values
+
+
+def _is_number(word: str, dtype) -> bool:
+    try:
+        return "_" not in word and bool(np.isfinite(dtype(word)))
+    except ValueError:
+        return False
 
 
 def _lines(path: Path, depth: int) -> list[tuple[Path, int, str]]:
@@ -137,7 +144,13 @@ def _lines(path: Path, depth: int) -> list[tuple[Path, int, str]]:
                         f"{path}, line {number}: includes nest over {MOST_INCLUDES} deep; "
                         "does a file include itself?"
                     )
-                found += _lines(path.parent / text.partition("=")[2].strip().strip('"'), depth + 1)
+                name = text.partition("=")[2].strip().strip('"').replace("\\", "/")
+                if not (path.parent / name).is_file():
+                    raise ImportFormatError(
+                        f"{path}, line {number}: includes {path.parent / name}, and there is no such file; "
+                        "check its name and folder"
+                    )
+                found += _lines(path.parent / name, depth + 1)
             else:
                 found.append((path, number, text))
     return found

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.io import mmread
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, issparse
 
 from supple.errors import ImportFormatError
 
@@ -22,17 +22,21 @@ def read_matrix(path: str | Path) -> csc_array:
     csc_array (m, n)   float64
     Raises
     ------
-    ImportFormatError   missing, unreadable or cut file; complex or infinite entries, or NaN
+    ImportFormatError   missing, unreadable or cut file; complex or infinite entries, or NaN; an entry
+                        given twice
     """
     path = Path(path)
     if not path.is_file():
         raise ImportFormatError(f"{path}: no such file; check its name and folder")
     try:
-        matrix = csc_array(mmread(path))
+        read = mmread(path)
     except (ValueError, OverflowError) as error:
         raise ImportFormatError(
             f"{path}: not readable as Matrix Market ({error}); write it anew, whole, as coordinate real"
         ) from error
+    matrix = csc_array(read)
+    if issparse(read) and matrix.nnz < read.nnz:
+        raise ImportFormatError(f"{path}: an entry is given twice; write the matrix anew, each entry once")
     if np.iscomplexobj(matrix.data):
         raise ImportFormatError(
             f"{path}: complex entries; stiffness and mass are real, so write their real part"

@@ -31,20 +31,35 @@ NASTRAN_SUFFIXES = (".bdf", ".dat", ".nas", ".blk")
 _READ = (
     "GRID", *COORDINATE_CARDS, *ELEMENT_CARDS, *PROPERTY_CARDS, "MAT1", "RBE2", "RBE3", *SET_CARDS, "PARAM",
 )  # fmt: skip
-# Loads, solution control and drawing: they change neither mesh, stiffness nor mass.
+# Loads, solution control, output and drawing: they change neither mesh, stiffness nor mass.
 _PASSED_OVER = (
-    "ACMODL", "DAREA", "DELAY", "DLOAD", "DPHASE", "ECHOOFF", "ECHOON", "EIGB", "EIGC", "EIGR", "EIGRL",
-    "FORCE", "FORCE1", "FORCE2", "FREQ", "FREQ1", "FREQ2", "FREQ3", "FREQ4", "FREQ5", "GRAV", "LOAD",
+    "ACCEL", "ACCEL1", "ACMODL", "DAREA", "DELAY", "DLOAD", "DPHASE", "ECHOOFF", "ECHOON", "EIGB", "EIGC",
+    "EIGR", "EIGRL", "FORCE", "FORCE1", "FORCE2", "FREQ", "FREQ1", "FREQ2", "FREQ3", "FREQ4", "FREQ5", "GRAV", "LOAD",
     "LSEQ", "MDLPRM", "MOMENT", "MOMENT1", "MOMENT2", "NLPARM", "PLOAD", "PLOAD1", "PLOAD2", "PLOAD4",
-    "PLOTEL", "RFORCE", "RLOAD1", "RLOAD2", "SPCADD", "SUPORT", "SUPORT1", "TABDMP1", "TABLED1",
-    "TABLED2", "TEMP", "TEMPD", "TLOAD1", "TLOAD2", "TSTEP", "TSTEPNL",
+    "PLOTEL", "RANDPS", "RANDT1", "RFORCE", "RLOAD1", "RLOAD2", "SET1", "SET3", "SPCADD", "SUPORT", "SUPORT1",
+    "TABDMP1", "TABLED1", "TABLED2", "TABLED3", "TABLED4", "TABRND1", "TEMP", "TEMPD", "TLOAD1", "TLOAD2",
+    "TSTEP", "TSTEPNL",
 )  # fmt: skip
+# Factors of the whole stiffness and mass.
+_FACTORS = ("CK1", "CM1")
 _REMEDIES = {
+    "BAROR": "write its fields on every CBAR",
+    "BEAMOR": "write its fields on every CBEAM",
+    "CBUSH": "make it a spring of the machine",
+    "CELAS1": "make it a spring of the machine",
+    "CELAS2": "make it a spring of the machine",
     "CONM2": "make it a rigid body of its own, fixed to an interface",
     "CROD": "write it as CBAR",
     "MPC": "make it a joint of the machine",
     "RBAR": "write it as RBE2",
     "CPENTA": "mesh with CTETRA or CHEXA",
+    "CPYRAM": "mesh with CTETRA or CHEXA",
+    "CQUADR": "write it as CQUAD4",
+    "CTRIAR": "write it as CTRIA3",
+    "DMIG": "a model of elements and matrices is not read: import the assembled matrices",
+    "GRDSET": "write CP, CD and PS on every GRID",
+    "NSM1": "write it as NSM of the property",
+    "NSML1": "write it as NSM of the property",
     "CQUAD8": "mesh with CQUAD4",
     "CTRIA6": "mesh with CTRIA3",
     "PCOMP": "import the matrices (DMIG, OP4), or build a LaminateWall in Python",
@@ -153,6 +168,9 @@ def _refuse_what_is_not_read(file: BulkFile) -> None:
         if name not in _READ and name not in _PASSED_OVER:
             remedy = _REMEDIES.get(name, "remove it, or replace it by cards that are")
             raise cards[0].error(f"this card is not read; {remedy}. Read are {', '.join(_READ)}")
+    for card in file.named("PARAM"):
+        if card.word(0) in _FACTORS and card.real(1, card.word(0), 1.0) != 1.0:
+            raise card.error(f"the factor {card.word(0)} is not read; scale the materials instead")
 
 
 def _refuse_unused(

@@ -14,7 +14,7 @@ from supple.importers.nastran_beams import BEAM_OPTIONS, Orientation, beam_orien
 from supple.importers.nastran_grids import GridPoints
 from supple.importers.nastran_properties import PROPERTY_CARDS
 from supple.importers.numbering import first_repeated
-from supple.importers.quadrilateral import split_quadrilaterals
+from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
 from supple.mesh import CellType
 
 IntArray = NDArray[np.int64]
@@ -35,12 +35,12 @@ _ELEMENTS = {
     "CTETRA": _Element({4: CellType.TETRA4, 10: CellType.TETRA10}, {}),
     "CHEXA": _Element({8: CellType.HEXA8, 20: CellType.HEXA20}, {20: _HEXA20_ORDER}),
     "CTRIA3": _Element(
-        {3: CellType.TRIANGLE3}, {}, ((6, "an offset ZOFFS"), (11, "T1"), (12, "T2"), (13, "T3"))
+        {3: CellType.TRIANGLE3}, {}, ((6, "an offset ZOFFS"), *((10 + i, f"T{i + 1}") for i in range(3)))
     ),
     "CBAR": _Element({2: CellType.LINE2}, {}, BEAM_OPTIONS),
     "CBEAM": _Element({2: CellType.LINE2}, {}, BEAM_OPTIONS),
     "CQUAD4": _Element(
-        {4: CellType.TRIANGLE3}, {}, ((7, "an offset ZOFFS"), *((10 + i, f"T{i}") for i in range(1, 5)))
+        {4: CellType.TRIANGLE3}, {}, ((7, "an offset ZOFFS"), *((10 + i, f"T{i + 1}") for i in range(4)))
     ),
 }
 ELEMENT_CARDS = tuple(_ELEMENTS)
@@ -140,6 +140,9 @@ def _cells(
     if count in element.order:
         nodes = nodes[:, element.order[count]]
     if name == "CQUAD4":
+        crossed = crossed_quadrilaterals(grids.positions, nodes)
+        if crossed.size:
+            raise cards[crossed[0]].error(f"element {cards[crossed[0]].word(0)}: {CROSSED}")
         nodes = split_quadrilaterals(grids.positions, nodes)
     return ElementCells(element.kinds[count], nodes, tuple(cards), set_names, sections)
 

@@ -88,6 +88,8 @@ def read_property(card: BulkCard, file: BulkFile) -> Property:
 def _solid(card: BulkCard, file: BulkFile) -> SolidProperty:
     if card.word(2) not in ("", "0"):
         raise card.error("a material coordinate system (CORDM) is not read; isotropic solids need none")
+    if card.word(6) not in ("", "SMECH"):
+        raise card.error(f"FCTN is {card.word(6)}, a fluid; only structure (SMECH) is read")
     return SolidProperty(_material(card, file, card.integer(1, "the material id")))
 
 
@@ -240,10 +242,14 @@ def _material(card: BulkCard, file: BulkFile, number: int, added_density: float 
 
 def _mass_factor(file: BulkFile) -> float:
     """PARAM,WTMASS: turns weights into masses."""
-    for card in file.named("PARAM"):
-        if card.word(0) == "WTMASS":
-            return card.real(1, "WTMASS")
-    return 1.0
+    cards = [card for card in file.named("PARAM") if card.word(0) == "WTMASS"]
+    factors = [card.real(1, "WTMASS") for card in cards]
+    for card, factor in zip(cards, factors, strict=True):
+        if factor <= 0:
+            raise card.error(f"WTMASS is {factor:g}; it must be positive")
+        if factor != factors[0]:
+            raise card.error(f"WTMASS is {factor:g}, and {factors[0]:g} above; keep one of the two")
+    return factors[0] if factors else 1.0
 
 
 _READERS: dict[str, Callable[[BulkCard, BulkFile], Property]] = {

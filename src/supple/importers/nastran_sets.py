@@ -74,6 +74,9 @@ def _listed(card: BulkCard, start: int, grids: GridPoints) -> list[int]:
     """Grid numbers of a list G1 G2 .. or of G1 THRU G2, which names the grids there are in between."""
     if card.word(start + 1) == "THRU":
         first, last = card.integer(start, "the first grid"), card.integer(start + 2, "the last grid")
+        further = [word for word in card.fields[start + 3 :] if word]
+        if further:
+            raise card.error(f"'{further[0]}' follows {first} THRU {last}; write it on a card of its own")
         inside = np.flatnonzero((grids.ids >= first) & (grids.ids <= last))
         if not inside.size:
             raise card.error(f"no grid lies in {first} THRU {last}; correct the range")

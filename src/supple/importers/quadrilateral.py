@@ -5,14 +5,33 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+CROSSED = "its sides cross, so its nodes do not go round it; list them in their order around it"
+"""What is wrong with a crossed quadrilateral, for messages."""
+
+_ALONG_02, _ALONG_13 = [[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]
+
 
 def split_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Two triangles (2 Q, 3) for each quadrilateral (Q, 4), cut along the shorter diagonal.
+    """Two triangles (2 Q, 3) for each quadrilateral (Q, 4), cut along the shorter diagonal inside it.
 
     Triangles 2 q and 2 q + 1 come from quadrilateral q and turn the same way.
     """
     corners = nodes[quads]
     diagonal_02 = np.linalg.norm(corners[:, 2] - corners[:, 0], axis=1)
     diagonal_13 = np.linalg.norm(corners[:, 3] - corners[:, 1], axis=1)
-    along_02, along_13 = quads[:, [0, 1, 2, 0, 2, 3]], quads[:, [0, 1, 3, 1, 2, 3]]
-    return np.where((diagonal_02 <= diagonal_13)[:, None], along_02, along_13).reshape(-1, 3)
+    inside_02, inside_13 = _turn_alike(corners, _ALONG_02), _turn_alike(corners, _ALONG_13)
+    take_02 = inside_02 & ((diagonal_02 <= diagonal_13) | ~inside_13)
+    return np.where(take_02[:, None, None], quads[:, _ALONG_02], quads[:, _ALONG_13]).reshape(-1, 3)
+
+
+def crossed_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Numbers (k,) of the quadrilaterals that neither diagonal cuts into triangles that turn the same way."""
+    corners = nodes[quads]
+    return np.flatnonzero(~_turn_alike(corners, _ALONG_02) & ~_turn_alike(corners, _ALONG_13))
+
+
+def _turn_alike(corners: NDArray[np.float64], triangles: list[list[int]]) -> NDArray[np.bool_]:
+    """Whether the normals of both triangles point to the same side."""
+    x = corners[:, triangles]
+    normals = np.cross(x[:, :, 1] - x[:, :, 0], x[:, :, 2] - x[:, :, 0])
+    return np.einsum("ei,ei->e", normals[:, 0], normals[:, 1]) >= 0

@@ -73,13 +73,16 @@ class EarlierEstimate:
 class PublishedBound:
     """(chi-bar + chi-bar^2 / kappa_n) xi^T X xi, n the number of the elastic vibration. [Han2020] (42)
 
-    Every mode left out vibrates faster than the n-th one held, so its share is bounded; with many modes kept
-    the bound is two or three times the truth, and tens of times where chi-bar_n is far above kappa_n.
+    With n modes or more kept, every mode left out vibrates faster than the n-th one held, so its share is
+    bounded. With many kept the bound is two or three times the truth, and tens of times where chi-bar_n is
+    far above kappa_n. With fewer, as bodies of several interfaces allow, it bounds nothing; where the body
+    has no n-th mode, the last one stands for it.
     """
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
         """Upper estimate."""
-        ratio = terms.values / terms.held[: terms.values.size]
+        n_th = np.minimum(np.arange(terms.values.size), max(terms.held.size - 1, 0))
+        ratio = terms.values / np.append(terms.held, np.inf)[n_th]
         return terms.values * (1.0 + ratio) * terms.first
 
 
