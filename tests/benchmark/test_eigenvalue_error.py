@@ -97,6 +97,7 @@ def test_report(results, beams, tmp_path):
     write_json(tmp_path / "report.json", report(results, beams))
     written = json.loads((tmp_path / "report.json").read_text())
     cylinder = written["bodies"][0]
+    assert {key: written[key] for key in cylinder} == cylinder
     assert (cylinder["body"], cylinder["element"], cylinder["cells"]) == ("cylinder", "tet4", 3528)
     assert [one["e"] for one in cylinder["tolerances"]] == [0.1, 0.01, 0.001]
     assert [one["modes_published"] for one in cylinder["tolerances"]] == [35, 58, 446]

@@ -160,9 +160,7 @@ def test_an_rbe2_that_is_no_interface_is_not_lost(folder):
     build_flexible_body(case_file, case_file.case.body[0], read_meshes(case_file)["strip"])
     (folder / "strip.toml").write_text(CASE.replace(table, 'nodes = "rbe2_7"\nkind = "averaging"'))
     case_file = read_case(folder / "strip.toml")
-    with pytest.raises(
-        ModelError, match=r'rbe2_7 of strip\.bdf ties nodes rigidly.*connection = "rbe2_7", or'
-    ):
+    with pytest.raises(ModelError, match=r'rbe2_7 of strip\.bdf ties nodes rigidly.*connection = "rbe2_7"'):
         build_flexible_body(case_file, case_file.case.body[0], read_meshes(case_file)["strip"])
 
 

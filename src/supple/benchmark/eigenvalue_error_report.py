@@ -33,9 +33,14 @@ def report(
     beams: Sequence[BeamFrequency],
     selections: Sequence[SelectionStudy] = (),
 ) -> dict[str, Any]:
-    """Everything measured, ready for JSON; `bodies` and the keys within are a contract."""
+    """Everything measured, ready for JSON; `bodies` and the keys within are a contract.
+
+    The entry of the first body stands at the top as well, for readers that expect one body a file.
+    """
+    bodies = [_body(result) for result in results]
     return {
-        "bodies": [_body(result) for result in results],
+        **(bodies[0] if bodies else {}),
+        "bodies": bodies,
         "beam_theory": [{**vars(row), "too_stiff_percent": 100 * row.stiffness_error} for row in beams],
         "selection": [study.as_row() for study in selections],
         "why_counts_differ": WHY_OTHER_COUNTS,

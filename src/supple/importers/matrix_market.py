@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.io import mmread
-from scipy.sparse import csc_array, issparse
+from scipy.sparse import coo_array, csc_array
 
 from supple.errors import ImportFormatError
 
@@ -29,13 +29,13 @@ def read_matrix(path: str | Path) -> csc_array:
     if not path.is_file():
         raise ImportFormatError(f"{path}: no such file; check its name and folder")
     try:
-        read = mmread(path)
+        entries = coo_array(mmread(path))
     except (ValueError, OverflowError) as error:
         raise ImportFormatError(
             f"{path}: not readable as Matrix Market ({error}); write it anew, whole, as coordinate real"
         ) from error
-    matrix = csc_array(read)
-    if issparse(read) and matrix.nnz < read.nnz:
+    matrix = csc_array(entries)
+    if matrix.nnz < entries.nnz:
         raise ImportFormatError(f"{path}: an entry is given twice; write the matrix anew, each entry once")
     if np.iscomplexobj(matrix.data):
         raise ImportFormatError(

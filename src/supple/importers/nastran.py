@@ -34,8 +34,8 @@ _READ = (
 # Loads, solution control, output and drawing: they change neither mesh, stiffness nor mass.
 _PASSED_OVER = (
     "ACCEL", "ACCEL1", "ACMODL", "DAREA", "DELAY", "DLOAD", "DPHASE", "ECHOOFF", "ECHOON", "EIGB", "EIGC",
-    "EIGR", "EIGRL", "FORCE", "FORCE1", "FORCE2", "FREQ", "FREQ1", "FREQ2", "FREQ3", "FREQ4", "FREQ5", "GRAV", "LOAD",
-    "LSEQ", "MDLPRM", "MOMENT", "MOMENT1", "MOMENT2", "NLPARM", "PLOAD", "PLOAD1", "PLOAD2", "PLOAD4",
+    "EIGR", "EIGRL", "FORCE", "FORCE1", "FORCE2", "FREQ", "FREQ1", "FREQ2", "FREQ3", "FREQ4", "FREQ5", "GRAV",
+    "LOAD", "LSEQ", "MDLPRM", "MOMENT", "MOMENT1", "MOMENT2", "NLPARM", "PLOAD", "PLOAD1", "PLOAD2", "PLOAD4",
     "PLOTEL", "RANDPS", "RANDT1", "RFORCE", "RLOAD1", "RLOAD2", "SET1", "SET3", "SPCADD", "SUPORT", "SUPORT1",
     "TABDMP1", "TABLED1", "TABLED2", "TABLED3", "TABLED4", "TABRND1", "TEMP", "TEMPD", "TLOAD1", "TLOAD2",
     "TSTEP", "TSTEPNL",

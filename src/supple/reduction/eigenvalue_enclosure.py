@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from scipy import linalg
@@ -15,6 +14,9 @@ from supple.errors import AccuracyError
 
 ROUNDS = 12
 RIGID_MOTIONS = 6
+
+# Relative, where the shift stands. The end of a cluster that fills the trial motions looks like a narrow gap.
+SMALLEST_GAP = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +55,8 @@ def enclose_eigenvalues(
 
     are lower bounds chi_n >= rho mu / (mu - 1), the most negative mu that of the highest; the Rayleigh-Ritz
     values of U are upper bounds. Subspace iteration from the trial motions brings the bounds together,
-    multiple eigenvalues or not. They are exact theorems, evaluated in floating point: nothing is proven
-    beyond its round-off.
+    multiple eigenvalues or not; a cluster larger than the trial motions is joined by random ones until its end
+    is seen. They are exact theorems, evaluated in floating point: nothing is proven beyond its round-off.
 
     trial : (n, p)          approximations of the lowest elastic modes, somewhat more than n_values of them
     largest_width : float   of upper / lower - 1
@@ -66,12 +68,18 @@ def enclose_eigenvalues(
     mean_axis = body.constrained(MeanAxisFrame().constraint(body))
     W = mean_axis.solve(body.mass @ trial)
     del trial  # a large body has no room for what is used no more
-    width, count, inside = np.inf, None, 0
-    for _ in range(ROUNDS):
+    width, count, inside, rounds = np.inf, None, 0, 0
+    while rounds < ROUNDS:
+        rounds += 1
         U, upper = _ritz(body, W)
         del W
         W = mean_axis.solve(body.mass @ U)
-        inside = gap_after(upper, n_values).place
+        inside, gap = _last_before_gap(upper, n_values)
+        if gap < SMALLEST_GAP and upper.size < mean_axis.n - RIGID_MOTIONS:
+            n_more = min(upper.size, mean_axis.n - RIGID_MOTIONS - upper.size)
+            W = np.hstack([W, mean_axis.solve(_random_loads(body, n_more))])
+            rounds = 0
+            continue
         shift = 0.5 * float(upper[inside - 1] + upper[inside])
         lower = _lehmann_goerisch(upper, U.T @ (body.mass @ W), shift)
         # Of either sign: lower bounds above the upper ones are round-off, which proves nothing.
@@ -100,22 +108,21 @@ def _ritz(body: FlexibleBody, columns: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return columns @ (weights[:, ::-1] / np.sqrt(mu[::-1])), 1 / mu[::-1]
 
 
-class Gap(NamedTuple):
-    """A place in an ascending spectrum where a shift can stand."""
+def _last_before_gap(values: np.ndarray, n_values: int) -> tuple[int, float]:
+    """How many values lie below the widest relative gap after the first n_values, and how wide it is.
 
-    place: int
-    """How many values lie below."""
-    width: float
-    """Relative distance of the next one."""
-
-
-def gap_after(values: np.ndarray, n_values: int) -> Gap:
-    """The widest relative gap after the first n_values, with half of the other values to spare above it."""
+    It is sought in the nearer half of the other values, to have the other half to spare.
+    """
     last = max(n_values + 1, (n_values + values.size) // 2)
     near = values[n_values - 1 : last + 1]
     widths = np.diff(near) / near[:-1]
     widest = int(np.argmax(widths))
-    return Gap(n_values + widest, float(widths[widest]))
+    return n_values + widest, float(widths[widest])
+
+
+def _random_loads(body: FlexibleBody, n_loads: int) -> np.ndarray:
+    """Inertia loads (n, n_loads) that excite all motions."""
+    return body.mass @ np.random.default_rng(n_loads).standard_normal((body.n, n_loads))
 
 
 def _lehmann_goerisch(values: np.ndarray, A2: np.ndarray, rho: float) -> np.ndarray:

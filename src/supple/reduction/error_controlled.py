@@ -13,17 +13,14 @@ from supple.body import FlexibleBody, Frame
 from supple.errors import AccuracyError, ModelError
 from supple.reduction.craig_bampton_family import CraigBamptonFamily
 from supple.reduction.eigenvalue_certificate import EigenvalueCertificate
-from supple.reduction.eigenvalue_enclosure import EigenvalueEnclosure, enclose_eigenvalues, gap_after
+from supple.reduction.eigenvalue_enclosure import EigenvalueEnclosure, enclose_eigenvalues
 from supple.reduction.eigenvalue_error import ErrorEstimator, KnownEigenvalues, SharperBound
-from supple.reduction.free_vibration import FreeVibrations
 from supple.reduction.linear_basis import LinearBasis
 from supple.reduction.mode_search import Bisection, ModeSearch, SearchStep
 from supple.reduction.stopwatch import timed
 
 SMALLEST_TOLERANCE = 1e-7
 """Below this, round-off in the eigenvalues of large bodies could decide."""
-SMALLEST_GAP = 1e-3
-"""Relative, in the spectrum, where the shift of the bounds stands: close to an eigenvalue they are wide."""
 LARGEST_WITH_TWO_FACTORS = 100_000
 """Freedoms; beyond, a minute for factoring K once more is cheaper than the memory."""
 
@@ -171,24 +168,13 @@ def _tried(
 def _enclosed(family: CraigBamptonFamily, control: ErrorControlled, n_kept: int) -> EigenvalueEnclosure:
     """Bounds for the full body's eigenvalues; the reduced body, with some more modes, says where to look."""
     body = family.body
-    trial = _trial_vibrations(family, n_kept, max(control.n_modes + 8, 3 * control.n_modes // 2))
-    # Clusters larger than that, such as equal blades make, are included whole.
-    while (
-        trial.values.size < family.n_vibrations
-        and gap_after(trial.values, control.n_modes).width < SMALLEST_GAP
-    ):
-        trial = _trial_vibrations(family, n_kept, 2 * trial.values.size)
+    n_trial = min(family.n_vibrations, max(control.n_modes + 8, 3 * control.n_modes // 2))
+    n_needed = n_trial - (len(family.rigid_motion) - 6)
+    trial = family.vibrations(min(max(n_kept, n_needed), family.n_available), n_trial)
     width = max(0.01 * control.tolerance, 0.1 * SMALLEST_TOLERANCE)
     # Two factors of a large body, gigabytes each, are not held at once.
     make_room = family.make_room if body.n > LARGEST_WITH_TWO_FACTORS else None
     return enclose_eigenvalues(body, family.vectors(trial), control.n_modes, width, make_room)
-
-
-def _trial_vibrations(family: CraigBamptonFamily, n_kept: int, n_trial: int) -> FreeVibrations:
-    """So many vibrations, or all there are, of a body with n_kept modes or the few more that it takes."""
-    n_trial = min(n_trial, family.n_vibrations)
-    n_needed = n_trial - (len(family.rigid_motion) - 6)
-    return family.vibrations(min(max(n_kept, n_needed), family.n_available), n_trial)
 
 
 def _not_reached(family: CraigBamptonFamily, control: ErrorControlled, step: SearchStep) -> AccuracyError:
