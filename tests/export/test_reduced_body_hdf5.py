@@ -52,6 +52,7 @@ def test_fields_that_the_file_does_not_have_take_their_default(tmp_path, linear)
     with h5py.File(path, "r+") as file:
         del file["report/corrections"]
         file.create_group("report/from the future")
+        del file.attrs["digest"]  # which the other program would have made of its own parts
     assert read_reduced_body(path).report.corrections == ReductionReport(()).corrections
 
 
@@ -87,6 +88,58 @@ def test_one_flipped_bit_is_found(tmp_path, nonlinear):
     data[place + 8] ^= 1
     path.write_bytes(data)
     with pytest.raises(ResultFileError, match=r"is damaged .*: copy it again, or reduce the body again"):
+        read_reduced_body(path)
+
+
+def test_any_flipped_bit_is_found_or_without_effect(tmp_path, nonlinear, assert_same):
+    """All over the file: in arrays, names, attributes, texts, and in what ties the file together."""
+    path = write_reduced_body(tmp_path / "body.h5", nonlinear)
+    whole = path.read_bytes()
+    rng = np.random.default_rng(4)
+    refused = 0
+    for place in rng.integers(len(whole), size=150):
+        data = bytearray(whole)
+        data[place] ^= 1 << rng.integers(8)
+        path.write_bytes(data)
+        try:
+            assert_same(read_reduced_body(path), nonlinear)
+        except ResultFileError as error:
+            assert "copy it again" in str(error) or "check the path" in str(error)
+            refused += 1
+    assert refused > 75
+
+
+@pytest.mark.parametrize(
+    ("place", "name", "value"),
+    [("/", "rotation_limit", 0.5), ("/", "name", "other"), ("interfaces/0", "name", "other")],
+)
+def test_attributes_have_no_checksum_and_are_found_all_the_same(tmp_path, linear, place, name, value):
+    path = write_reduced_body(tmp_path / "body.h5", linear)
+    with h5py.File(path, "r+") as file:
+        file[place].attrs[name] = value
+    with pytest.raises(
+        ResultFileError, match=r"is damaged \(parts are not those that were written\): copy it"
+    ):
+        read_reduced_body(path)
+
+
+@pytest.mark.parametrize("part", ["rotation_basis", "interfaces"])
+def test_a_missing_part_that_bodies_may_do_without_is_found(tmp_path, nonlinear, part):
+    path = write_reduced_body(tmp_path / "body.h5", nonlinear)
+    with h5py.File(path, "r+") as file:
+        del file[part]
+    with pytest.raises(ResultFileError, match="is damaged"):
+        read_reduced_body(path)
+
+
+@pytest.mark.parametrize(
+    ("version", "message"), [(0, "format version 0 never was"), ("x", "invalid literal")]
+)
+def test_a_version_that_never_was(tmp_path, linear, version, message):
+    path = write_reduced_body(tmp_path / "body.h5", linear)
+    with h5py.File(path, "r+") as file:
+        file.attrs["version"] = version
+    with pytest.raises(ResultFileError, match=f"is damaged .*{message}"):
         read_reduced_body(path)
 
 

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from supple import __version__
 from supple.cli.console import console, reported_errors, reported_warnings
+
+if TYPE_CHECKING:
+    from supple.benchmark.quadruple_pendulum import QuadruplePendulum
+    from supple.benchmark.slider_crank import SliderCrank
 
 app = typer.Typer(
     help="Reduced-order flexible multibody dynamics.",
@@ -172,18 +176,8 @@ def quadruple_pendulum(
 ) -> None:
     """Let the pendulum of [Han2020] section 5.1 fall, its last link reduced to three tolerances."""
     from supple.benchmark.quadruple_pendulum import QuadruplePendulum
-    from supple.cli.benchmark_tolerances import benchmark_tolerances
-    from supple.cli.compilation_cache import keep_compiled_programs
-    from supple.mesh import CellType
 
-    keep_compiled_programs()
-    with reported_errors(debug=debug), reported_warnings():
-        problem = (
-            QuadruplePendulum.quick()
-            if quick
-            else QuadruplePendulum(cell_type=CellType[element.cell_type_name])
-        )
-        benchmark_tolerances(problem.machine(), problem.tolerances, json, output)
+    _benchmark_machine(QuadruplePendulum, quick, element, json, output, debug)
 
 
 @benchmark_app.command("slider-crank")
@@ -198,14 +192,26 @@ def slider_crank(
 ) -> None:
     """Drive the slider-crank of [Han2020] section 5.2, its rod reduced to three tolerances."""
     from supple.benchmark.slider_crank import SliderCrank
+
+    _benchmark_machine(SliderCrank, quick, element, json, output, debug)
+
+
+def _benchmark_machine(
+    problem: type[QuadruplePendulum] | type[SliderCrank],
+    quick: bool,
+    element: Element,
+    json: Path | None,
+    output: Path,
+    debug: bool,
+) -> None:
     from supple.cli.benchmark_tolerances import benchmark_tolerances
     from supple.cli.compilation_cache import keep_compiled_programs
     from supple.mesh import CellType
 
     keep_compiled_programs()
     with reported_errors(debug=debug), reported_warnings():
-        problem = SliderCrank.quick() if quick else SliderCrank(cell_type=CellType[element.cell_type_name])
-        benchmark_tolerances(problem.machine(), problem.tolerances, json, output)
+        size = problem.quick() if quick else problem(cell_type=CellType[element.cell_type_name])
+        benchmark_tolerances(size.machine(), size.tolerances, json, output)
 
 
 @benchmark_app.command("blade")

@@ -7,12 +7,14 @@ Format "supple-reduced-body", version 1 (any HDF5 reader opens it):
                  name               of the body
                  frame              "mean-axis", or "nodal-fixed" with the attribute frame_interface
                  rotation_limit     rad
+                 digest             see hdf5_digest; a file without it is read unchecked
     gram, stiffness, damping, frequencies, nodes, nodal_basis
                  the arrays of ReducedBody; cubic, quartic and rotation_basis where the body has them
     interfaces/<i>      i = 0, 1, ...: attribute name, datasets position (3,) and motion (6, r)
     report              the fields of ReductionReport, as in hdf5_record
 
-Numbers are stored as they are, so that reading gives back the very bits, and arrays carry a checksum.
+Numbers are stored as they are, so that reading gives back the very bits. Arrays carry a checksum, and the
+digest covers everything else.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ import numpy as np
 
 from supple.body import Frame, MeanAxisFrame, NodalFixedFrame
 from supple.errors import ModelError, ResultFileError
+from supple.export.hdf5_digest import DIGEST, digest_of
 from supple.export.hdf5_record import (
     read_array,
     read_group,
@@ -73,6 +76,7 @@ def write_reduced_body(path: Path | str, body: ReducedBody) -> Path:
         for i, interface in enumerate(body.interfaces):
             store_record(file.create_group(f"interfaces/{i}"), interface)
         store_record(file.create_group("report"), body.report)
+        file.attrs[DIGEST] = digest_of(file)
         file.flush()
         image = file.id.get_file_image()
     with replacing(path) as temporary:
@@ -90,7 +94,7 @@ def read_reduced_body(path: Path | str) -> ReducedBody:
     path = Path(path)
     with _open(path) as file:
         try:
-            return ReducedBody(
+            body = ReducedBody(
                 name=_text(file.attrs["name"]),
                 frame=_frame(file.attrs),
                 gram=read_array(file, "gram"),
@@ -106,6 +110,9 @@ def read_reduced_body(path: Path | str) -> ReducedBody:
                 frequencies=read_array(file, "frequencies"),
                 report=read_record(read_group(file, "report"), ReductionReport),
             )
+            if file.attrs.get(DIGEST, digest_of(file)) != digest_of(file):
+                raise ValueError("parts are not those that were written")
+            return body
         # A checksum that does not agree is an OSError of HDF5, a missing part a KeyError, and parts that do
         # not fit each other the ModelError of the body itself.
         except (KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
@@ -143,9 +150,9 @@ def _open(path: Path) -> h5py.File:
         file = h5py.File(path, "r")
     try:
         _check_format(path, file.attrs)
-    except BaseException:
+    except (OSError, RuntimeError, ValueError) as error:
         file.close()
-        raise
+        raise error if isinstance(error, ResultFileError) else _damaged(path, error) from error
     return file
 
 
@@ -156,6 +163,8 @@ def _check_format(path: Path, attributes: h5py.AttributeManager) -> None:
             "`supple reduce` and write_reduced_body make such files"
         )
     version = int(str(attributes.get("version", 0)))
+    if version < 1:
+        raise ValueError(f"format version {version} never was")
     if version > VERSION:
         raise ResultFileError(
             f"{path} has format version {version}, and this supple reads up to {VERSION}: "

@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.multibody.joints.fixed import Fixed
 from supple.multibody.joints.joint import Joint, JointFrame, axes_along, closing, relative_turn, stack
 from supple.multibody.time_law import TimeLaw, as_time_law
 
@@ -24,15 +25,8 @@ class PrescribedTranslation(Joint):
     displacement: Any
     """distance as a function of time (a number, a law, or a function written with jax.numpy)"""
 
-    n_constraints: ClassVar[int] = 6
-    rows: ClassVar[tuple[str, ...]] = (
-        "position x",
-        "position y",
-        "position z",
-        "rotation x",
-        "rotation y",
-        "rotation z",
-    )
+    n_constraints: ClassVar[int] = Fixed.n_constraints
+    rows: ClassVar[tuple[str, ...]] = Fixed.rows
 
     @property
     def initial_axes(self) -> np.ndarray:
