@@ -81,6 +81,30 @@ def test_every_copy_of_a_multiple_mode_is_found(chain):
     np.testing.assert_allclose(values[:30], np.repeat(exact, 3), rtol=1e-9)
 
 
+@pytest.mark.parametrize("spread", [0.0, 1e-7, 1e-4])
+def test_more_copies_than_a_block_has_columns_are_all_found(chain, spread):
+    """Twenty chains, alike or nearly so: a Krylov space of eight columns holds eight copies and no more."""
+    factors = 1 + spread * np.linspace(0, 1, 20)
+    one = chain(101)[0][1:, 1:]
+    twenty = sparse.block_diag([factor * one for factor in factors], format="csc")
+    inverse = constrained_factor(twenty, np.zeros((0, 2000)))
+    growing = GrowingModes(inverse, sparse.eye_array(2000, format="csc"))
+    exact = np.outer(4 * np.sin((2 * np.arange(100) + 1) * np.pi / 402) ** 2, factors).ravel()
+    for n_modes in (5, 30):
+        values = growing.at_least(n_modes).values
+        np.testing.assert_allclose(values, np.sort(exact)[: values.size], rtol=1e-9)
+
+
+@pytest.mark.parametrize("n", [1, 7, 9])
+def test_a_structure_smaller_than_a_block(chain, n):
+    held_chain = sparse.csc_array(chain(n + 1)[0][1:, 1:])
+    growing = GrowingModes(
+        constrained_factor(held_chain, np.zeros((0, n))), sparse.eye_array(n, format="csc")
+    )
+    exact = 4 * np.sin((2 * np.arange(n) + 1) * np.pi / (4 * n + 2)) ** 2
+    np.testing.assert_allclose(growing.at_least(1).values, exact, rtol=1e-9)
+
+
 def test_modes_need_not_be_formed_to_be_used(held):
     inverse, mass, _ = held
     rng = np.random.default_rng(1)

@@ -115,3 +115,19 @@ def test_terms_know_the_first_mode_left_out(family):
     assert terms.next_held == family.component.eigenvalues[10]
     assert np.all(terms.first > 0)
     assert np.all(terms.second <= terms.first / terms.next_held * (1 + 1e-9))
+
+
+def test_the_published_bound_where_there_are_more_vibrations_than_modes(mean_axis, lowest_squares):
+    """Two averaging interfaces on a body of eight nodes: 18 vibrations, 12 fixed-interface modes."""
+    model = solid_model(block(1.0, 0.5, 0.5, 1, 1, 1, CellType.HEXA8), Isotropic(1e7, 0.3, 1000.0))
+    interfaces = (AveragingInterface("root", "root"), AveragingInterface("tip", "tip"))
+    body = flexible_body("cube", model, interfaces)
+    family = CraigBamptonFamily(body)
+    assert (family.n_available, family.n_vibrations) == (12, 18)
+    errors = family.errors(10, 16, PublishedBound())
+    terms = error_terms(family.component, family.vibrations(10, 16))
+    np.testing.assert_allclose(
+        errors[12:], (terms.values * (1 + terms.values / terms.held[11]) * terms.first)[12:]
+    )
+    exact = KnownEigenvalues(lowest_squares(body, mean_axis, 16))
+    assert np.abs(family.errors(12, 16, PublishedBound()) - family.errors(12, 16, exact)).max() < 1e-8

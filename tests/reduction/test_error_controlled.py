@@ -10,8 +10,8 @@ from scipy import linalg, sparse
 
 from supple.body import AveragingInterface, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
 from supple.errors import AccuracyError, ModelError
-from supple.fem import Isotropic, lumped_mass, solid_model
-from supple.mesh import CellType, block
+from supple.fem import HomogeneousWall, Isotropic, lumped_mass, shell_model, solid_model
+from supple.mesh import CellType, block, strip
 from supple.reduction import (
     EarlierEstimate,
     ErrorControlled,
@@ -191,3 +191,11 @@ def test_memory_given_back_for_the_count_changes_nothing(monkeypatch, strip_body
     assert str(given_back.certificate) == str(kept.certificate)
     np.testing.assert_allclose(given_back.certificate.values, kept.certificate.values, rtol=1e-9)
     np.testing.assert_allclose(np.abs(given_back.vectors), np.abs(kept.vectors), atol=1e-6)
+
+
+def test_a_foil_too_thin_for_its_digits_is_refused():
+    """0.1 mm by 10 m: the lowest eigenvalue is 10^-20 of the highest, far below round-off."""
+    model = shell_model(strip(10.0, 0.4, 8, 2), HomogeneousWall(Isotropic(7e10, 0.3, 2700.0), 1e-4))
+    foil = flexible_body("foil", model, [RigidInterface("root", "root")])
+    with pytest.raises(AccuracyError, match=r"lowest eigenvalue of the held structure is -.*too soft"):
+        error_controlled_modes(foil, ErrorControlled(1e-3, 6))

@@ -103,7 +103,7 @@ class GrowingModes:
         Raises
         ------
         ModelError      more modes than there are
-        AccuracyError   a motion carries no mass, or negative mass
+        AccuracyError   a motion carries no mass, or negative mass; one is so soft that round-off decides
         """
         if n_modes > self.available:
             raise ModelError(f"{n_modes} modes asked of a structure with {self.available} freedoms")
@@ -121,9 +121,9 @@ class GrowingModes:
                 )
                 if not everything.values[0] > 0:
                     raise AccuracyError(
-                        f"the lowest eigenvalue of the held structure is {everything.values[0]:.1e}: it is too "
-                        "soft, next to its stiffest motion, for the digits of its stiffness; check units and "
-                        "thicknesses, and what holds it"
+                        f"the lowest eigenvalue of the held structure is {everything.values[0]:.1e}: next to "
+                        "its stiffest motion it is too soft for the digits of its stiffness; check units, "
+                        "thicknesses and what holds it"
                     )
                 self.found = RitzModes.of(everything)
             else:

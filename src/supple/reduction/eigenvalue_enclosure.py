@@ -15,8 +15,11 @@ from supple.errors import AccuracyError
 ROUNDS = 12
 RIGID_MOTIONS = 6
 
-# Relative, where the shift stands. The end of a cluster that fills the trial motions looks like a narrow gap.
+# Relative, where the shift stands. A cluster larger than the trial motions shows no wider one.
 SMALLEST_GAP = 1e-3
+
+# How often as many random motions join the trial motions.
+MOST_WIDENED = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +58,9 @@ def enclose_eigenvalues(
 
     are lower bounds chi_n >= rho mu / (mu - 1), the most negative mu that of the highest; the Rayleigh-Ritz
     values of U are upper bounds. Subspace iteration from the trial motions brings the bounds together,
-    multiple eigenvalues or not; a cluster larger than the trial motions is joined by random ones until its end
-    is seen. They are exact theorems, evaluated in floating point: nothing is proven beyond its round-off.
+    multiple eigenvalues or not. Random motions join them where a cluster is larger than they are, or where
+    the count tells that they lack a mode. These are exact theorems, evaluated in floating point: nothing is
+    proven beyond its round-off.
 
     trial : (n, p)          approximations of the lowest elastic modes, somewhat more than n_values of them
     largest_width : float   of upper / lower - 1
@@ -68,30 +72,33 @@ def enclose_eigenvalues(
     mean_axis = body.constrained(MeanAxisFrame().constraint(body))
     W = mean_axis.solve(body.mass @ trial)
     del trial  # a large body has no room for what is used no more
-    width, count, inside, rounds = np.inf, None, 0, 0
+    width, count, inside = np.inf, None, 0
+    rounds = widened = 0
     while rounds < ROUNDS:
         rounds += 1
         U, upper = _ritz(body, W)
         del W
         W = mean_axis.solve(body.mass @ U)
         inside, gap = _last_before_gap(upper, n_values)
-        if gap < SMALLEST_GAP and upper.size < mean_axis.n - RIGID_MOTIONS:
-            n_more = min(upper.size, mean_axis.n - RIGID_MOTIONS - upper.size)
+        n_more = min(upper.size, body.n - RIGID_MOTIONS - upper.size) if widened < MOST_WIDENED else 0
+        if gap >= SMALLEST_GAP or n_more == 0:
+            shift = 0.5 * float(upper[inside - 1] + upper[inside])
+            lower = _lehmann_goerisch(upper, U.T @ (body.mass @ W), shift)
+            # Of either sign: lower bounds above the upper ones are round-off, which proves nothing.
+            width = float(np.max(np.abs(upper[:inside] / lower - 1))) if lower.size == inside else np.inf
+            if width > largest_width:
+                continue
+            if make_room is not None:
+                make_room()
+            count = count_below(body.stiffness, body.mass, shift, grounded=body.grounded_stiffness)
+            count -= RIGID_MOTIONS
+            if count == inside:
+                return EigenvalueEnclosure(lower[:n_values], upper[:n_values], shift, count + RIGID_MOTIONS)
+        if n_more:
+            # A cluster has no end among the trial motions, or they lack a mode, such as one of a symmetric
+            # body that no interface feels.
             W = np.hstack([W, mean_axis.solve(_random_loads(body, n_more))])
-            rounds = 0
-            continue
-        shift = 0.5 * float(upper[inside - 1] + upper[inside])
-        lower = _lehmann_goerisch(upper, U.T @ (body.mass @ W), shift)
-        # Of either sign: lower bounds above the upper ones are round-off, which proves nothing.
-        width = float(np.max(np.abs(upper[:inside] / lower - 1))) if lower.size == inside else np.inf
-        if width > largest_width:
-            continue
-        if make_room is not None:
-            make_room()
-        count = count_below(body.stiffness, body.mass, shift, grounded=body.grounded_stiffness)
-        count -= RIGID_MOTIONS
-        if count == inside:
-            return EigenvalueEnclosure(lower[:n_values], upper[:n_values], shift, count + RIGID_MOTIONS)
+            rounds, widened = 0, widened + 1
     found = f"bounds {width:.1e} apart" if count is None else f"{inside} found, {count} counted"
     raise AccuracyError(
         f"the lowest {n_values} eigenvalues of body '{body.name}' could not be enclosed to "
