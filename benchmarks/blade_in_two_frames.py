@@ -1,8 +1,8 @@
 """Why the rated blade differs between the two frames: which damping makes its reduced runs part.
 
 Ten linear columns and fifteen picked derivatives in each frame, 20 s of the rated case with Rayleigh damping,
-with either part of it alone, with modal damping, and with none. In its own frame each of these bodies is within
-9e-3 m of the full model.
+with either part of it alone, with modal damping, and with none. In its own frame each of these bodies is
+within 9e-3 m of the full model.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/blade_in_two_frames.py
 """
