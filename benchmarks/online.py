@@ -31,9 +31,9 @@ from supple.multibody import (
     Table,
     simulate_batch,
 )
+from supple.multibody.compiled_run import controls
 from supple.multibody.compiler_options import MARCHING
 from supple.multibody.initial_state import consistent_start
-from supple.multibody.simulate import controls
 from supple.multibody.time_step import march
 from supple.reduction import CompressedDerivatives, NoDerivatives, NormalModes, ReducedBody, Rubin, reduce
 

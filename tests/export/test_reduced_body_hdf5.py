@@ -52,7 +52,6 @@ def test_fields_that_the_file_does_not_have_take_their_default(tmp_path, linear)
     with h5py.File(path, "r+") as file:
         del file["report/corrections"]
         file.create_group("report/from the future")
-        del file.attrs["digest"]  # which the other program would have made of its own parts
     assert read_reduced_body(path).report.corrections == ReductionReport(()).corrections
 
 
@@ -91,45 +90,23 @@ def test_one_flipped_bit_is_found(tmp_path, nonlinear):
         read_reduced_body(path)
 
 
-def test_any_flipped_bit_is_found_or_without_effect(tmp_path, nonlinear, assert_same):
-    """All over the file: in arrays, names, attributes, texts, and in what ties the file together."""
+@pytest.mark.parametrize("share", np.linspace(0.0, 1.0, 21))
+def test_a_flipped_bit_anywhere_is_found(tmp_path, nonlinear, share):
+    """Also in names, attributes, texts, and what ties the file together: HDF5 alone misses some of them."""
     path = write_reduced_body(tmp_path / "body.h5", nonlinear)
-    whole = path.read_bytes()
-    rng = np.random.default_rng(4)
-    refused = 0
-    for place in rng.integers(len(whole), size=150):
-        data = bytearray(whole)
-        data[place] ^= 1 << rng.integers(8)
-        path.write_bytes(data)
-        try:
-            assert_same(read_reduced_body(path), nonlinear)
-        except ResultFileError as error:
-            assert "copy it again" in str(error) or "check the path" in str(error)
-            refused += 1
-    assert refused > 75
+    data = bytearray(path.read_bytes())
+    data[int(share * (len(data) - 1))] ^= 4
+    path.write_bytes(data)
+    with pytest.raises(ResultFileError, match=r"is damaged .*copy it again|not an HDF5 file.*check the path"):
+        read_reduced_body(path)
 
 
-@pytest.mark.parametrize(
-    ("place", "name", "value"),
-    [("/", "rotation_limit", 0.5), ("/", "name", "other"), ("interfaces/0", "name", "other")],
-)
-def test_attributes_have_no_checksum_and_are_found_all_the_same(tmp_path, linear, place, name, value):
+def test_a_damaged_file_is_still_known_for_what_it_is(tmp_path, linear):
     path = write_reduced_body(tmp_path / "body.h5", linear)
-    with h5py.File(path, "r+") as file:
-        file[place].attrs[name] = value
-    with pytest.raises(
-        ResultFileError, match=r"is damaged \(parts are not those that were written\): copy it"
-    ):
-        read_reduced_body(path)
-
-
-@pytest.mark.parametrize("part", ["rotation_basis", "interfaces"])
-def test_a_missing_part_that_bodies_may_do_without_is_found(tmp_path, nonlinear, part):
-    path = write_reduced_body(tmp_path / "body.h5", nonlinear)
-    with h5py.File(path, "r+") as file:
-        del file[part]
-    with pytest.raises(ResultFileError, match="is damaged"):
-        read_reduced_body(path)
+    data = bytearray(path.read_bytes())
+    data[3000] ^= 1
+    path.write_bytes(data)
+    assert holds_reduced_body(path)
 
 
 @pytest.mark.parametrize(

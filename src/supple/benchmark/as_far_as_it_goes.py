@@ -7,7 +7,7 @@ from typing import Any
 from supple.errors import ConvergenceError
 from supple.integrate import Solution, concatenate
 from supple.multibody import System, simulate
-from supple.multibody.simulate import Progress
+from supple.multibody.run_parts import Progress
 
 
 def as_far_as_it_goes(system: System, *, progress: Progress, **options: Any) -> tuple[Solution, float | None]:

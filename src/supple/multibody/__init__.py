@@ -48,8 +48,9 @@ from supple.multibody.residual_correction import (
     system_corrections,
 )
 from supple.multibody.round_archive import MissedMotion, RoundArchive, RoundBases
+from supple.multibody.run_parts import Checkpoint
 from supple.multibody.self_correction import self_correct
-from supple.multibody.simulate import Checkpoint, simulate
+from supple.multibody.simulate import simulate
 from supple.multibody.system import Placed, System
 from supple.multibody.system_correction import self_correct_system
 from supple.multibody.time_law import Constant, Table, TimeFunction, TimeLaw, Turning

@@ -29,18 +29,13 @@ from supple.integrate import (
     Tolerances,
     concatenate,
 )
+from supple.multibody.compiled_run import as_solution, controls
 from supple.multibody.compiler_options import MARCHING
 from supple.multibody.full_body import FullBody
 from supple.multibody.initial_state import consistent_start
 from supple.multibody.model import Model
-from supple.multibody.simulate import (
-    Progress,
-    as_solution,
-    check_laws_cover,
-    controls,
-    failure_message,
-    output_times,
-)
+from supple.multibody.run_parts import Progress, failure_message
+from supple.multibody.simulate import check_laws_cover, output_times
 from supple.multibody.system import System
 from supple.multibody.time_step import Controls, State, march
 from supple.multibody.validity import Peaks, Validity, watch

@@ -54,7 +54,7 @@ from supple.multibody.initial_state import (
 )
 from supple.multibody.loads import DeadForce
 from supple.multibody.model import Model, build_model, is_nodal_load_on_full_body
-from supple.multibody.simulate import (
+from supple.multibody.run_parts import (
     CHUNKS,
     Checkpoint,
     Progress,
@@ -62,6 +62,7 @@ from supple.multibody.simulate import (
     body_motions,
     failure_message,
     joint_forces,
+    last_instant,
 )
 from supple.multibody.system import System, n_coordinates
 from supple.multibody.time_step import next_step, position_rounding
@@ -607,27 +608,5 @@ def _as_solution(prepared: FullOrderSystem, states: list[FullState], statistics:
 
 def _resumed(prepared: FullOrderSystem, start: FullState, done: Solution) -> FullState:
     """State at the end of a recorded part; the frame multipliers are found again by the first iteration."""
-    names = [placed.body.name for placed in prepared.system.bodies]
-    if set(names) != set(done.bodies):
-        raise ModelError("the recorded part has other bodies than this system: it cannot be continued")
-    last = [done.bodies[name] for name in names]
-
-    def joined(*items: str) -> np.ndarray:
-        return np.concatenate([getattr(motion, item)[-1] for motion in last for item in items])
-
-    acceleration = joined("acceleration", "angular_acceleration", "coordinate_accelerations")
-    every = np.concatenate(
-        [np.zeros(0)] + [done.joint_forces[joint.name][-1] for joint in prepared.system.joints]
-    )
-    return start._replace(
-        time=float(done.times[-1]),
-        configuration=Configuration(
-            np.array([motion.position[-1] for motion in last]),
-            np.array([motion.rotation[-1] for motion in last]),
-            tuple(np.array(motion.coordinates[-1]) for motion in last),
-        ),
-        velocity=joined("velocity", "angular_velocity", "coordinate_rates"),
-        acceleration=acceleration,
-        auxiliary=acceleration,
-        multipliers=every[list(prepared.model.active)],
-    )
+    last = last_instant(prepared.system, prepared.model, done)
+    return start._replace(**last._asdict(), auxiliary=last.acceleration)

@@ -31,7 +31,7 @@ from supple.multibody.equations import Configuration
 from supple.multibody.full_body import FullBody
 from supple.multibody.full_order import FullOrderSystem, FullState
 from supple.multibody.initial_state import consistent_start
-from supple.multibody.simulate import Progress
+from supple.multibody.run_parts import Progress
 from supple.multibody.system import System
 from supple.reduction import ReducedBody, ReductionBasis
 

@@ -18,7 +18,7 @@ import numpy as np
 from supple.errors import ResultFileError
 from supple.integrate import Solution
 from supple.multibody import FullBody, MissedMotion, RoundBases, System, simulate
-from supple.multibody.simulate import Recorder
+from supple.multibody.run_parts import Recorder
 from supple.reduction import ReductionBasis, ReductionReport
 from supple.results.atomic_write import replacing
 from supple.results.file_errors import file_errors

@@ -9,7 +9,7 @@ from typing import Any
 from supple.errors import ResultFileError
 from supple.integrate import Solution
 from supple.multibody import Checkpoint, System, simulate
-from supple.multibody.simulate import Progress
+from supple.multibody.run_parts import Progress
 from supple.results.recorded_columns import check_columns, columns_of
 from supple.results.result_reader import Metadata, read_header, read_last_instant, read_solution
 from supple.results.storage import ResultFile

@@ -1,0 +1,34 @@
+"""File seal: a digest behind the last byte of a file, by which damage is found before anything is parsed.
+
+HDF5 files may be followed by bytes that are not theirs. A file that another program changes loses its seal.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+_MARK = b"supple-sha256:"
+_LENGTH = len(_MARK) + 2 * hashlib.sha256().digest_size
+_BLOCK = 1 << 20
+
+
+def sealed(content: bytes) -> bytes:
+    """The content with its seal behind it."""
+    return content + _MARK + hashlib.sha256(content).hexdigest().encode()
+
+
+def is_seal_broken(path: Path) -> bool:
+    """Whether a file has a seal that is not that of its content; False where it has none."""
+    with path.open("rb") as file:
+        left = max(0, path.stat().st_size - _LENGTH)
+        file.seek(left)
+        seal = file.read()
+        if not seal.startswith(_MARK):
+            return False
+        file.seek(0)
+        found = hashlib.sha256()
+        while left and (block := file.read(min(left, _BLOCK))):
+            found.update(block)
+            left -= len(block)
+    return seal != _MARK + found.hexdigest().encode()
