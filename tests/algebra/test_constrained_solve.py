@@ -219,3 +219,19 @@ def test_loads_and_values_of_the_wrong_shape(small_truss):
         factor.solve(np.ones(n), np.ones(3))
     with pytest.raises(ModelError, match="2 load columns but 3 columns of constraint values"):
         factor.solve(np.ones((n, 2)), np.ones((6, 3)))
+
+
+def test_many_columns_are_solved_a_few_at_a_time(small_truss, monkeypatch):
+    monkeypatch.setattr(module, "NUMBERS_AT_ONCE", 1)
+    monkeypatch.setattr(module, "FEWEST_AT_ONCE", 2)
+    n = small_truss.stiffness.shape[0]
+    factor = constrained_factor(
+        small_truss.stiffness, mean_motion(small_truss, range(4)), small_truss.rigid_modes
+    )
+    rng = np.random.default_rng(3)
+    loads, values = rng.standard_normal((n, 5)), rng.standard_normal((len(factor.constraint), 5))
+    x, mu = factor.solve_with_multipliers(loads, values)
+    for i in range(5):
+        alone, forces = factor.solve_with_multipliers(loads[:, i], values[:, i])
+        np.testing.assert_allclose(x[:, i], alone, rtol=1e-9, atol=1e-9 * np.abs(alone).max())
+        np.testing.assert_allclose(mu[:, i], forces, rtol=1e-9, atol=1e-9 * np.abs(forces).max())

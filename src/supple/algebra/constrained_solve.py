@@ -16,6 +16,10 @@ from supple.errors import AccuracyError, ModelError
 LARGEST_RESIDUAL = 1e-8
 SMALLEST_RECIPROCAL_CONDITION = 1e-14
 
+# Solutions made at once: the work needs several copies of them, gigabytes for many columns of a large body.
+NUMBERS_AT_ONCE = 2**22
+FEWEST_AT_ONCE = 16
+
 
 @dataclass(frozen=True, eq=False)
 class GroundedFactor:
@@ -115,7 +119,11 @@ class ConstrainedFactor:
             c = np.zeros((m, b.shape[1]))
         if b.shape[1] != c.shape[1]:
             raise ModelError(f"{b.shape[1]} load columns but {c.shape[1]} columns of constraint values")
-        x, mu = self._solve(b, c)
+        x, mu = np.empty(b.shape), np.empty(c.shape)
+        size = max(FEWEST_AT_ONCE, NUMBERS_AT_ONCE // n)
+        for first in range(0, b.shape[1], size):
+            part = slice(first, first + size)
+            x[:, part], mu[:, part] = self._solve(b[:, part], c[:, part])
         return (x[:, 0], mu[:, 0]) if flat else (x, mu)
 
     def _solve(
@@ -131,7 +139,6 @@ class ConstrainedFactor:
         for imbalance in (R.T @ b, np.zeros((R.shape[1], b.shape[1]))):
             right = self._scale[:, None] * np.vstack([D @ x - c, imbalance])
             forces, rigid = np.split(self._scale[:, None] * linalg.lu_solve(self._border, right), [len(D)])
-            # In place: x of many columns of a large body is gigabytes.
             x -= self._response @ forces
             x -= R @ rigid
             mu += forces

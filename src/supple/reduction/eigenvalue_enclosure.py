@@ -18,6 +18,9 @@ RIGID_MOTIONS = 6
 # Relative, where the shift stands. A cluster larger than the trial motions shows no wider one.
 SMALLEST_GAP = 1e-3
 
+# Of the largest inverse eigenvalue, what is still no round-off.
+SMALLEST_INVERSE = 1e-13
+
 # How often as many random motions join the trial motions.
 MOST_WIDENED = 4
 
@@ -78,6 +81,8 @@ def enclose_eigenvalues(
         rounds += 1
         U, upper = _ritz(body, W)
         del W
+        if upper.size <= n_values:
+            break
         W = mean_axis.solve(body.mass @ U)
         inside, gap = _last_before_gap(upper, n_values)
         n_more = min(upper.size, body.n - RIGID_MOTIONS - upper.size) if widened < MOST_WIDENED else 0
@@ -108,11 +113,16 @@ def enclose_eigenvalues(
 
 
 def _ritz(body: FlexibleBody, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """M-orthonormal Ritz vectors of the span of the columns, which are used up; their values, ascending."""
+    """M-orthonormal Ritz vectors of the span of the columns, which are used up; their values, ascending.
+
+    Values so high that they are round-off next to the lowest are left out.
+    """
     columns /= np.sqrt(np.einsum("ij,ij->j", columns, body.mass @ columns))
     stiffness = columns.T @ (body.stiffness @ columns)
     mu, weights = linalg.eigh(columns.T @ (body.mass @ columns), 0.5 * (stiffness + stiffness.T))
-    return columns @ (weights[:, ::-1] / np.sqrt(mu[::-1])), 1 / mu[::-1]
+    last = np.searchsorted(mu, SMALLEST_INVERSE * mu[-1])
+    mu, weights = mu[last:][::-1], weights[:, last:][:, ::-1]
+    return columns @ (weights / np.sqrt(mu)), 1 / mu
 
 
 def _last_before_gap(values: np.ndarray, n_values: int) -> tuple[int, float]:
