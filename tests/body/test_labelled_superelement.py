@@ -273,6 +273,23 @@ def test_unused_rotations_and_reference_points_are_left_out(solid):
     assert abs(made.stiffness - solid.stiffness).max() <= 1e-15 * abs(solid.stiffness).max()
 
 
+def test_an_average_over_nodes_that_carry_nothing_is_no_interface(solid):
+    """A rigid tie of such a node changes nothing; the mean of the others would be another motion."""
+    ids = np.append(ids_of(solid), 7)
+    last = len(ids) - 1
+    positions = np.vstack([solid.mesh.nodes, [9, 9, 9]])
+    ties = tuple(
+        Connection(name, np.array([0, 3, last]), np.zeros(3), weights)
+        for name, weights in (("rbe2_1", None), ("rbe3_2", np.ones(3)))
+    )
+    K, M = labelled(solid, solid.stiffness), labelled(solid, solid.mass)
+    (left,) = nodal_matrices(NodeTable("arm.bdf", ids, positions, connections=ties), K, M).connections
+    assert left.name == "rbe2_1"
+    np.testing.assert_array_equal(left.nodes, [0, 3])
+    with pytest.raises(ModelError, match=r"no connection 'rbe3_2' .*RBE3 on nodes that all carry stiffness"):
+        connection_named("rbe3_2", [left])
+
+
 def test_a_map_that_does_not_fit_the_nodes(solid):
     K, M = labelled(solid, solid.stiffness), labelled(solid, solid.mass)
     fewer = replace(table(solid), ids=np.where(ids_of(solid) == 997, 5, ids_of(solid)))

@@ -21,9 +21,17 @@ def test_quick_form_writes_report_figures_and_film(name, tmp_path):
     assert numbers["benchmark"] == name
     assert [row["e"] for row in numbers["tolerances"]] == [0.1, 0.01]
     assert len({row["coordinates"] for row in numbers["tolerances"]}) == 1
-    for row in numbers["tolerances"] + numbers["whole_bases"]:
-        assert set(row["errors"]) == {"position", "velocity", "acceleration", "stress", "strain"}
+    quantities = {"deformation", "position", "velocity", "acceleration", "stress", "strain"}
+    for row in numbers["tolerances"] + numbers["with_attachment_modes"] + numbers["whole_bases"]:
+        assert set(row["errors"]) == quantities
         assert row["steps"] > 0
+    assert "energy_drift" in numbers["unreduced"]
+    assert set(numbers["smaller_e_smaller_error"]["share_of_outputs"]) == {
+        "tolerances",
+        "with_attachment_modes",
+        "whole_bases",
+    }
     assert len(numbers["chaos"]["separations"]) == 2
-    for picture in ("machine.png", "acceleration.png", "stress_strain.png", f"{name}.gif"):
+    pictures = ("machine", "acceleration", "stress_strain", "deformation", "strain_error_whole_basis_1")
+    for picture in (*(f"{each}.png" for each in pictures), f"{name}.gif"):
         assert (tmp_path / picture).stat().st_size > 10_000

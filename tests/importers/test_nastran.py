@@ -332,6 +332,7 @@ def test_elements_that_are_wrong(read, text, message):
         (SQUARE + "MAT1,5,1.,,.3,1.\n", "line 9: MAT1: material 5 is defined a second time"),
         (changed(",7850.", ""), "line 8: MAT1: no density; a moving body needs mass, so give RHO"),
         (changed("2.1+11,,.3", ",,.3"), "line 8: MAT1: E is missing or not positive"),
+        (changed("2.1+11,,.3", "2.1+11,,"), "line 8: MAT1: NU and G are both missing, and Nastran would"),
         (
             changed("2.1+11,,.3", "2.1+11,7.+10,.3"),
             "line 8: MAT1: G = 7e.10 does not fit E = 2.1e.11 and NU = 0.3",

@@ -160,7 +160,7 @@ def _draw_machine(study: Study, path: Path) -> Path:
 
 def film(study: Study, path: Path, progress: Callable[[float], None]) -> Path:
     """The machine in motion as a GIF, its flexible body coloured by the von Mises stress."""
-    run = study.of(Form.MODAL_COORDINATES)[-1]
+    run = study.of(Form.WITH_ATTACHMENT_MODES)[-1]
     solution: Solution = run.solution
     rows = slice(0, None, max(1, len(solution.times) // _MOST_FRAMES))
     scene = scene_of(_actors(study, run, rows, coloured=True))

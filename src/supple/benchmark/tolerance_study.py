@@ -117,7 +117,7 @@ def run_study(
             whole = runner.reduced(Form.WHOLE_BASIS, tolerance, CraigBampton(n_modes=run.modes))
             study = replace(study, runs=(*study.runs, whole))
             yield study
-    finest = study.of(Form.MODAL_COORDINATES)[-1]
+    finest = study.of(Form.WITH_ATTACHMENT_MODES)[-1]
     half = FixedStep(machine.step / 2)
     tight = replace(ADAPTIVE, largest=ADAPTIVE.largest / 2, tolerance=ADAPTIVE.tolerance / 100)
     for coarse, fine in ((FixedStep(machine.step), half), (ADAPTIVE, tight)):

@@ -25,4 +25,7 @@ def connection_named(name: str, connections: Sequence[Connection]) -> Connection
         if connection.name == name:
             return connection
     known = ", ".join(f"'{connection.name}'" for connection in connections) or "none"
-    raise ModelError(f"no connection '{name}' (RBE2 or RBE3) in the mesh file; it has {known}")
+    raise ModelError(
+        f"no connection '{name}' (RBE2, or RBE3 on nodes that all carry stiffness) in the mesh file; it has "
+        f"{known}"
+    )

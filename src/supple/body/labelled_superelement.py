@@ -199,11 +199,12 @@ def _on_all_freedoms(nodes: NodeTable, labelled: LabelledMatrix) -> sparse.csr_a
 
 
 def _on_kept(connection: Connection, kept: NDArray[np.bool_], number: IntArray) -> Connection | None:
+    """The connection on the kept nodes: an average lacks none of its nodes, or it would be another one."""
     members = kept[connection.nodes]
-    if not members.any():
+    is_rigid = connection.weights is None
+    if not (members.any() if is_rigid else members.all()):
         return None
-    weights = None if connection.weights is None else connection.weights[members]
-    return replace(connection, nodes=number[connection.nodes[members]], weights=weights)
+    return replace(connection, nodes=number[connection.nodes[members]])
 
 
 def _turned(axes: NDArray[np.float64], dofs_per_node: int) -> sparse.csr_array:

@@ -223,10 +223,12 @@ def _material(card: BulkCard, file: BulkFile, number: int, added_density: float 
     has_nu = bool(mat.word(3))
     if E <= 0 and G > 0 and has_nu:
         E = 2 * G * (1 + nu)
-    if not has_nu and E > 0:
-        nu = E / (2 * G) - 1 if G > 0 else 0.0
     if E <= 0:
         raise mat.error("E is missing or not positive; give E, or G and NU")
+    if not has_nu:
+        if G <= 0:
+            raise mat.error("NU and G are both missing, and Nastran would take 0 for both; give one of them")
+        nu = E / (2 * G) - 1
     if G > 0 and has_nu and abs(G - E / (2 * (1 + nu))) > LARGEST_INCONSISTENCY * G:
         raise mat.error(
             f"G = {G:g} does not fit E = {E:g} and NU = {nu:g}, which give {E / (2 * (1 + nu)):g}; our "

@@ -91,17 +91,18 @@ def enclose_eigenvalues(
             lower = _lehmann_goerisch(upper, U.T @ (body.mass @ W), shift)
             # Of either sign: lower bounds above the upper ones are round-off, which proves nothing.
             width = float(np.max(np.abs(upper[:inside] / lower - 1))) if lower.size == inside else np.inf
-            if width > largest_width:
+            if width <= largest_width:
+                if make_room is not None:
+                    make_room()
+                below = count_below(body.stiffness, body.mass, shift, grounded=body.grounded_stiffness)
+                count = below - RIGID_MOTIONS
+                if count == inside:
+                    return EigenvalueEnclosure(lower[:n_values], upper[:n_values], shift, below)
+            elif rounds < ROUNDS or widened:
                 continue
-            if make_room is not None:
-                make_room()
-            count = count_below(body.stiffness, body.mass, shift, grounded=body.grounded_stiffness)
-            count -= RIGID_MOTIONS
-            if count == inside:
-                return EigenvalueEnclosure(lower[:n_values], upper[:n_values], shift, count + RIGID_MOTIONS)
         if n_more:
-            # A cluster has no end among the trial motions, or they lack a mode, such as one of a symmetric
-            # body that no interface feels.
+            # A cluster does not end among the trial motions, or too close to their end; or they lack a mode,
+            # say one of a symmetric body that no interface feels.
             W = np.hstack([W, mean_axis.solve(_random_loads(body, n_more))])
             rounds, widened = 0, widened + 1
     found = f"bounds {width:.1e} apart" if count is None else f"{inside} found, {count} counted"

@@ -53,7 +53,11 @@ def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) 
 
 
 class ErrorEstimator(Protocol):
-    """An estimate of zeta_n = chi-bar_n / chi_n - 1, by how much the reduced eigenvalues are too high."""
+    """An estimate of zeta_n = chi-bar_n / chi_n - 1, by how much the reduced eigenvalues are too high.
+
+    Above or below are meant to first order, for errors of a few per cent and less. None of them sees a
+    vibration that no interface feels while its mode is left out: that takes a count.
+    """
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
         """Relative error of each vibration, (N,)."""
@@ -62,7 +66,7 @@ class ErrorEstimator(Protocol):
 
 @dataclass(frozen=True)
 class EarlierEstimate:
-    """The first term alone, eta_n = chi-bar xi^T X xi: below the truth. [Han2020] (45)"""
+    """The first term alone, eta_n = chi-bar xi^T X xi: to first order below the truth. [Han2020] (45)"""
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
         """eta_n."""
