@@ -14,6 +14,7 @@ from supple.body import (
     AveragingInterface,
     MeanAxisFrame,
     RigidInterface,
+    connection_named,
     flexible_body,
     labelled_superelement,
     nodal_matrices,
@@ -21,7 +22,7 @@ from supple.body import (
     read_nodal_matrices,
 )
 from supple.errors import ImportFormatError, ModelError
-from supple.importers import LabelledMatrix, NodeTable
+from supple.importers import Connection, LabelledMatrix, NodeTable
 
 # Ids that are neither consecutive nor in the order of the nodes.
 FIRST_ID = 1000

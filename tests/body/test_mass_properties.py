@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from supple.body import mesh_mass_properties, rigid_mass_properties
-from supple.fem import HomogeneousWall, Isotropic, shell_model, solid_model
+from supple.fem import BeamSection, HomogeneousWall, Isotropic, shell_model, solid_model
 from supple.mesh import CellType, Mesh, block, cylinder_shell
 
 MATERIAL = Isotropic(1e9, 0.2, 1000.0)
@@ -48,15 +48,32 @@ def test_the_centre_of_nodes_is_not_the_centre_of_mass():
         )
 
 
-def test_a_shell_agrees_with_its_mesh_up_to_its_rotary_inertia():
+def assert_agree(matrix, mesh):
+    assert matrix.mass == pytest.approx(mesh.mass, rel=1e-12)
+    np.testing.assert_allclose(matrix.centre, mesh.centre, rtol=1e-12)
+    np.testing.assert_allclose(matrix.inertia, mesh.inertia, atol=1e-10 * abs(mesh.inertia).max())
+
+
+def test_a_shell_agrees_with_its_mesh():
     mesh, _ = moved(cylinder_shell(1.0, 0.4, 6, 12))
-    wall = HomogeneousWall(MATERIAL, 0.01)
-    model = shell_model(mesh, wall)
-    sheet, matrix = mesh_mass_properties(model), rigid_mass_properties(model.mass, mesh.nodes, 6)
-    assert matrix.mass == pytest.approx(sheet.mass, rel=1e-12)
-    np.testing.assert_allclose(matrix.centre, sheet.centre, rtol=1e-12)
-    rotary = wall.rotary_inertia_per_area / wall.mass_per_area * sheet.mass
-    np.testing.assert_allclose(matrix.inertia - sheet.inertia, rotary * np.eye(3), atol=1e-10 * sheet.mass)
+    model = shell_model(mesh, HomogeneousWall(MATERIAL, 0.1))
+    assert_agree(rigid_mass_properties(model.mass, mesh.nodes, 6), mesh_mass_properties(model))
+
+
+def test_a_stubby_beam_has_the_inertia_of_a_bar():
+    """A bar of a x b x c as one line of beams: m (b^2 + c^2) / 12 about itself, as a block has it."""
+    a, b, c = 1.0, 0.4, 0.3
+    line = np.column_stack([np.linspace(0, a, 5), np.zeros(5), np.zeros(5)])
+    cells = np.column_stack([np.arange(4), np.arange(1, 5)])
+    mesh, turn = moved(Mesh(line, {CellType.LINE2: cells}))
+    section = BeamSection(
+        MATERIAL, b * c, c * b**3 / 12, b * c**3 / 12, 1e-3, orientation=turn @ [0.0, 1.0, 0.0]
+    )
+    model = shell_model(mesh, section)
+    expected = turn @ np.diag([b**2 + c**2, a**2 + c**2, a**2 + b**2]) @ turn.T * 1000 * a * b * c / 12
+    found = mesh_mass_properties(model)
+    np.testing.assert_allclose(found.inertia, expected, atol=1e-9 * expected.max())
+    assert_agree(rigid_mass_properties(model.mass, mesh.nodes, 6), found)
 
 
 def test_no_mass_has_no_centre():

@@ -186,6 +186,19 @@ def test_cells_that_lie_twice_are_doubtful(solid):
     assert found.seen == f"2 places with several {kind.name} cells, first at cell 3"
 
 
+def test_linear_cells_on_quadratic_ones_are_doubtful():
+    """Two tetrahedra that share a face, of which one has middle nodes: three edges come apart."""
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]])
+    middles = [(corners[a] + corners[b]) / 2 for a, b in CellType.TETRA10.edges]
+    cells = {CellType.TETRA10: [[0, 1, 2, 3, *range(5, 11)]], CellType.TETRA4: [[1, 2, 3, 4]]}
+    mesh = Mesh(np.vstack([corners, middles]), {kind: np.array(found) for kind, found in cells.items()})
+    check = check_elements(solid_model(mesh, Isotropic(2.1e11, 0.3, 7850.0)), n_frequencies=0)
+    (found,) = (f for f in check.findings if f.verdict is Verdict.DOUBTFUL)
+    assert found.what == "linear cells on quadratic ones"
+    assert found.seen.startswith("3 edges")
+    assert found.seen.endswith("first at nodes 1 and 2")
+
+
 def test_entries_that_are_no_numbers(solid):
     K = solid.stiffness.copy()
     K.data[7] = np.nan

@@ -89,7 +89,7 @@ def test_sections_comments_and_includes(read, tmp_path):
 
 
 def test_a_parameter_may_stand_in_case_control(read):
-    text = "SOL 103\nCEND\nSPC = 1\n param, WTMASS, .01\nPARAM POST = 1\nBEGIN BULK\nGRID,1\nENDDATA\n"
+    text = "SOL 103\nCEND\nSPC = 1\n param, WTMASS, .01\nPARAM POST = 1\nBEGIN,BULK\nGRID,1\nENDDATA\n"
     assert [(card.name, *fields(card)) for card in read(text).cards] == [
         ("PARAM", "WTMASS", ".01"),
         ("GRID", "1"),

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.fem import BeamSection, FiniteElementModel, Isotropic, ShellWall
+from supple.fem.beam2 import beam_axes
 from supple.mesh import CellType
 
 FloatArray = NDArray[np.float64]
@@ -64,10 +65,11 @@ def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
 
     A simplex of k corners x_a and size V has
         int 1 = V,   int x = V s / k,   int x x^T = V / (k (k + 1)) (sum_a x_a x_a^T + s s^T),   s = sum_a x_a
-    Curved cells count as if their edges were straight; shells as sheets, beams as lines.
+    Curved cells count as if their edges were straight; shells as sheets and beams as lines, with the rotary
+    inertia of their walls and sections.
     """
     middle = model.mesh.nodes.mean(axis=0)
-    total, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
+    total, first, second, rotary = 0.0, np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3))
     for section in model.sections:
         corners = section.corners(model.mesh)[:, _SIMPLICES[section.cell_type]] - middle
         x = corners.reshape(-1, *corners.shape[2:])
@@ -80,9 +82,10 @@ def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
             np.einsum("e,eai,eaj->ij", m, x, x, optimize=True)
             + np.einsum("e,ei,ej->ij", m, s, s, optimize=True)
         ) / (k * (k + 1))
+        rotary += _rotary_inertia(section.property, x)
     arm = first / total
     central = second - total * np.outer(arm, arm)
-    return MassProperties(float(total), middle + arm, np.trace(central) * np.eye(3) - central)
+    return MassProperties(float(total), middle + arm, np.trace(central) * np.eye(3) - central + rotary)
 
 
 def _density(made_of: Isotropic | ShellWall | BeamSection) -> float:
@@ -93,6 +96,16 @@ def _density(made_of: Isotropic | ShellWall | BeamSection) -> float:
         assert made_of.mass_per_length is not None  # set when left out
         return made_of.mass_per_length
     return made_of.mass_per_area
+
+
+def _rotary_inertia(made_of: Isotropic | ShellWall | BeamSection, x: FloatArray) -> FloatArray:
+    """Inertia (3, 3) of walls and sections about their own middle, summed over simplices x."""
+    if isinstance(made_of, Isotropic):
+        return np.zeros((3, 3))
+    if isinstance(made_of, BeamSection):
+        axes = beam_axes(x, made_of)
+        return np.einsum("e,eki,k,ekj->ij", _sizes(x), axes, made_of.rotary_inertia_per_length, axes)
+    return made_of.rotary_inertia_per_area * _sizes(x).sum() * np.eye(3)
 
 
 def _sizes(x: FloatArray) -> FloatArray:

@@ -28,7 +28,7 @@ FloatArray = NDArray[np.float64]
 # Against the highest eigenvalue looked at: rigid modes come out at some 1e-9 of it, the slowest elastic modes
 # of slender parts at some 1e-4.
 ZERO_MODE = 1e-6
-# The mass matrix against the mass of the mesh: curved cells and rotary inertia make up this much.
+# The mass matrix against the mass of the mesh: curved cells make up this much.
 MASS_AGREEMENT = 0.02
 # The three masses of R^T M R, against each other: apart by rounding of entries printed with few digits.
 SAME_MASS = 1e-4
@@ -143,7 +143,7 @@ def check_model(
 
 
 def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> ModelCheck:
-    """`check_model` of finite elements, with their mass against that of the mesh and cells that lie twice."""
+    """`check_model` of finite elements, their mass against that of the mesh, and how their cells meet."""
     check = check_model(
         model.mesh.nodes,
         model.stiffness,
@@ -152,7 +152,7 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
         n_frequencies=n_frequencies,
         mesh_mass=mesh_mass_properties(model),
     )
-    return replace(check, findings=(*check.findings, _cells_twice(model.mesh)))
+    return replace(check, findings=(*check.findings, _cells_twice(model.mesh), *_middle_nodes(model.mesh)))
 
 
 def check_nodal_matrices(
@@ -183,6 +183,32 @@ def _cells_twice(mesh: Mesh) -> Finding:
                 "their mass and stiffness add up; if a part lies there twice, remove it once",
             )
     return Finding("cells on the same nodes", "none")
+
+
+def _middle_nodes(mesh: Mesh) -> list[Finding]:
+    """Where linear and quadratic solids meet: the linear ones do not follow the middle node of an edge."""
+    linear, quadratic = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    for kind, cells in mesh.cells.items():
+        if kind.dimension < 3:
+            continue
+        ends = np.sort(cells[:, np.array(kind.edges)].reshape(-1, 2), axis=1)
+        edges = ends[:, 0] * mesh.n_nodes + ends[:, 1]
+        if kind.n_nodes > kind.n_corners:
+            quadratic = np.union1d(quadratic, edges)
+        else:
+            linear = np.union1d(linear, edges)
+    shared = np.intersect1d(linear, quadratic)
+    if not shared.size:
+        return []
+    first, second = divmod(int(shared[0]), mesh.n_nodes)
+    return [
+        Finding(
+            "linear cells on quadratic ones",
+            f"{shared.size} edges with a middle node on one side only, first at nodes {first} and {second}",
+            Verdict.DOUBTFUL,
+            "the cells part along these edges; give both sides middle nodes, or neither",
+        )
+    ]
 
 
 def _check_sizes(n: int, matrices: Mapping[str, sparse.csc_array]) -> None:

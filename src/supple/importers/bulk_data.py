@@ -14,7 +14,7 @@ MOST_INCLUDES = 20  # nested; more means a file that includes itself
 
 _CARD_NAME = re.compile(r"[A-Z][A-Z0-9]{0,7}$")
 _EXPONENT_WITHOUT_E = re.compile(r"([+-]?[0-9]*\.?[0-9]*)([+-][0-9]+)$")
-_BEGIN = re.compile(r"\s*BEGIN\s+(BULK|SUPER)\b(.*)", re.IGNORECASE)
+_BEGIN = re.compile(r"\s*BEGIN[\s,]+(BULK|SUPER)\b(.*)", re.IGNORECASE)
 _INCLUDE = re.compile(r"\s*INCLUDE\s+(.*)", re.IGNORECASE)
 _PARAM_ABOVE = re.compile(r"\s*PARAM\s*,", re.IGNORECASE)
 

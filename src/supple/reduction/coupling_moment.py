@@ -25,8 +25,8 @@ class CouplingMoment:
 
         chi_j = p_j M_b^-1 p_j^T / kappa_j
 
-    What is left out, sum chi_j = trace(M_b^-1 X), also bounds the first-order eigenvalue error
-    lambda xi^T X xi of [Han2020] (45) for interface motions xi of kinetic energy below that of the mode.
+    What is left out, sum chi_j = trace(M_b^-1 X), also bounds, times lambda, the first-order eigenvalue error
+    lambda xi^T X xi of [Han2020] (45) for interface motions with xi^T M_b xi <= 1.
 
     candidates : how many modes, the lowest, to choose among
     Source: [LiaoBaiGao2007] for the principle, from which the formula is derived here; [Givoli2004] for modes

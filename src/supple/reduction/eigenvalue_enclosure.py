@@ -12,14 +12,15 @@ from supple.algebra import count_below, read_only
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.errors import AccuracyError
 
+# Of subspace iteration; those that halve the distance of the bounds do not count.
 ROUNDS = 12
 RIGID_MOTIONS = 6
 
 # Relative, where the shift stands. A cluster larger than the trial motions shows no wider one.
 SMALLEST_GAP = 1e-3
 
-# Of the largest inverse eigenvalue, what is still no round-off.
-SMALLEST_INVERSE = 1e-13
+# Of the largest, of energies and inverse eigenvalues: what is less may be round-off.
+SMALLEST_PART = 1e-13
 
 # How often as many random motions join the trial motions.
 MOST_WIDENED = 4
@@ -75,8 +76,8 @@ def enclose_eigenvalues(
     mean_axis = body.constrained(MeanAxisFrame().constraint(body))
     W = mean_axis.solve(body.mass @ trial)
     del trial  # a large body has no room for what is used no more
-    width, count, inside = np.inf, None, 0
-    rounds = widened = 0
+    width = narrowest = np.inf
+    count, inside, rounds, widened = None, 0, 0, 0
     while rounds < ROUNDS:
         rounds += 1
         U, upper = _ritz(body, W)
@@ -98,13 +99,15 @@ def enclose_eigenvalues(
                 count = below - RIGID_MOTIONS
                 if count == inside:
                     return EigenvalueEnclosure(lower[:n_values], upper[:n_values], shift, below)
-            elif rounds < ROUNDS or widened:
+            else:
+                if width < 0.5 * narrowest:
+                    rounds, narrowest = rounds - 1, width
                 continue
         if n_more:
-            # A cluster does not end among the trial motions, or too close to their end; or they lack a mode,
-            # say one of a symmetric body that no interface feels.
+            # A cluster does not end among the trial motions, or they lack a mode: one of a symmetric body
+            # that no interface feels, say.
             W = np.hstack([W, mean_axis.solve(_random_loads(body, n_more))])
-            rounds, widened = 0, widened + 1
+            rounds, narrowest, widened = 0, np.inf, widened + 1
     found = f"bounds {width:.1e} apart" if count is None else f"{inside} found, {count} counted"
     raise AccuracyError(
         f"the lowest {n_values} eigenvalues of body '{body.name}' could not be enclosed to "
@@ -116,14 +119,16 @@ def enclose_eigenvalues(
 def _ritz(body: FlexibleBody, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """M-orthonormal Ritz vectors of the span of the columns, which are used up; their values, ascending.
 
-    Values so high that they are round-off next to the lowest are left out.
+    Columns that depend on others are left out, and values so high that they are round-off next to the lowest.
     """
-    columns /= np.sqrt(np.einsum("ij,ij->j", columns, body.mass @ columns))
-    stiffness = columns.T @ (body.stiffness @ columns)
-    mu, weights = linalg.eigh(columns.T @ (body.mass @ columns), 0.5 * (stiffness + stiffness.T))
-    last = np.searchsorted(mu, SMALLEST_INVERSE * mu[-1])
-    mu, weights = mu[last:][::-1], weights[:, last:][:, ::-1]
-    return columns @ (weights / np.sqrt(mu)), 1 / mu
+    columns /= np.sqrt(np.einsum("ij,ij->j", columns, body.stiffness @ columns))
+    energies, directions = linalg.eigh(columns.T @ (body.stiffness @ columns))
+    first = np.searchsorted(energies, SMALLEST_PART * energies[-1])
+    independent = directions[:, first:] / np.sqrt(energies[first:])
+    mu, weights = linalg.eigh(independent.T @ (columns.T @ (body.mass @ columns)) @ independent)
+    first = np.searchsorted(mu, SMALLEST_PART * mu[-1])
+    mu, weights = mu[first:][::-1], weights[:, first:][:, ::-1]
+    return columns @ (independent @ weights / np.sqrt(mu)), 1 / mu
 
 
 def _last_before_gap(values: np.ndarray, n_values: int) -> tuple[int, float]:

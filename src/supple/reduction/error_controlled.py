@@ -92,7 +92,9 @@ class ErrorControlledModes(NamedTuple):
 
 
 def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> ErrorControlledModes:
-    """The lowest vibrations of the smallest Craig-Bampton body that meets a tolerance, and the proof.
+    """The lowest vibrations of a Craig-Bampton body that meets a tolerance, and the proof.
+
+    It is the smallest that the search finds by its estimates; where these are too high, fewer modes would do.
 
     Raises
     ------
