@@ -110,3 +110,15 @@ def test_motions_so_stiff_that_they_are_round_off_do_no_harm(lowest_squares):
     trial = np.random.default_rng(0).standard_normal((foil.n, 120))
     enclosure = enclose_eigenvalues(foil, trial, 6, 1e-5)
     np.testing.assert_allclose(enclosure.lower, lowest_squares(foil, MeanAxisFrame(), 6), rtol=1e-4)
+
+
+def test_every_number_of_eigenvalues_of_a_cube(lowest_squares):
+    """Pairs and triples, cut anywhere, up to all eigenvalues but one."""
+    model = solid_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8), Isotropic(1e7, 0.3, 1000.0))
+    cube = flexible_body("cube", model)
+    exact = lowest_squares(cube, MeanAxisFrame(), 18)
+    assert np.sum(np.diff(exact) < 1e-9 * exact[:-1]) > 5
+    trial = np.random.default_rng(0).standard_normal((24, 19))
+    for n_values in range(1, 18):
+        enclosure = enclose_eigenvalues(cube, trial[:, : n_values + 2], n_values, 1e-6)
+        np.testing.assert_allclose(enclosure.lower, exact[:n_values], rtol=1e-6)

@@ -85,8 +85,11 @@ def enclose_eigenvalues(
         if upper.size <= n_values:
             break
         W = mean_axis.solve(body.mass @ U)
-        inside, gap = _last_before_gap(upper, n_values)
-        n_more = min(upper.size, body.n - RIGID_MOTIONS - upper.size) if widened < MOST_WIDENED else 0
+        n_left = body.n - RIGID_MOTIONS - upper.size
+        n_more = min(upper.size, n_left) if widened < MOST_WIDENED else 0
+        # The upper half of those to spare is less exact, unless they are all there are.
+        n_exact = max(n_values + 2, (n_values + upper.size) // 2 + 1) if n_left else upper.size
+        inside, gap = _last_before_gap(upper[:n_exact], n_values)
         if gap >= SMALLEST_GAP or n_more == 0:
             shift = 0.5 * float(upper[inside - 1] + upper[inside])
             lower = _lehmann_goerisch(upper, U.T @ (body.mass @ W), shift)
@@ -102,7 +105,8 @@ def enclose_eigenvalues(
             else:
                 if width < 0.5 * narrowest:
                     rounds, narrowest = rounds - 1, width
-                continue
+                if rounds < ROUNDS or widened:
+                    continue
         if n_more:
             # A cluster does not end among the trial motions, or they lack a mode: one of a symmetric body
             # that no interface feels, say.
@@ -132,12 +136,8 @@ def _ritz(body: FlexibleBody, columns: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _last_before_gap(values: np.ndarray, n_values: int) -> tuple[int, float]:
-    """How many values lie below the widest relative gap after the first n_values, and how wide it is.
-
-    It is sought in the nearer half of the other values, to have the other half to spare.
-    """
-    last = max(n_values + 1, (n_values + values.size) // 2)
-    near = values[n_values - 1 : last + 1]
+    """How many values lie below the widest relative gap after the first n_values, and how wide it is."""
+    near = values[n_values - 1 :]
     widths = np.diff(near) / near[:-1]
     widest = int(np.argmax(widths))
     return n_values + widest, float(widths[widest])
@@ -149,8 +149,13 @@ def _random_loads(body: FlexibleBody, n_loads: int) -> np.ndarray:
 
 
 def _lehmann_goerisch(values: np.ndarray, A2: np.ndarray, rho: float) -> np.ndarray:
-    """Lower bounds, ascending, for the eigenvalues below rho, from Ritz values (A1 = I, A0 = diag)."""
+    """Lower bounds, ascending, for the eigenvalues below rho, from Ritz values (A1 = I, A0 = diag).
+
+    None where rho is a Ritz value to working precision.
+    """
     right = np.diag(values - 2 * rho) + rho**2 * A2
+    if not np.all(np.diag(right) > 0):
+        return np.empty(0)
     # Scaled, as the columns' energies span many decades.
     scale = 1 / np.sqrt(np.diag(right))
     mu = linalg.eigh(
