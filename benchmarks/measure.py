@@ -1,7 +1,8 @@
 """Time and memory of a step, and where the numbers go.
 
 Times are medians of some repeats, in seconds of the processor and of the clock on the wall: where the two
-differ, other work shares the machine. Memory is what the step adds to the process at its peak.
+differ, other work shares the machine, or a library uses threads of its own. Memory is what the step adds to
+the process at its peak, and the size of the process then, in MiB.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ def measured(step: Callable[[], Any], repeats: int = 5) -> tuple[dict[str, Any],
         wall.append(perf_counter() - began_wall)
     peak = _resident("VmHWM")
     grown = None if before is None or peak is None else peak - before
-    return {"cpu s": median(processor), "wall s": median(wall), "peak MB": grown}, outcome
+    cost = {"cpu s": median(processor), "wall s": median(wall), "peak MB": grown, "process MB": peak}
+    return cost, outcome
 
 
 def _restart_peak() -> float | None:

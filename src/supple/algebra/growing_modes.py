@@ -27,7 +27,7 @@ LARGEST_RESIDUAL = 1e-7
 
 # Krylov vectors that usually hold as many modes as are asked for, and by how much to grow where they do not.
 FIRST_BLOCKS = 8
-VECTORS_PER_MODE = 2.3
+VECTORS_PER_MODE = 2.5
 SMALLEST_GROWTH = 1.05
 
 
@@ -85,12 +85,12 @@ class GrowingModes:
         n = self.inverse.n
         self.width = width
         self.basis = TallMatrix((np.empty((n, 0)),))
-        self.last_block = np.empty((n, 0))
+        self.last_block = self.last_inertia = np.empty((n, 0))
         self.projected = np.empty((0, 0))
         self.found = RitzModes(np.empty(0), self.basis, np.empty((0, 0)))
         if width <= self.available:
             start = self.inverse.solve(self.mass @ np.random.default_rng(0).standard_normal((n, width)))
-            self.next_block, self.coupling = self._orthonormal(start)
+            self.next_block, self.next_inertia, self.coupling = self._orthonormal(start)
 
     @property
     def available(self) -> int:
@@ -140,7 +140,7 @@ class GrowingModes:
         """
         self.found = RitzModes.of(Eigenpairs(self.found.values, self.found.vectors))
         self.basis, self.projected = self.found.basis, np.diag(1 / self.found.values)
-        self.last_block = np.empty((self.inverse.n, 0))  # no longer part of the space
+        self.last_block = self.last_inertia = np.empty((self.inverse.n, 0))  # no longer part of the space
 
     def _grow(self, size: int) -> None:
         """Extend Q to (n, size)."""
@@ -152,15 +152,17 @@ class GrowingModes:
             m = first + self.width
             fresh[:, first - done : m - done] = self.next_block
             basis = self.basis.with_block(fresh[:, : m - done])
-            coupled = TallMatrix((self.last_block, self.next_block))
-            images = self.inverse.solve(self.mass @ self.next_block)
+            images = self.inverse.solve(self.next_inertia)
             # First against the two blocks that the recurrence couples, then against what round-off leaves.
-            for known in (coupled, basis):
-                parts = known.transposed_times(self.mass @ images)
-                images -= known.times(parts)
-                projected[m - len(parts) : m, first:m] += parts
-            self.last_block = self.next_block
-            self.next_block, self.coupling = self._orthonormal(images)
+            coupled = TallMatrix((self.last_block, self.next_block))
+            parts = TallMatrix((self.last_inertia, self.next_inertia)).transposed_times(images)
+            images -= coupled.times(parts)
+            projected[m - len(parts) : m, first:m] += parts
+            parts = basis.transposed_times(self.mass @ images)
+            images -= basis.times(parts)
+            projected[:m, first:m] += parts
+            self.last_block, self.last_inertia = self.next_block, self.next_inertia
+            self.next_block, self.next_inertia, self.coupling = self._orthonormal(images)
         self.basis, self.projected = self.basis.with_block(fresh), projected
 
     def _converged_modes(self) -> RitzModes:
@@ -173,12 +175,14 @@ class GrowingModes:
         count = mu.size if converged.all() else int(np.argmin(converged))
         return RitzModes(1 / mu[:count], self.basis, weights[:, :count])
 
-    def _orthonormal(self, block: Array) -> tuple[Array, Array]:
-        """Q, R with block = Q R, Q^T M Q = I; by Cholesky, twice for the digits lost in the first."""
-        triangle = np.eye(self.width)
+    def _orthonormal(self, block: Array) -> tuple[Array, Array, Array]:
+        """Q, M Q, R with block = Q R, Q^T M Q = I; by Cholesky, twice for the digits lost in the first."""
+        inertia, lower = block, np.eye(self.width)
+        triangle = lower
         for _ in range(2):
+            inertia = self.mass @ block
             try:
-                lower = np.linalg.cholesky(block.T @ (self.mass @ block))
+                lower = np.linalg.cholesky(block.T @ inertia)
             except np.linalg.LinAlgError as error:
                 raise AccuracyError(
                     "the Krylov space of the modes ends early: some motion carries no mass, or the mass "
@@ -186,7 +190,7 @@ class GrowingModes:
                 ) from error
             block = linalg.solve_triangular(lower, block.T, lower=True).T
             triangle = lower.T @ triangle
-        return block, triangle
+        return block, linalg.solve_triangular(lower, inertia.T, lower=True).T, triangle
 
 
 def _fills_a_block(values: Array, width: int) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -25,8 +26,19 @@ from supple.errors import SuppleError, SuppleWarning
 MISTAKE = 2
 """Exit code of a command that was given something it cannot use."""
 
-console = Console()
-error_console = Console(stderr=True)
+WIDTH_OF_FILES = 140
+"""Columns of what is not printed on a terminal but kept: the widest table of a report."""
+
+
+def _console(*, stderr: bool = False) -> Console:
+    made = Console(stderr=stderr)
+    if not made.is_terminal and "COLUMNS" not in os.environ:
+        made.width = WIDTH_OF_FILES
+    return made
+
+
+console = _console()
+error_console = _console(stderr=True)
 
 
 def progress_bars() -> Progress:
