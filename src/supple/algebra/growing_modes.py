@@ -26,8 +26,8 @@ CLOSE = 1e-5
 LARGEST_RESIDUAL = 1e-7
 
 # Krylov vectors that usually hold as many modes as are asked for, and by how much to grow where they do not.
-FIRST_BLOCKS = 8
-VECTORS_PER_MODE = 2.5
+FIRST_BLOCKS = 9
+VECTORS_PER_MODE = 2.65
 SMALLEST_GROWTH = 1.05
 
 
