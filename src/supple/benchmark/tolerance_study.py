@@ -145,6 +145,7 @@ class _Runner:
     """Deformation of the unreduced body, once it is known."""
 
     def reduced(self, form: Form, tolerance: float | None, recipe: LinearBasisRecipe) -> MachineRun:
+        """The machine with its body reduced by a recipe."""
         # Kept beside its motion, which means nothing on columns of other signs: round-off decides on those.
         path = self.folder / self.file_name(f"{_words(form, tolerance)} body")
         if path.exists():
@@ -167,6 +168,7 @@ class _Runner:
         body: FullBody | ReducedBody,
         offline_seconds: float = 0.0,
     ) -> MachineRun:
+        """The machine with its body in a given form, and all that is compared of the motion."""
         system = self.machine.system(body)
         solution = self.simulate(system, body, _words(form, tolerance), FixedStep(self.machine.step))
         shape = deformation(body, solution)
@@ -186,6 +188,7 @@ class _Runner:
     def simulate(
         self, system: System, body: FullBody | ReducedBody, label: str, step: StepControl
     ) -> Solution:
+        """The motion with given steps, from disk where it is there."""
         options: dict[str, Any] = {
             "duration": self.machine.duration,
             "output_step": self.machine.output_step,
@@ -213,6 +216,7 @@ class _Runner:
         return digest.hexdigest()[:8]
 
     def separation(self, run: MachineRun, coarse: StepControl, fine: StepControl) -> Separation:
+        """How the run's body moves with two kinds of steps, and when the two motions are apart."""
         label = _words(run.form, run.tolerance)
         solutions = [
             run.solution

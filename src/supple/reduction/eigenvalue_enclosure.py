@@ -91,10 +91,7 @@ def enclose_eigenvalues(
         n_exact = max(n_values + 2, (n_values + upper.size) // 2 + 1) if n_left else upper.size
         inside, gap = _last_before_gap(upper[:n_exact], n_values)
         if gap >= SMALLEST_GAP or n_more == 0:
-            shift = 0.5 * float(upper[inside - 1] + upper[inside])
-            lower = _lehmann_goerisch(upper, U.T @ (body.mass @ W), shift)
-            # Of either sign: lower bounds above the upper ones are round-off, which proves nothing.
-            width = float(np.max(np.abs(upper[:inside] / lower - 1))) if lower.size == inside else np.inf
+            shift, lower, width = _bounds(upper, U.T @ (body.mass @ W), inside)
             if width <= largest_width:
                 if make_room is not None:
                     make_room()
@@ -146,6 +143,16 @@ def _last_before_gap(values: np.ndarray, n_values: int) -> tuple[int, float]:
 def _random_loads(body: FlexibleBody, n_loads: int) -> np.ndarray:
     """Inertia loads (n, n_loads) that excite all motions."""
     return body.mass @ np.random.default_rng(n_loads).standard_normal((body.n, n_loads))
+
+
+def _bounds(upper: np.ndarray, A2: np.ndarray, inside: int) -> tuple[float, np.ndarray, float]:
+    """A shift above the first `inside` Ritz values, the lower bounds below it, the largest width."""
+    shift = 0.5 * float(upper[inside - 1] + upper[inside])
+    lower = _lehmann_goerisch(upper, A2, shift)
+    if lower.size != inside:
+        return shift, lower, np.inf
+    # Of either sign: lower bounds above the upper ones are round-off, which proves nothing.
+    return shift, lower, float(np.max(np.abs(upper[:inside] / lower - 1)))
 
 
 def _lehmann_goerisch(values: np.ndarray, A2: np.ndarray, rho: float) -> np.ndarray:
