@@ -22,10 +22,11 @@ from scipy.sparse import csr_matrix
 from supple.body import AveragingInterface, FlexibleBody, MeanAxisFrame, flexible_body
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Tolerances
+from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, Mesh, block
-from supple.multibody import GROUND, At, Ball, Placed, System, simulate
 from supple.reduction import NoDerivatives, NormalModes, reduce
 from supple.results import node_positions
+from supple.simulation import simulate
 
 DURATION, STEP, OUTPUT_STEP, N_MODES, TOLERANCE = 2.0, 1e-3, 0.02, 12, 1e-6
 GRAVITY = (0.0, 0.0, -9.81)

@@ -26,8 +26,8 @@ from supple.benchmark.blade import (
 from supple.benchmark.blade_full import OUTPUT_STEP, STEP, TOLERANCES
 from supple.benchmark.blade_reduced import FixedBasis, bases_of
 from supple.body import FlexibleBody, ModalDamping, RayleighDamping
-from supple.multibody import simulate
 from supple.reduction import reduce
+from supple.simulation import simulate
 
 SECONDS = 20.0
 

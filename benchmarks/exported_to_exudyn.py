@@ -29,10 +29,11 @@ from supple.body import AveragingInterface, MeanAxisFrame, flexible_body
 from supple.export import interface_nodes, write_exudyn
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Tolerances
+from supple.machine import GROUND, At, Ball, Joint, Placed, Revolute, System
 from supple.mesh import CellType, cylinder
-from supple.multibody import GROUND, At, Ball, Joint, Placed, Revolute, System, simulate
 from supple.reduction import NoDerivatives, ReducedBody, Rubin, reduce
 from supple.results import StressModes, stress_modes
+from supple.simulation import simulate
 from supple.viz import skin_of
 
 DURATION, OUTPUT_STEP, STEPS, TOLERANCE = 1.0, 0.02, (2e-3, 1e-3, 5e-4, 2.5e-4), 1e-10

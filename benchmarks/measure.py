@@ -14,7 +14,7 @@ from time import perf_counter, process_time
 from typing import Any
 
 from supple.benchmark.machine import describe_machine
-from supple.results import write_json
+from supple.storage import write_json
 
 RESULTS = Path(__file__).parent / "results"
 STATUS, CLEAR = Path("/proc/self/status"), Path("/proc/self/clear_refs")

@@ -14,7 +14,13 @@ from measure import keep, measured
 
 from supple.algebra import factorize_symmetric, mass_orthonormalize
 from supple.algebra.sparse_factor import Rslab, SuperLU
-from supple.body import MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body, inertia_gram
+from supple.body import (
+    MeanAxisFrame,
+    NodalFixedFrame,
+    RigidInterface,
+    flexible_body,
+    inertia_gram,
+)
 from supple.fem import HomogeneousWall, Isotropic, assemble, shell_model
 from supple.importers import read_abaqus
 from supple.reduction import (

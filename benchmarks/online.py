@@ -16,11 +16,10 @@ import numpy as np
 from measure import keep
 
 from supple.benchmark.rotating_beam import BODY, ROOT, RotatingBeam
-from supple.benchmark.spin_up import SpinUp
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.fem import GREEN_LAGRANGE
 from supple.integrate import FixedStep, GeneralizedAlpha, Tolerances
-from supple.multibody import (
+from supple.machine import (
     GROUND,
     At,
     Ball,
@@ -29,13 +28,21 @@ from supple.multibody import (
     PrescribedRotation,
     System,
     Table,
-    simulate_batch,
 )
-from supple.multibody.compiled_run import controls
-from supple.multibody.compiler_options import MARCHING
-from supple.multibody.initial_state import consistent_start
-from supple.multibody.time_step import march
-from supple.reduction import CompressedDerivatives, NoDerivatives, NormalModes, ReducedBody, Rubin, reduce
+from supple.machine.laws.spin_up import SpinUp
+from supple.multibody.compiled.compiled_run import controls
+from supple.multibody.compiled.compiler_options import MARCHING
+from supple.multibody.compiled.initial_state import consistent_start
+from supple.multibody.compiled.time_step import march
+from supple.reduction import (
+    CompressedDerivatives,
+    NoDerivatives,
+    NormalModes,
+    ReducedBody,
+    Rubin,
+    reduce,
+)
+from supple.simulation import simulate_batch
 
 PROBLEM = RotatingBeam()
 STEP, N_STEPS, REPEATS = 5e-3, 2000, 5

@@ -26,10 +26,11 @@ from supple.benchmark.quadruple_pendulum import GRAVITY, QuadruplePendulum
 from supple.body import RigidBody
 from supple.export import interface_nodes, write_exudyn
 from supple.integrate import FixedStep, GeneralizedAlpha, Tolerances
+from supple.machine import System
 from supple.mesh import CellType
-from supple.multibody import System, simulate
 from supple.reduction import ErrorControlled, NoDerivatives, ReducedBody, reduce
 from supple.results import node_positions
+from supple.simulation import simulate
 
 DURATION, OUTPUT_STEP, STEPS, TOLERANCE, REPEATS = 1.0, 0.02, (1e-3, 5e-4), 1e-6, 5
 

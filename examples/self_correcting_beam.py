@@ -18,25 +18,16 @@ from pathlib import Path
 
 import numpy as np
 
-from supple.benchmark.spin_up import SpinUp
-from supple.body import MeanAxisFrame, RigidInterface, flexible_body
+from supple.body import FullBody, MeanAxisFrame, RigidInterface, flexible_body
+from supple.correction import SelfCorrected, SelfCorrection, self_correct
 from supple.fem import HomogeneousWall, Isotropic, shell_model
 from supple.integrate import FixedStep, Tolerances
+from supple.machine import GROUND, At, Placed, PrescribedRotation, System
+from supple.machine.laws.spin_up import SpinUp
 from supple.mesh import strip
-from supple.multibody import (
-    GROUND,
-    At,
-    FullBody,
-    Placed,
-    PrescribedRotation,
-    SelfCorrected,
-    SelfCorrection,
-    System,
-    self_correct,
-    simulate,
-)
 from supple.reduction import CompressedDerivatives, CraigBampton
 from supple.results import motion_error
+from supple.simulation import simulate
 from supple.viz import plot_error_over_parameter
 
 ALLOWED = 3e-6

@@ -24,7 +24,7 @@ import numpy as np
 from supple.benchmark.slider_crank import SliderCrank, slider_position
 from supple.integrate import FixedStep, Solution
 from supple.mesh import CellType, RodCells
-from supple.multibody import balances, simulate
+from supple.multibody import balances
 from supple.reduction import (
     AttachmentModes,
     CraigBampton,
@@ -34,6 +34,7 @@ from supple.reduction import (
     reduce,
 )
 from supple.results import stress_modes
+from supple.simulation import simulate
 from supple.viz import Panel, Series, plot_time_history
 
 machine = SliderCrank(

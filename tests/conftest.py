@@ -1,5 +1,6 @@
 """Shared by all tests: compiled programs are kept between tests, workers and runs; meshes as bulk data."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,10 @@ import pytest
 from supple.cli.compilation_cache import keep_compiled_programs
 from supple.mesh import CellType
 
+pytest_plugins = ("fixtures.strips_and_rods", "fixtures.reduced_blocks", "fixtures.made_up_solutions")
+
+# The systems here are small and run for moments: compile them quickly rather than well.
+os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false")
 keep_compiled_programs(Path(__file__).parents[1] / ".pytest_cache" / "compiled")
 
 

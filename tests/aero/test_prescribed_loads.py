@@ -14,7 +14,7 @@ from supple.aero import (
     prescribed_forces,
 )
 from supple.errors import ModelError
-from supple.multibody import DeadForce, Table
+from supple.machine import DeadForce, Table
 
 SPAN = np.array([0.0, 10.0, 18.0, 33.0, 50.0, 61.5])
 RUN = Operation(angular_speed=1.267, pitch=np.radians(3.4))

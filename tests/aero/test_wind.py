@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from supple.aero import HarmonicSeries, PowerLawShear, Wind, golden_phases, kaimal_series, random_phases
+from supple.aero import (
+    HarmonicSeries,
+    PowerLawShear,
+    Wind,
+    golden_phases,
+    kaimal_series,
+    random_phases,
+)
 from supple.errors import ModelError
 
 KAIMAL = {"mean_speed": 12.0, "deviation": 1.2, "length_scale": 340.2, "frequency_step": 0.01}

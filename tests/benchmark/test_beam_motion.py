@@ -10,8 +10,8 @@ import pytest
 
 from supple.benchmark.beam_motion import fly_beam, spin_up_beam
 from supple.benchmark.planar_beam import ROTATING_BEAM, BeamElements
-from supple.benchmark.spin_up import SpinUp
 from supple.errors import ConvergenceError, ModelError
+from supple.machine.laws.spin_up import SpinUp
 
 # Soft enough that the steps below resolve every wave that carries energy.
 SOFT_BEAM = replace(

@@ -11,7 +11,7 @@ import pytest
 from supple.benchmark.eigenvalue_error import EigenvalueErrors, beam_frequencies, run_eigenvalue_errors
 from supple.benchmark.eigenvalue_error_report import draw_figures, report, tables
 from supple.mesh import CellType, RodCells
-from supple.results import write_json
+from supple.storage import write_json
 
 ROD = RodCells(around=9, ring=1, shank=8, width=3, thickness=1)
 PROBLEM = EigenvalueErrors(

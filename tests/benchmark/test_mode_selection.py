@@ -20,7 +20,7 @@ from supple.reduction import (
     fixed_interface_modes,
     reduce,
 )
-from supple.reduction.interface_columns import motion_rows
+from supple.reduction.bases.interface_columns import motion_rows
 
 
 @pytest.fixture(scope="module")

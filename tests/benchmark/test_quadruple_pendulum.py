@@ -16,9 +16,11 @@ from supple.benchmark.quadruple_pendulum import (
     rigid_link,
 )
 from supple.integrate import FixedStep, Tolerances
+from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType
-from supple.multibody import GROUND, At, Ball, Placed, System, balances, joint_gaps, simulate
+from supple.multibody import balances, joint_gaps
 from supple.reduction import CraigBampton, NoDerivatives, reduce
+from supple.simulation import simulate
 
 
 @pytest.fixture(scope="module")

@@ -6,23 +6,21 @@ import numpy as np
 import pytest
 
 from supple.benchmark.rotating_beam import RotatingBeam, spin_up_load
-from supple.benchmark.spin_up import SpinUp
-from supple.body import MeanAxisFrame, NodalFixedFrame
+from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame
+from supple.correction import SelfCorrection, self_correct
 from supple.fem import GREEN_LAGRANGE
 from supple.integrate import FixedStep, Tolerances
-from supple.multibody import (
-    GROUND,
-    At,
-    FullBody,
-    Placed,
-    PrescribedRotation,
-    SelfCorrection,
-    System,
-    self_correct,
-    simulate,
+from supple.machine import GROUND, At, Placed, PrescribedRotation, System
+from supple.machine.laws.spin_up import SpinUp
+from supple.reduction import (
+    AmplitudeProduct,
+    CompressedDerivatives,
+    CraigBampton,
+    StaticLoad,
+    UnitLoad,
 )
-from supple.reduction import AmplitudeProduct, CompressedDerivatives, CraigBampton, StaticLoad, UnitLoad
 from supple.results import motion_error
+from supple.simulation import simulate
 
 RUN = {
     "duration": 20.0,

@@ -9,8 +9,9 @@ import pytest
 
 from supple.benchmark.slider_crank import CRANK_RADIUS, ROD, TOTAL_MASS, SliderCrank, slider_position
 from supple.integrate import FixedStep, Tolerances
-from supple.multibody import balances, joint_gaps, simulate
+from supple.multibody import balances, joint_gaps
 from supple.reduction import CraigBampton, NoDerivatives, reduce
+from supple.simulation import simulate
 
 SOFT = 1e-3
 

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from supple.body import AveragingInterface, FlexibleBody, RigidInterface, flexible_body
-from supple.fem import FiniteElementModel, HomogeneousWall, Isotropic, shell_model, solid_model
+from supple.fem import (
+    FiniteElementModel,
+    HomogeneousWall,
+    Isotropic,
+    shell_model,
+    solid_model,
+)
 from supple.mesh import CellType, block, strip
 
 ALUMINIUM = Isotropic(7e10, 0.3, 2700.0)

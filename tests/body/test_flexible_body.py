@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from supple.algebra import lowest_modes
-from supple.body import AveragingInterface, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
+from supple.body import (
+    AveragingInterface,
+    MeanAxisFrame,
+    NodalFixedFrame,
+    RigidInterface,
+    flexible_body,
+)
 from supple.errors import MeshError, ModelError
 from supple.fem import HomogeneousWall, Isotropic, shell_model
 from supple.mesh import strip

@@ -21,7 +21,7 @@ from supple.reduction import (
     Rubin,
     SearchStep,
 )
-from supple.reduction.error_controlled import SMALLEST_TOLERANCE
+from supple.reduction.bases.error_controlled import SMALLEST_TOLERANCE
 
 CONTROLLED = 'basis = "error-controlled", tolerance = 1e-2, modes = 7'
 

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from supple.cli.correction_summary import best_round
 from supple.cli.main import app
-from supple.export import read_reduced_body
-from supple.results import CorrectionFolder, read_header, read_solution
+from supple.correction import CorrectionFolder
+from supple.storage import read_header, read_reduced_body, read_solution
 
 
 def call(*arguments, code=0):

@@ -15,7 +15,7 @@ from supple.cli.build_bodies import build_flexible_body, read_meshes
 from supple.cli.build_system import build_case
 from supple.cli.main import app
 from supple.cli.read_case import read_case
-from supple.export import read_reduced_body
+from supple.storage import read_reduced_body
 
 N = 6
 TOLERANCE = 1e-3

@@ -16,7 +16,7 @@ from supple.cli import build_system
 from supple.cli.main import app
 from supple.fem import LaminateWall, shell_model
 from supple.mesh import strip
-from supple.results import ResultFile, read_header, read_solution
+from supple.storage import ResultFile, read_header, read_solution
 
 ROOT_WEIGHT = 7850.0 * 1.0 * 0.1 * 0.01 * 9.81
 

@@ -11,8 +11,7 @@ from typer.testing import CliRunner
 from supple.cli.main import app
 from supple.cli.read_case import read_case
 from supple.errors import CaseError
-from supple.export import read_reduced_body
-from supple.results import read_solution
+from supple.storage import read_reduced_body, read_solution
 
 
 def call(*arguments, code=0):

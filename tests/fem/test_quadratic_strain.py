@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from supple.fem import GREEN_LAGRANGE, VON_KARMAN, HomogeneousWall, LaminateWall, shell_model, solid_model
+from supple.fem import (
+    GREEN_LAGRANGE,
+    VON_KARMAN,
+    HomogeneousWall,
+    LaminateWall,
+    shell_model,
+    solid_model,
+)
 from supple.fem.quadratic_strain import (
     energy,
     internal_force,

@@ -12,10 +12,11 @@ from supple.body import NodalFixedFrame, RigidInterface, flexible_body
 from supple.errors import ValidityWarning
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Newmark, Tolerances
+from supple.machine import GROUND, At, Ball, Placed, PrescribedRotation, Revolute, System
 from supple.mesh import CellType, block
-from supple.multibody import GROUND, At, Ball, Placed, PrescribedRotation, Revolute, System, simulate
-from supple.multibody.energy import balances
+from supple.multibody.checks.energy import balances
 from supple.reduction import CompleteBasis, NoDerivatives, reduce
+from supple.simulation import simulate
 
 TIGHT = Tolerances(residual=1e-11)
 

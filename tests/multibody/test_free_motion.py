@@ -8,8 +8,9 @@ from scipy.special import ellipj
 
 from supple.body import RigidBody
 from supple.integrate import FixedStep, GeneralizedAlpha, HilberHughesTaylor, Newmark, Tolerances
-from supple.multibody import Placed, System, simulate
-from supple.multibody.energy import balances
+from supple.machine import Placed, System
+from supple.multibody.checks.energy import balances
+from supple.simulation import simulate
 
 INERTIA = np.array([1.0, 2.0, 2.5])
 SPIN = np.array([1.0, 0.0, 1.3])

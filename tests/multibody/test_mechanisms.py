@@ -7,7 +7,7 @@ import pytest
 
 from supple.errors import RedundantConstraintWarning
 from supple.integrate import FixedStep, Tolerances
-from supple.multibody import (
+from supple.machine import (
     GROUND,
     At,
     Cylindrical,
@@ -16,8 +16,8 @@ from supple.multibody import (
     Revolute,
     System,
     Universal,
-    simulate,
 )
+from supple.simulation import simulate
 
 TIGHT = Tolerances(residual=1e-10)
 

@@ -6,7 +6,8 @@ import pytest
 
 from supple.body import RigidBody
 from supple.errors import ConvergenceError
-from supple.multibody import GROUND, DeadForce, Placed, PrescribedRotation, System, simulate
+from supple.machine import GROUND, DeadForce, Placed, PrescribedRotation, System
+from supple.simulation import simulate
 
 
 def _rod() -> RigidBody:

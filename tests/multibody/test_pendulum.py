@@ -12,8 +12,9 @@ from scipy.special import ellipj, ellipk
 from supple.body import RigidBody
 from supple.errors import StepCutWarning
 from supple.integrate import AdaptiveStep, FixedStep, Tolerances
-from supple.multibody import GROUND, At, Placed, Revolute, System, simulate
-from supple.multibody.joints.joint import axes_along
+from supple.machine import GROUND, At, Placed, Revolute, System
+from supple.machine.joints.joint import axes_along
+from supple.simulation import simulate
 
 MASS, ARM, INERTIA, GRAVITY = 2.0, 0.8, 0.15, 9.81
 SWING = 2.0  # rad

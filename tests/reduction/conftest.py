@@ -19,7 +19,7 @@ from supple.body import (
 )
 from supple.fem import HomogeneousWall, Isotropic, shell_model, solid_model
 from supple.mesh import CellType, block, strip
-from supple.reduction.interface_columns import motion_rows
+from supple.reduction.bases.interface_columns import motion_rows
 
 LENGTH = 10.0
 

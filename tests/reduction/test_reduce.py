@@ -27,9 +27,9 @@ from supple.reduction import (
     NormalModes,
     PickedDerivatives,
     Rubin,
-    linear_basis,
     reduce,
 )
+from supple.reduction.bases import linear_basis
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,12 @@ from scipy import sparse
 
 from supple.errors import ModelError
 from supple.fem import QuadraticStrain
-from supple.reduction import InternalForceTensors, internal_force_tensors, tensors, unpack_symmetric
+from supple.reduction import (
+    InternalForceTensors,
+    internal_force_tensors,
+    tensors,
+    unpack_symmetric,
+)
 
 
 def random_tensors(r: int) -> InternalForceTensors:

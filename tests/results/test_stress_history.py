@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from supple.body import MeanAxisFrame, flexible_body
+from supple.body import FullBody, MeanAxisFrame, flexible_body
 from supple.errors import ModelError
 from supple.fem import Isotropic, solid_model, stress_recovery, von_mises
 from supple.mesh import CellType, block
-from supple.multibody import FullBody
 from supple.reduction import NoDerivatives, NormalModes, reduce
 from supple.results import von_mises_history, von_mises_strain_history
 

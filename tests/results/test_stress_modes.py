@@ -21,7 +21,14 @@ from supple.fem import (
     von_mises_strain,
 )
 from supple.mesh import CellType, Mesh, block, box_beam, strip
-from supple.reduction import CompressedDerivatives, Guyan, NoDerivatives, NormalModes, Rubin, reduce
+from supple.reduction import (
+    CompressedDerivatives,
+    Guyan,
+    NoDerivatives,
+    NormalModes,
+    Rubin,
+    reduce,
+)
 from supple.results import strain_modes, stress_modes, tensor_modes
 
 STEEL = Isotropic(youngs_modulus=2.1e11, poissons_ratio=0.3, density=7800.0)

@@ -3,7 +3,7 @@
 from supple.benchmark.beam_motion import BeamMotion, fly_beam, spin_up_beam
 from supple.benchmark.beam_statics import bend_beam
 from supple.benchmark.planar_beam import ROTATING_BEAM, BeamElements, PlanarBeam
-from supple.benchmark.spin_up import SpinUp
+from supple.machine.laws.spin_up import SpinUp
 
 __all__ = [
     "ROTATING_BEAM",

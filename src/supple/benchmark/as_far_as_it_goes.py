@@ -6,8 +6,9 @@ from typing import Any
 
 from supple.errors import ConvergenceError
 from supple.integrate import Solution, concatenate
-from supple.multibody import System, simulate
+from supple.machine import System
 from supple.multibody.run_parts import Progress
+from supple.simulation import simulate
 
 
 def as_far_as_it_goes(system: System, *, progress: Progress, **options: Any) -> tuple[Solution, float | None]:

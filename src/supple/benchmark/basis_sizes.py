@@ -27,7 +27,7 @@ from supple.reduction import (
     residual_component,
     rubin_component,
 )
-from supple.reduction.interface_columns import motion_rows, require_interfaces
+from supple.reduction.bases.interface_columns import motion_rows, require_interfaces
 
 
 @dataclass(frozen=True)

@@ -28,10 +28,10 @@ from supple.aero import (
     random_phases,
 )
 from supple.algebra import lowest_modes
-from supple.benchmark.spin_up import SpinUp
 from supple.body import (
     FlexibleBody,
     Frame,
+    FullBody,
     MeanAxisFrame,
     NodalFixedFrame,
     RayleighDamping,
@@ -39,22 +39,29 @@ from supple.body import (
     flexible_body,
     rayleigh_from_ratios,
 )
-from supple.fem import GREEN_LAGRANGE, VON_KARMAN, HomogeneousWall, Isotropic, MembraneKinematics, shell_model
+from supple.fem import (
+    GREEN_LAGRANGE,
+    VON_KARMAN,
+    HomogeneousWall,
+    Isotropic,
+    MembraneKinematics,
+    shell_model,
+)
 from supple.importers import NREL5MW_WEBS, WU2019_GRID, nrel5mw_rotor, nrel5mw_stations
-from supple.importers.nrel5mw import HUB_HEIGHT, HUB_RADIUS
+from supple.importers.turbine.nrel5mw import HUB_HEIGHT, HUB_RADIUS
 from supple.integrate import Solution
-from supple.mesh import BladeGrid, Mesh, loft_blade
-from supple.multibody import (
+from supple.machine import (
     GROUND,
     At,
     DeadForce,
-    FullBody,
     Placed,
     PrescribedRotation,
     System,
     Table,
     Turning,
 )
+from supple.machine.laws.spin_up import SpinUp
+from supple.mesh import BladeGrid, Mesh, loft_blade
 from supple.reduction import ReducedBody
 from supple.results import displacement_from_axes, node_positions
 

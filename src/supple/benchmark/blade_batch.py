@@ -12,8 +12,8 @@ import numpy as np
 from supple.benchmark.blade import BODY, Blade, BladeCase
 from supple.benchmark.blade_full import OUTPUT_STEP, STEP, TOLERANCES
 from supple.errors import AccuracyError
-from supple.multibody import simulate, simulate_batch
 from supple.reduction import ReducedBody
+from supple.simulation import simulate, simulate_batch
 
 __all__ = ["BatchRun", "run_batch"]
 

@@ -9,7 +9,7 @@ from supple.benchmark.blade import FRAMES, Blade, BladeCase
 from supple.benchmark.blade_full import OUTPUT_STEP, STEP, TOLERANCES, FullRun
 from supple.benchmark.blade_reduced import error_against
 from supple.body import FlexibleBody, RayleighDamping
-from supple.multibody import Round, SelfCorrection, SelfCorrectionError, self_correct
+from supple.correction import Round, SelfCorrection, SelfCorrectionError, self_correct
 from supple.reduction import AmplitudeProduct, CompressedDerivatives, CraigBampton, StaticLoad
 
 __all__ = ["CorrectedRun", "correct_blade"]

@@ -8,10 +8,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from supple.benchmark.blade import FRAMES, Blade, BladeCase, TipMotion, tip_motion
-from supple.body import FlexibleBody, RayleighDamping
+from supple.body import FlexibleBody, FullBody, RayleighDamping
 from supple.integrate import FixedStep, Solution, Tolerances
-from supple.multibody import FullBody
-from supple.results import simulate_recorded
+from supple.simulation import simulate_recorded
 
 __all__ = ["OUTPUT_STEP", "STEP", "TOLERANCES", "FullCase", "FullRun", "run_full"]
 

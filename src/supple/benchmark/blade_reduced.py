@@ -11,9 +11,8 @@ import numpy as np
 from supple.benchmark.as_far_as_it_goes import as_far_as_it_goes
 from supple.benchmark.blade import BODY, FRAMES, Blade, BladeCase, TipMotion, tip_motion
 from supple.benchmark.blade_full import OUTPUT_STEP, STEP, TOLERANCES, FullRun
-from supple.body import FlexibleBody, RayleighDamping
+from supple.body import FlexibleBody, FullBody, RayleighDamping
 from supple.integrate import Solution
-from supple.multibody import FullBody
 from supple.reduction import (
     AmplitudeProduct,
     CompressedDerivatives,

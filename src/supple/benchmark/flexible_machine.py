@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.body import FlexibleBody, Frame, MeanAxisFrame
+from supple.body import FlexibleBody, Frame, FullBody, MeanAxisFrame
 from supple.fem import FiniteElementModel, Isotropic
 from supple.integrate import Solution
+from supple.machine import System
 from supple.mesh import Mesh
-from supple.multibody import FullBody, System
 from supple.reduction import ReducedBody
 from supple.viz.camera import Camera
 

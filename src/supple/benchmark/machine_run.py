@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.benchmark.flexible_machine import FlexibleMachine
+from supple.body import FullBody
 from supple.fem import Isotropic
 from supple.integrate import Solution
-from supple.multibody import FullBody, System, balances, joint_gaps
+from supple.machine import System
+from supple.multibody import balances, joint_gaps
 from supple.reduction import ReducedBody
 from supple.results import von_mises_history
 from supple.results.node_motion import node_motion

@@ -21,8 +21,8 @@ from supple.reduction import (
     fixed_interface_component,
     residual_component,
 )
-from supple.reduction.interface_columns import motion_rows, require_interfaces
-from supple.reduction.mode_selection import best_first
+from supple.reduction.bases.interface_columns import motion_rows, require_interfaces
+from supple.reduction.bases.mode_selection import best_first
 from supple.viz import plot_error_over_parameter
 
 # Part of a vibration's kinetic energy, as far as it shows at the interfaces, below which it does not.

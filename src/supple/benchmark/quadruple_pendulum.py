@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from supple.benchmark.flexible_machine import FlexibleMachine
-from supple.body import AveragingInterface, RigidBody, flexible_body
+from supple.body import AveragingInterface, FullBody, RigidBody, flexible_body
 from supple.fem import Isotropic, solid_model
+from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, Mesh, cylinder
-from supple.multibody import GROUND, At, Ball, FullBody, Placed, System
 from supple.reduction import ReducedBody
 from supple.viz.camera import Camera
 

@@ -18,19 +18,27 @@ from numpy.typing import NDArray
 from supple.benchmark.as_far_as_it_goes import as_far_as_it_goes
 from supple.benchmark.beam_motion import spin_up_beam
 from supple.benchmark.planar_beam import ROTATING_BEAM
-from supple.benchmark.spin_up import SpinUp
 from supple.body import (
     FlexibleBody,
     Frame,
+    FullBody,
     MeanAxisFrame,
     NodalFixedFrame,
     RigidInterface,
     flexible_body,
 )
-from supple.fem import GREEN_LAGRANGE, VON_KARMAN, HomogeneousWall, Isotropic, MembraneKinematics, shell_model
+from supple.fem import (
+    GREEN_LAGRANGE,
+    VON_KARMAN,
+    HomogeneousWall,
+    Isotropic,
+    MembraneKinematics,
+    shell_model,
+)
 from supple.integrate import FixedStep, Solution
+from supple.machine import GROUND, At, Placed, PrescribedRotation, System
+from supple.machine.laws.spin_up import SpinUp
 from supple.mesh import Mesh, strip
-from supple.multibody import GROUND, At, FullBody, Placed, PrescribedRotation, System, simulate
 from supple.reduction import (
     AmplitudeProduct,
     CompressedDerivatives,
@@ -46,6 +54,7 @@ from supple.reduction import (
 )
 from supple.results.error_measures import MotionError, motion_error
 from supple.results.recovery import displacement_from_axes, node_positions
+from supple.simulation import simulate
 
 __all__ = [
     "BeamRun",

@@ -15,11 +15,20 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from supple.benchmark.flexible_machine import FlexibleMachine
-from supple.body import RigidBody, RigidInterface, flexible_body
+from supple.body import FullBody, RigidBody, RigidInterface, flexible_body
 from supple.fem import Isotropic, solid_model
 from supple.integrate import Solution
-from supple.mesh import CellType, Eye, Mesh, RodCells, RodOutline, block, connecting_rod, cylinder
-from supple.multibody import GROUND, At, DeadTorque, FullBody, Placed, Prismatic, Revolute, System, Table
+from supple.machine import GROUND, At, DeadTorque, Placed, Prismatic, Revolute, System, Table
+from supple.mesh import (
+    CellType,
+    Eye,
+    Mesh,
+    RodCells,
+    RodOutline,
+    block,
+    connecting_rod,
+    cylinder,
+)
 from supple.reduction import ReducedBody
 from supple.viz.camera import Camera
 

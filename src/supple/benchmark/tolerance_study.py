@@ -22,17 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.benchmark.flexible_machine import FlexibleMachine
-from supple.benchmark.machine_run import (
-    Form,
-    MachineRun,
-    deformation,
-    drift,
-    energy_norm,
-    point_history,
-)
-from supple.export import read_reduced_body, write_reduced_body
+from supple.benchmark.machine_run import Form, MachineRun, deformation, drift, energy_norm, point_history
+from supple.body import FullBody
 from supple.integrate import AdaptiveStep, FixedStep, Solution, StepControl, Tolerances
-from supple.multibody import FullBody, System
+from supple.machine import System
 from supple.reduction import (
     AttachmentModes,
     CraigBampton,
@@ -43,8 +36,9 @@ from supple.reduction import (
     ReducedBody,
     reduce,
 )
-from supple.results import simulate_recorded
 from supple.results.node_motion import node_motion
+from supple.simulation import simulate_recorded
+from supple.storage import read_reduced_body, write_reduced_body
 
 __all__ = ["ADAPTIVE", "APART", "Separation", "Study", "run_study"]
 

@@ -5,6 +5,7 @@ from supple.body.damping import ModalDamping, RayleighDamping, rayleigh_from_rat
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
 from supple.body.frame import Frame, MeanAxisFrame, NodalFixedFrame, frame_projector
+from supple.body.full_body import FullBody
 from supple.body.inertia_gram import inertia_gram
 from supple.body.interface import AveragingInterface, BodyInterface, RigidInterface
 from supple.body.labelled_superelement import (
@@ -33,6 +34,7 @@ __all__ = [
     "Finding",
     "FlexibleBody",
     "Frame",
+    "FullBody",
     "MassProperties",
     "MeanAxisFrame",
     "ModalDamping",

@@ -8,7 +8,7 @@ from supple.benchmark.blade_benchmark import BladeBenchmark, BladeRun, run_blade
 from supple.benchmark.blade_figures import draw_figures, film
 from supple.benchmark.blade_report import report, tables
 from supple.cli.console import bar, console, print_table, progress_bars
-from supple.results import write_json
+from supple.storage import write_json
 
 
 def benchmark_blade(benchmark: BladeBenchmark, json: Path | None, folder: Path) -> None:

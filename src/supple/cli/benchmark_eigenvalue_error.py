@@ -8,7 +8,7 @@ from supple.benchmark.eigenvalue_error import EigenvalueErrors, beam_frequencies
 from supple.benchmark.eigenvalue_error_report import draw_figures, report, tables
 from supple.benchmark.mode_selection_study import draw_studies, selection_studies, selection_table
 from supple.cli.console import bar, console, print_table, progress_bars
-from supple.results import write_json
+from supple.storage import write_json
 
 __all__ = ["benchmark_eigenvalue_error"]
 

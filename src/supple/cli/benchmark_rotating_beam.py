@@ -7,7 +7,7 @@ from pathlib import Path
 from supple.benchmark.rotating_beam import BeamRun, RotatingBeam, run_rotating_beam
 from supple.benchmark.rotating_beam_report import draw_figures, film, report, tables
 from supple.cli.console import bar, console, print_table, progress_bars
-from supple.results import write_json, write_solution
+from supple.storage import write_json, write_solution
 
 __all__ = ["benchmark_rotating_beam"]
 

@@ -9,7 +9,7 @@ from supple.benchmark.tolerance_figures import draw_figures, film
 from supple.benchmark.tolerance_report import report, tables
 from supple.benchmark.tolerance_study import Study, run_study
 from supple.cli.console import bar, console, print_table, progress_bars
-from supple.results import write_json
+from supple.storage import write_json
 
 __all__ = ["benchmark_tolerances"]
 

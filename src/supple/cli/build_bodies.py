@@ -12,6 +12,7 @@ from supple.body import (
     AveragingInterface,
     FlexibleBody,
     Frame,
+    FullBody,
     MeanAxisFrame,
     ModalDamping,
     ModelCheck,
@@ -50,7 +51,6 @@ from supple.fem import (
 )
 from supple.importers import Connection, NastranModel, read_matrix, read_mesh, read_nastran
 from supple.mesh import Mesh
-from supple.multibody import FullBody
 from supple.reduction import ReducedBody, reduce
 
 

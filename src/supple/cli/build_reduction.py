@@ -8,7 +8,7 @@ import numpy as np
 
 from supple.body import FlexibleBody
 from supple.cli import case_schema as schema
-from supple.multibody import ReductionStart, SelfCorrection
+from supple.correction import ReductionStart, SelfCorrection
 from supple.reduction import (
     AttachmentModes,
     CompressedDerivatives,

@@ -23,11 +23,11 @@ from supple.cli.build_reduction import build_start, corrects_itself
 from supple.cli.read_case import CaseFile
 from supple.cli.reduced_file import read_body
 from supple.cli.time_laws import time_function
+from supple.correction import ReductionStart
 from supple.errors import ModelError
 from supple.fem import stress_recovery
 from supple.integrate import AdaptiveStep, FixedStep
-from supple.mesh import Mesh
-from supple.multibody import (
+from supple.machine import (
     GROUND,
     At,
     Ball,
@@ -43,14 +43,14 @@ from supple.multibody import (
     PrescribedRotation,
     PrescribedTranslation,
     Prismatic,
-    ReductionStart,
     Revolute,
     SpringDamper,
     System,
     TorsionSpringDamper,
     Universal,
 )
-from supple.multibody.model import initial_point
+from supple.mesh import Mesh
+from supple.multibody.equations.model import initial_point
 
 
 @dataclass(frozen=True, eq=False)

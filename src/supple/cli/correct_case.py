@@ -15,13 +15,13 @@ from supple.cli.build_system import BuiltCase, build_step
 from supple.cli.console import console
 from supple.cli.correction_summary import best_round, correction_numbers, correction_table
 from supple.cli.kept_bodies import kept_path
+from supple.correction import CorrectionFolder, Round, SelfCorrectionError, self_correct_system
 from supple.errors import ValidityWarning
-from supple.export import write_reduced_body
 from supple.integrate import GeneralizedAlpha, Solution
-from supple.multibody import Round, SelfCorrectionError, Validity, self_correct_system
-from supple.multibody.validity import watch
+from supple.multibody import Validity
+from supple.multibody.checks.validity import watch
 from supple.reduction import ReducedBody
-from supple.results import CorrectionFolder, ResultFile, write_json, write_solution
+from supple.storage import ResultFile, write_json, write_reduced_body, write_solution
 
 ROUNDS_FOLDER = "self_correction"
 PICTURE = "self_correction.png"

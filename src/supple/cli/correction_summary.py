@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from supple.multibody import Round
+from supple.correction import Round
 
 
 def correction_numbers(rounds: Sequence[Round]) -> list[dict[str, Any]]:

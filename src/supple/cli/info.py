@@ -12,10 +12,9 @@ from supple.cli.check import print_check
 from supple.cli.console import console
 from supple.cli.read_case import read_case
 from supple.errors import ImportFormatError
-from supple.export import holds_reduced_body, read_reduced_body
 from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, read_mesh
 from supple.mesh import Mesh
-from supple.results import read_header, read_solution
+from supple.storage import holds_reduced_body, read_header, read_reduced_body, read_solution
 
 
 def print_info(path: Path) -> None:

@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from supple.cli.build_system import BuiltCase
-from supple.export import read_reduced_body, write_reduced_body
-from supple.multibody import Placed
+from supple.machine import Placed
 from supple.reduction import ReducedBody
+from supple.storage import read_reduced_body, write_reduced_body
 
 
 def kept_path(folder: Path, name: str) -> Path:

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from supple.body import FullBody
 from supple.cli.build_bodies import build_model
 from supple.cli.build_system import BuiltCase, with_faces
 from supple.cli.tracked_motion import TrackedMotion, deflections
 from supple.integrate import BodyMotion, Solution
 from supple.mesh import Mesh
-from supple.multibody import FullBody
 from supple.reduction import ReducedBody, held_modes
 from supple.results import node_positions, von_mises_history
 from supple.viz import (

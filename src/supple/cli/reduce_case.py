@@ -12,8 +12,8 @@ from supple.cli.kept_bodies import kept_path
 from supple.cli.read_case import read_case
 from supple.cli.summary import body_numbers, body_table
 from supple.errors import CaseError
-from supple.export import write_reduced_body
 from supple.reduction import ReducedBody
+from supple.storage import write_reduced_body
 
 
 def reduce_case(path: Path, folder: Path) -> None:

@@ -40,7 +40,7 @@ def with_interfaces_of_files(raw: Raw, folder: Path) -> tuple[Raw, list[tuple[Ke
 
 def read_body(path: Path, name: str) -> ReducedBody:
     """The reduced body of a file under its name in the case; ResultFileError when it cannot be read."""
-    from supple.export import read_reduced_body
+    from supple.storage import read_reduced_body
 
     return replace(read_reduced_body(path), name=name)
 
@@ -48,7 +48,7 @@ def read_body(path: Path, name: str) -> ReducedBody:
 def _interface_names(path: Path) -> tuple[tuple[str, ...], str]:
     """The names, or what is wrong with the file."""
     # Imported here: the solvers take seconds to load, and few cases have such bodies.
-    from supple.export import read_interface_names
+    from supple.storage import read_interface_names
 
     try:
         return read_interface_names(path), ""

@@ -16,13 +16,21 @@ from supple.cli.correct_case import correct_case, draw_correction
 from supple.cli.correction_summary import correction_table
 from supple.cli.kept_bodies import with_kept_bodies
 from supple.cli.read_case import CaseFile, read_case
-from supple.cli.summary import body_table, cost_line, joint_loads, joint_table, place_table, summarize
+from supple.cli.summary import (
+    body_table,
+    cost_line,
+    joint_loads,
+    joint_table,
+    place_table,
+    summarize,
+)
 from supple.cli.tracked_motion import TrackedMotion, track
 from supple.integrate import GeneralizedAlpha, Solution
 from supple.multibody import Validity, warn_of_missing_modes
-from supple.multibody.simulate import output_times
 from supple.reduction import ReducedBody
-from supple.results import begin_recorded, continue_recorded, write_json
+from supple.simulation import begin_recorded, continue_recorded
+from supple.simulation.simulate import output_times
+from supple.storage import write_json
 
 
 def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = False) -> None:

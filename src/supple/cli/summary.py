@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from supple.body import RigidBody
+from supple.body import FullBody, RigidBody
 from supple.cli.tracked_motion import TrackedMotion
 from supple.integrate import Solution
-from supple.multibody import FullBody, System
+from supple.machine import System
 from supple.reduction import held_modes
 
 N_FREQUENCIES = 5

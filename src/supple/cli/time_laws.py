@@ -11,10 +11,10 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from supple.benchmark.spin_up import SpinUp
 from supple.cli.case_schema import Constant, Law, Ramp, Sine, TableLaw
 from supple.cli.case_schema import SpinUp as SpinUpTable
 from supple.errors import ImportFormatError
+from supple.machine.laws.spin_up import SpinUp
 
 Function = Callable[[Any], Any]
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from supple.body import RigidBody
+from supple.body import FullBody, RigidBody
 from supple.integrate import BodyMotion, Solution
+from supple.machine import System
 from supple.mesh import Mesh
-from supple.multibody import FullBody, System
 from supple.reduction import ReducedBody
 from supple.results import displacement_from_axes, node_displacements, node_positions
 

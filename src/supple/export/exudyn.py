@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from supple.errors import ModelError
 from supple.reduction import ReducedBody
 from supple.results import StressModes
-from supple.results.atomic_write import replacing
+from supple.storage.atomic_write import replacing
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from supple.errors import ImportFormatError
 from supple.importers.abaqus import read_abaqus
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh import read_gmsh
-from supple.importers.nastran import NASTRAN_SUFFIXES, read_nastran_mesh
+from supple.importers.nastran.model import NASTRAN_SUFFIXES, read_nastran_mesh
 from supple.mesh import Mesh
 
 READERS = {".inp": read_abaqus, ".msh": read_gmsh} | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran_mesh)

@@ -10,9 +10,9 @@ import numpy as np
 
 from supple.errors import ModelError
 from supple.integrate import BodyMotion, Solution
-from supple.multibody.equations import Configuration
-from supple.multibody.model import Model
-from supple.multibody.system import System
+from supple.machine.system import System
+from supple.multibody.equations.balance import Configuration
+from supple.multibody.equations.model import Model
 
 __all__ = [
     "CHUNKS",

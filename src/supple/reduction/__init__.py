@@ -1,23 +1,62 @@
 """Reduction bases, modal derivatives, their selection, online tensors, and the reduced body."""
 
-from supple.reduction.attachment_modes import AttachmentModes
-from supple.reduction.component_model import ComponentModel, ReducedMatrices, RitzComponent
-from supple.reduction.compression import CompressedDerivatives, compress
-from supple.reduction.coupling_moment import CouplingMoment, coupling_moments
-from supple.reduction.craig_bampton import CraigBampton
-from supple.reduction.craig_bampton_family import CraigBamptonFamily
-from supple.reduction.craig_bampton_residual import CraigBamptonResidual
-from supple.reduction.derivative_columns import DerivativeChoice, DerivativeColumns, NoDerivatives
-from supple.reduction.dual_craig_bampton import DualCraigBampton
-from supple.reduction.effective_interface_mass import (
+from supple.reduction.bases.attachment_modes import AttachmentModes
+from supple.reduction.bases.coupling_moment import CouplingMoment, coupling_moments
+from supple.reduction.bases.craig_bampton import CraigBampton
+from supple.reduction.bases.craig_bampton_family import CraigBamptonFamily
+from supple.reduction.bases.craig_bampton_residual import CraigBamptonResidual
+from supple.reduction.bases.dual_craig_bampton import DualCraigBampton
+from supple.reduction.bases.effective_interface_mass import (
     EffectiveInterfaceMass,
     effective_interface_masses,
     interior_interface_mass,
 )
-from supple.reduction.eigenvalue_certificate import EigenvalueCertificate
-from supple.reduction.eigenvalue_count import CountedGroup, count_eigenvalues
-from supple.reduction.eigenvalue_enclosure import EigenvalueEnclosure, enclose_eigenvalues
-from supple.reduction.eigenvalue_error import (
+from supple.reduction.bases.error_controlled import (
+    ErrorControlled,
+    ErrorControlledModes,
+    error_controlled_modes,
+)
+from supple.reduction.bases.guyan import Guyan, constraint_modes, interface_shapes
+from supple.reduction.bases.herting import Herting, inertia_relief_modes
+from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe, vibrating_basis
+from supple.reduction.bases.macneal import MacNealComponent
+from supple.reduction.bases.mode_selection import ChosenModes, LowestFrequency, ModeSelection
+from supple.reduction.bases.normal_modes import CompleteBasis, NormalModes
+from supple.reduction.bases.rubin import Rubin
+from supple.reduction.bases.static_correction import StaticCorrection
+from supple.reduction.components.component_model import ComponentModel, ReducedMatrices, RitzComponent
+from supple.reduction.components.fixed_interface_component import (
+    FixedInterfaceComponent,
+    craig_bampton_component,
+    enhanced_component,
+    fixed_interface_component,
+    fixed_interface_modes,
+    residual_component,
+)
+from supple.reduction.components.free_interface_component import (
+    FreeInterfaceComponent,
+    free_interface_component,
+    free_interface_modes,
+    rubin_component,
+)
+from supple.reduction.components.free_vibration import FreeVibrations, free_vibrations
+from supple.reduction.derivatives.compression import CompressedDerivatives, compress
+from supple.reduction.derivatives.derivative_columns import DerivativeChoice, DerivativeColumns, NoDerivatives
+from supple.reduction.derivatives.leading_directions import LeadingDirections, leading_directions
+from supple.reduction.derivatives.modal_derivatives import ModalDerivatives, modal_derivatives
+from supple.reduction.derivatives.pair_weights import (
+    AmplitudeProduct,
+    ModalAmplitudes,
+    ModalVirtualWork,
+    PairCriterion,
+    StaticLoad,
+    UnitLoad,
+)
+from supple.reduction.derivatives.picking import PickedDerivatives, pick
+from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
+from supple.reduction.eigenvalues.eigenvalue_count import CountedGroup, count_eigenvalues
+from supple.reduction.eigenvalues.eigenvalue_enclosure import EigenvalueEnclosure, enclose_eigenvalues
+from supple.reduction.eigenvalues.eigenvalue_error import (
     EarlierEstimate,
     ErrorEstimator,
     ErrorTerms,
@@ -27,48 +66,13 @@ from supple.reduction.eigenvalue_error import (
     TwoTermEstimate,
     error_terms,
 )
+from supple.reduction.eigenvalues.mode_search import Bisection, ModeSearch, OneByOne, SearchStep
 from supple.reduction.enrichment import Enrichment, enrich
-from supple.reduction.error_controlled import ErrorControlled, ErrorControlledModes, error_controlled_modes
-from supple.reduction.fixed_interface_component import (
-    FixedInterfaceComponent,
-    craig_bampton_component,
-    enhanced_component,
-    fixed_interface_component,
-    fixed_interface_modes,
-    residual_component,
-)
-from supple.reduction.free_interface_component import (
-    FreeInterfaceComponent,
-    free_interface_component,
-    free_interface_modes,
-    rubin_component,
-)
-from supple.reduction.free_vibration import FreeVibrations, free_vibrations
-from supple.reduction.guyan import Guyan, constraint_modes, interface_shapes
 from supple.reduction.held_modes import HeldModes, held_modes
-from supple.reduction.herting import Herting, inertia_relief_modes
-from supple.reduction.leading_directions import LeadingDirections, leading_directions
-from supple.reduction.linear_basis import LinearBasis, LinearBasisRecipe, vibrating_basis
-from supple.reduction.macneal import MacNealComponent
-from supple.reduction.modal_derivatives import ModalDerivatives, modal_derivatives
-from supple.reduction.mode_search import Bisection, ModeSearch, OneByOne, SearchStep
-from supple.reduction.mode_selection import ChosenModes, LowestFrequency, ModeSelection
-from supple.reduction.normal_modes import CompleteBasis, NormalModes
-from supple.reduction.pair_weights import (
-    AmplitudeProduct,
-    ModalAmplitudes,
-    ModalVirtualWork,
-    PairCriterion,
-    StaticLoad,
-    UnitLoad,
-)
-from supple.reduction.picking import PickedDerivatives, pick
 from supple.reduction.projection import project
 from supple.reduction.reduce import reduce
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface, ReductionReport
 from supple.reduction.reduction_basis import ReductionBasis, reduction_basis
-from supple.reduction.rubin import Rubin
-from supple.reduction.static_correction import StaticCorrection
 from supple.reduction.tensors import InternalForceTensors, internal_force_tensors, unpack_symmetric
 
 __all__ = [

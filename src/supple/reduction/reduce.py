@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from supple.body import FlexibleBody, Frame, ModalDamping, RayleighDamping
-from supple.reduction.compression import CompressedDerivatives
-from supple.reduction.derivative_columns import DerivativeChoice
-from supple.reduction.linear_basis import LinearBasisRecipe
+from supple.reduction.bases.linear_basis import LinearBasisRecipe
+from supple.reduction.derivatives.compression import CompressedDerivatives
+from supple.reduction.derivatives.derivative_columns import DerivativeChoice
 from supple.reduction.projection import project
 from supple.reduction.reduced_body import ReducedBody
 from supple.reduction.reduction_basis import reduction_basis

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from supple.algebra import read_only
 from supple.errors import ModelError
-from supple.reduction.eigenvalue_certificate import EigenvalueCertificate
+from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
 from supple.reduction.tensors import InternalForceTensors
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ import numpy as np
 from supple.algebra import mass_orthonormalize, read_only
 from supple.body import FlexibleBody, Frame
 from supple.errors import AccuracyError
-from supple.reduction.compression import CompressedDerivatives
-from supple.reduction.derivative_columns import DerivativeChoice
-from supple.reduction.linear_basis import LinearBasisRecipe, vibrating_basis
+from supple.reduction.bases.linear_basis import LinearBasisRecipe, vibrating_basis
+from supple.reduction.derivatives.compression import CompressedDerivatives
+from supple.reduction.derivatives.derivative_columns import DerivativeChoice
 from supple.reduction.reduced_body import ReductionReport
 from supple.reduction.stopwatch import timed
 

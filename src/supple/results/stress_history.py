@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.body import FullBody
 from supple.fem import (
     FiniteElementModel,
     StressRecovery,
@@ -15,7 +16,6 @@ from supple.fem import (
     von_mises,
     von_mises_strain,
 )
-from supple.multibody import FullBody
 from supple.reduction import ReducedBody
 from supple.results.recovery import node_numbers
 from supple.results.stress_modes import strain_modes, stress_modes

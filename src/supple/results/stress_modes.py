@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
-from supple.fem import FiniteElementModel, strain_recovery, stress_recovery, von_mises, von_mises_strain
+from supple.fem import (
+    FiniteElementModel,
+    strain_recovery,
+    stress_recovery,
+    von_mises,
+    von_mises_strain,
+)
 from supple.reduction import ReducedBody
 from supple.results.tensor_modes import TensorModes, tensor_modes
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from supple.errors import ModelError
-from supple.results.atomic_write import replacing
+from supple.storage.atomic_write import replacing
 from supple.viz.camera import Camera
 from supple.viz.mesh_plot import check_nodes, draw_cross, draw_length_bar
 from supple.viz.mesh_skin import Skin

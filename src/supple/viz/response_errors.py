@@ -11,13 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
 
 from supple.errors import ModelError
-from supple.viz.style import (
-    PALE_INK,
-    draw_curve,
-    new_figure,
-    save_figure,
-    textbook_style,
-)
+from supple.viz.style import PALE_INK, draw_curve, new_figure, save_figure, textbook_style
 from supple.viz.time_history import Series
 
 _LARGE = 1e4

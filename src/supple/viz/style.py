@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from supple.errors import ModelError
-from supple.results.atomic_write import replacing
+from supple.storage.atomic_write import replacing
 
 # Okabe and Ito (2008), ordered so that neighbours also differ in grey; the yellow is too light for lines.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")

@@ -11,7 +11,15 @@ from matplotlib.ticker import EngFormatter
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.viz.style import SOLID, Stroke, draw_curve, legend_above, new_figure, save_figure, textbook_style
+from supple.viz.style import (
+    SOLID,
+    Stroke,
+    draw_curve,
+    legend_above,
+    new_figure,
+    save_figure,
+    textbook_style,
+)
 
 _LARGE = 1e4
 """Values from here on are written with k, M, G."""

@@ -1,0 +1,47 @@
+"""Self-correcting reduction: rounds, missing motion, the error estimate."""
+
+from supple.correction.correction_folder import (
+    CorrectionFolder,
+)
+from supple.correction.correction_rounds import (
+    CorrectedSystem,
+    ReductionStart,
+    Round,
+    SelfCorrected,
+    SelfCorrection,
+    SelfCorrectionError,
+)
+from supple.correction.residual_correction import (
+    ResidualCorrections,
+    residual_corrections,
+    system_corrections,
+)
+from supple.correction.round_archive import (
+    MissedMotion,
+    RoundArchive,
+    RoundBases,
+)
+from supple.correction.self_correction import (
+    self_correct,
+)
+from supple.correction.system_correction import (
+    self_correct_system,
+)
+
+__all__ = [
+    "CorrectedSystem",
+    "CorrectionFolder",
+    "MissedMotion",
+    "ReductionStart",
+    "ResidualCorrections",
+    "Round",
+    "RoundArchive",
+    "RoundBases",
+    "SelfCorrected",
+    "SelfCorrection",
+    "SelfCorrectionError",
+    "residual_corrections",
+    "self_correct",
+    "self_correct_system",
+    "system_corrections",
+]

@@ -1,0 +1,166 @@
+"""The error that a self-correcting reduction is to reach, its rounds, and what comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from supple.algebra import read_only
+from supple.errors import AccuracyError, ModelError
+from supple.integrate import Solution
+from supple.machine.system import System
+from supple.reduction import (
+    CompressedDerivatives,
+    CraigBampton,
+    DerivativeChoice,
+    LinearBasisRecipe,
+    ReducedBody,
+)
+
+__all__ = [
+    "CorrectedSystem",
+    "ReductionStart",
+    "Round",
+    "SelfCorrected",
+    "SelfCorrection",
+    "SelfCorrectionError",
+]
+
+
+@dataclass(frozen=True)
+class SelfCorrection:
+    """The error to reach, and how to get there.
+
+    absolute : float        largest RMS error of the nodal positions over the run, unit of length; or
+    relative : float        the same over the largest displacement of a node, seen from the body's first
+                            interface (in its floating frame where it has none)
+    instants : int          output times of a run at which its residual is evaluated, evenly spread
+    directions : int        columns added a round
+    largest_size : int      of the basis returned; the run that measures its error has a richer one
+    max_rounds : int        enrichments before giving up
+    Raises ModelError when both or none of absolute and relative are given, or a number is not positive.
+    """
+
+    absolute: float | None = None
+    relative: float | None = None
+    instants: int = 50
+    directions: int = 3
+    largest_size: int = 60
+    max_rounds: int = 8
+
+    def __post_init__(self) -> None:
+        if (self.absolute is None) == (self.relative is None):
+            raise ModelError("self-correction: give the error to reach either as absolute or as relative")
+        for name, value in vars(self).items():
+            if value is not None and not (np.isfinite(value) and value > 0):
+                raise ModelError(f"self-correction: {name} must be a positive number, not {value}")
+
+    def allowed(self, largest_displacement: float) -> float:
+        """The error to reach, unit of length."""
+        return self.absolute or (self.relative or 0.0) * largest_displacement
+
+    @property
+    def wanted(self) -> str:
+        """The error to reach, in words."""
+        return f"{self.absolute:g}" if self.relative is None else f"{self.relative:g} of the displacement"
+
+
+@dataclass(frozen=True)
+class ReductionStart:
+    """Where the reduction of a body starts, and the error at which it may stop.
+
+    target : SelfCorrection
+    basis, derivatives : as for `reduce`
+    """
+
+    target: SelfCorrection = field(default_factory=lambda: SelfCorrection(relative=1e-3))
+    basis: LinearBasisRecipe = field(default_factory=lambda: CraigBampton(n_modes=5))
+    derivatives: DerivativeChoice = field(default_factory=lambda: CompressedDerivatives(5))
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """One run and what it said about the basis of one body.
+
+    body : ReducedBody
+    solution : Solution             up to where the run broke off, if it did
+    estimated_error : float         largest RMS error of the nodal positions over the run; infinite where
+                                    the run, or the next one that was to measure it, broke off, or where
+                                    the rounds do not converge
+    indicator : float               largest RMS of the motion that the basis misses, at the instants looked at
+    singular_values : (k,)          of that motion outside the basis, in the M-norm, descending; none of a
+                                    body that is enriched no more
+    seconds : float                 wall time of the reduction, the run and its correction, of all bodies
+    allowed : float                 the error to reach, unit of length
+    """
+
+    body: ReducedBody
+    solution: Solution
+    estimated_error: float
+    indicator: float
+    singular_values: np.ndarray
+    seconds: float
+    allowed: float = np.nan
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "singular_values", read_only(self.singular_values))
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return self.body.r
+
+
+@dataclass(frozen=True, eq=False)
+class SelfCorrected:
+    """A reduced body that meets a tolerance on a run, and the rounds that led to it.
+
+    rounds : Round              the last one meets the tolerance
+    finer_body, finer_solution  the run with the next, richer basis, by which its error was measured
+    """
+
+    rounds: tuple[Round, ...]
+    finer_body: ReducedBody
+    finer_solution: Solution
+
+    @property
+    def body(self) -> ReducedBody:
+        """The smallest body that meets the tolerance."""
+        return self.rounds[-1].body
+
+    @property
+    def solution(self) -> Solution:
+        """Its run."""
+        return self.rounds[-1].solution
+
+    @property
+    def estimated_error(self) -> float:
+        """Error of that run, unit of length."""
+        return self.rounds[-1].estimated_error
+
+
+@dataclass(frozen=True, eq=False)
+class CorrectedSystem:
+    """A system whose reduced bodies all meet their tolerances on one run.
+
+    system : System                     with the reduced bodies
+    bodies : SelfCorrected, by name     their rounds, which are the same runs
+    """
+
+    system: System
+    bodies: Mapping[str, SelfCorrected]
+
+    @property
+    def solution(self) -> Solution:
+        """The run."""
+        return next(iter(self.bodies.values())).solution
+
+
+class SelfCorrectionError(AccuracyError):
+    """The tolerance was not met; `rounds` keeps every run that was made and measured."""
+
+    def __init__(self, message: str, rounds: tuple[Round, ...]) -> None:
+        super().__init__(message)
+        self.rounds = rounds

@@ -1,0 +1,221 @@
+"""What a basis misses: the full-order residual along a finished reduced run, and the motion that answers it.
+
+At an instant of the run the motion is expanded to all coordinates of the body, `q = V gamma` with its rates
+and accelerations, and the full-order equations are evaluated with the run's joint forces. Along V the
+residual r vanishes; what is left is answered by one Newton step of the whole system,
+
+    [ K_t(q) + M / p   D^T   G^T ] [ delta  ]     [ r ]
+    [ D                          ] [ mu     ] = - [ 0 ]
+    [ G                          ] [ lambda ]     [ 0 ]
+
+K_t is the tangent of the deformed body and of the inertia forces at given accelerations (the centrifugal part
+softens, the tension it raises stiffens). The frame rows D and the joint rows G hold, while the frame, the
+other bodies and the joint forces are free to follow: one held interface, closed loops and free flight are
+all of one kind. The inertia M / p says what a static equilibrium cannot, how a rigid motion resists. delta
+is the missing motion, to first order and quasi-statically.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from supple.algebra import read_only
+from supple.body import MeanAxisFrame, frame_projector
+from supple.body.full_body import FullBody
+from supple.errors import ModelError, RedundantConstraintWarning
+from supple.integrate import Solution
+from supple.machine.system import System
+from supple.multibody.compiled.initial_state import consistent_start
+from supple.multibody.equations.balance import Configuration
+from supple.multibody.full.full_order import FullOrderSystem, FullState
+from supple.multibody.run_parts import Progress
+from supple.reduction import ReducedBody, ReductionBasis
+
+__all__ = ["ResidualCorrections", "residual_corrections", "system_corrections"]
+
+_SLOWNESS = 100.0
+"""How many times slower than the body's lowest vibration the missing motion is taken to be: slow enough that
+M / p changes no deflection by a per cent, fast enough that a free body's tangent is regular."""
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualCorrections:
+    """Missing motion of one body at k instants.
+
+    times : (k,)
+    deformation : (n, k)    delta, on the body's coordinates, relative to its frame
+    origin : (k, 3)         displacement of the frame's origin, global
+    rotation : (k, 3)       of the frame, rad, body components
+    rms : (k,)              root-mean-square displacement of the nodes: in space where the joints determine
+                            all rigid motion; of the deformation alone where the system can move freely,
+                            for no static equilibrium says how far it would
+    """
+
+    times: np.ndarray
+    deformation: np.ndarray
+    origin: np.ndarray
+    rotation: np.ndarray
+    rms: np.ndarray
+
+    def __post_init__(self) -> None:
+        for item in ("times", "deformation", "origin", "rotation", "rms"):
+            object.__setattr__(self, item, read_only(getattr(self, item)))
+
+
+def residual_corrections(
+    system: System, full: FullBody, basis: ReductionBasis, solution: Solution, instants: np.ndarray
+) -> ResidualCorrections:
+    """Motion that a finished run's basis misses at some of its output times; of one body, see below."""
+    return system_corrections(system, (full,), {full.name: basis}, solution, instants)[full.name]
+
+
+def system_corrections(
+    system: System,
+    fulls: Sequence[FullBody],
+    bases: Mapping[str, ReductionBasis],
+    solution: Solution,
+    instants: np.ndarray,
+    *,
+    progress: Progress | None = None,
+) -> dict[str, ResidualCorrections]:
+    """Motion that the bases of a finished run miss at some of its output times, by body.
+
+    All bodies are corrected by one and the same Newton step: each feels what the others miss.
+
+    Parameters
+    ----------
+    system : System             as it was simulated, with the reduced bodies
+    fulls : FullBody            those to correct, with all their coordinates
+    bases : ReductionBasis      of the reduced bodies, by name
+    solution : Solution         of the run
+    instants : int array (k,)   output times to look at, by their number
+    progress : function         called with the completed fraction of the instants
+
+    Raises
+    ------
+    ModelError      the system has no such body, or one of another size
+    AccuracyError   a tangent is singular: the body buckles, or its joints hold a mechanism in a dead centre
+    """
+    indices, reduced = zip(*(_found(system, full, bases[full.name]) for full in fulls), strict=True)
+    placed = list(system.bodies)
+    for index, full in zip(indices, fulls, strict=True):
+        at_rest = np.zeros(full.r)
+        placed[index] = replace(placed[index], body=full, coordinates=at_rest, coordinate_rates=at_rest)
+    with warnings.catch_warnings():
+        # The run has named them already.
+        warnings.simplefilter("ignore", RedundantConstraintWarning)
+        active = consistent_start(system, float(solution.times[0]), 1.0)[0].active
+    prepared = FullOrderSystem(replace(system, bodies=placed), active)
+    position = (_SLOWNESS / min(body.frequencies[0] for body in reduced)) ** 2
+    vectors = {full.name: bases[full.name].vectors for full in fulls}
+    states, steps = [], np.empty((len(instants), prepared.n))
+    for row, instant in enumerate(instants):
+        states.append(_expanded(prepared, solution, vectors, instant))
+        steps[row] = _newton_step(prepared, states[-1], position)
+        if progress is not None:
+            progress((row + 1) / len(instants))
+    configurations = [state.configuration for state in states]
+    determined = len(active) >= 6 * len(placed)
+    return {
+        full.name: _of_body(
+            full,
+            solution.times[instants],
+            configurations,
+            index,
+            steps[:, prepared.slices[index]],
+            determined,
+        )
+        for index, full in zip(indices, fulls, strict=True)
+    }
+
+
+def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, ReducedBody]:
+    """Place of a body in the system, and its reduced form there."""
+    index = system.body_index(full.name, "residual correction")
+    body = system.bodies[index].body
+    if not isinstance(body, ReducedBody) or body.r != basis.r:
+        raise ModelError(
+            f"residual correction: the system holds body '{full.name}' as a {type(body).__name__}, "
+            f"but the run to correct has it reduced to {basis.r} coordinates"
+        )
+    return index, body
+
+
+def _of_body(
+    full: FullBody,
+    times: np.ndarray,
+    configurations: list[Configuration],
+    index: int,
+    steps: np.ndarray,
+    determined: bool,
+) -> ResidualCorrections:
+    """The part of one body in the steps (k, 6 + n) of the system."""
+    return ResidualCorrections(
+        times=times,
+        deformation=steps[:, 6:].T,
+        origin=steps[:, :3],
+        rotation=steps[:, 3:6],
+        rms=_nodal_rms(full, configurations, index, steps, determined),
+    )
+
+
+def _expanded(
+    prepared: FullOrderSystem, solution: Solution, vectors: Mapping[str, np.ndarray], instant: int
+) -> FullState:
+    """State of the run at one output time, with all coordinates of the bodies whose basis is given."""
+
+    def now(item: str, body: str) -> np.ndarray:
+        value = getattr(solution.bodies[body], item)[instant]
+        return vectors[body] @ value if body in vectors and item.startswith("coordinate") else value
+
+    def joined(*items: str) -> np.ndarray:
+        return np.concatenate([now(item, body) for body in names for item in items])
+
+    system = prepared.system
+    names = [placed.body.name for placed in system.bodies]
+    multipliers = np.concatenate(
+        [np.zeros(0)] + [solution.joint_forces[joint.name][instant] for joint in system.joints]
+    )
+    acceleration = joined("acceleration", "angular_acceleration", "coordinate_accelerations")
+    return FullState(
+        time=float(solution.times[instant]),
+        configuration=Configuration(
+            np.array([now("position", body) for body in names]),
+            np.array([now("rotation", body) for body in names]),
+            tuple(now("coordinates", body) for body in names),
+        ),
+        velocity=joined("velocity", "angular_velocity", "coordinate_rates"),
+        acceleration=acceleration,
+        auxiliary=acceleration,
+        multipliers=multipliers[list(prepared.model.active)],
+        # Frame conditions carry no force: the frame's own six equations balance all nodal forces together.
+        frame_multipliers=tuple(np.zeros(6) for _ in prepared.interiors),
+    )
+
+
+def _newton_step(prepared: FullOrderSystem, state: FullState, position: float) -> np.ndarray:
+    """Displacement of all freedoms (n,) that balances the residual, joints and frames held."""
+    evaluation = prepared.evaluate(state, 0.0)
+    # Written for accelerations, of which a displacement is `position` times as large.
+    targets = -evaluation.gap / position, tuple(-gap / position for gap in evaluation.frame_gaps)
+    step, _, _ = prepared.correction(evaluation, targets, np.zeros(prepared.n), 0.0, position)
+    return position * step
+
+
+def _nodal_rms(
+    full: FullBody, configurations: list[Configuration], index: int, steps: np.ndarray, determined: bool
+) -> np.ndarray:
+    """Root-mean-square displacement of the nodes, (k,), with the rigid motion where it is determined."""
+    if not determined:
+        without = frame_projector(full.body, MeanAxisFrame())(steps[:, 6:].T)
+        moved = full.expand(without.T)
+    else:
+        places = full.nodes + full.expand(np.array([c.coordinates[index] for c in configurations]))
+        seen = full.expand(steps[:, 6:]) + np.cross(steps[:, None, 3:6], places)
+        rotations = np.array([configuration.rotations[index] for configuration in configurations])
+        moved = steps[:, None, :3] + np.einsum("kij,knj->kni", rotations, seen)
+    return np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1))

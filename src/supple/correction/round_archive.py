@@ -1,0 +1,71 @@
+"""Where the rounds of a self-correction are kept as they are computed, for one that was cut off to go on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from supple.body.full_body import FullBody
+from supple.machine.system import System
+from supple.reduction import ReductionBasis
+from supple.simulation.simulate import simulate
+
+__all__ = ["Forgotten", "MissedMotion", "RoundArchive", "RoundBases"]
+
+
+class MissedMotion(NamedTuple):
+    """What a run said of the motion that a body's basis misses; see `Round`."""
+
+    indicator: float
+    singular_values: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class RoundBases:
+    """What a run starts from.
+
+    bases : ReductionBasis, by body
+    missed : MissedMotion, by body      of the run before, from which the bases were enriched; empty at first
+    seconds : float                     wall time of the round before
+    """
+
+    bases: Mapping[str, ReductionBasis]
+    missed: Mapping[str, MissedMotion] = field(default_factory=dict)
+    seconds: float = 0.0
+
+
+class RoundArchive(Protocol):
+    """Keeps the bases and the motion of every run, numbered from 0; `results.CorrectionFolder` is one."""
+
+    def read_bases(self, number: int, fulls: Mapping[str, FullBody]) -> RoundBases | None:
+        """Those kept for a run by a self-correction that was cut off; None where it did not get so far.
+
+        fulls : the bodies, by name, with their frames
+        """
+        ...
+
+    def keep_bases(self, number: int, bases: RoundBases) -> None:
+        """Called before the run starts."""
+        ...
+
+    def simulate(self, number: int, system: System, **options: Any) -> None:
+        """As `simulate`; `record` is handed the motion from the start, kept parts included."""
+        ...
+
+
+class Forgotten:
+    """Keeps nothing: all there is of the rounds is in memory."""
+
+    def read_bases(self, number: int, fulls: Mapping[str, FullBody]) -> RoundBases | None:  # noqa: ARG002
+        """None."""
+        return None
+
+    def keep_bases(self, number: int, bases: RoundBases) -> None:
+        """Does nothing."""
+
+    def simulate(self, number: int, system: System, **options: Any) -> None:  # noqa: ARG002
+        """Just that."""
+        simulate(system, **options)

@@ -1,0 +1,1 @@
+"""Mass and stiffness matrices in the formats other programs write."""

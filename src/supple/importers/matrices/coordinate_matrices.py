@@ -1,0 +1,128 @@
+"""Matrices as lists of entries: Abaqus (*MATRIX GENERATE, .mtx) and CalculiX (MATRIXSTORAGE, .sti and "
+".mas)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ImportFormatError
+from supple.importers.matrices.labelled_matrix import (
+    LabelledMatrix,
+    from_entries,
+    from_labelled_entries,
+    printed_resolution,
+)
+
+FloatArray = NDArray[np.float64]
+
+
+def read_abaqus_matrix(path: str | Path) -> LabelledMatrix:
+    """Matrix of Abaqus (*MATRIX OUTPUT, FORMAT=MATRIX INPUT): node, component, node, component, value.
+
+    One triangle alone stands for both, as Abaqus writes a symmetric matrix.
+
+    Raises
+    ------
+    ImportFormatError   missing or cut file; lines of another form; an entry given twice; not symmetric
+    """
+    path = Path(path)
+    table, resolution = _table(path, 5, "node, component, node, component, value", ",")
+    labels = _whole(path, table[:, :4], "a node id or component")
+    return from_labelled_entries(str(path), labels[:, :2], labels[:, 2:], table[:, 4], resolution)
+
+
+def read_calculix_matrix(path: str | Path, freedoms: str | Path | None = None) -> LabelledMatrix:
+    """Matrix that CalculiX writes by *FREQUENCY, SOLVER=MATRIXSTORAGE: row, column, value, counted from 1.
+
+    Parameters
+    ----------
+    freedoms : the .dof file with `node.component` of each row; None takes the one of the same name
+    Raises
+    ------
+    ImportFormatError   missing or cut files; lines of another form; rows beyond the map; an entry given twice
+    """
+    path = Path(path)
+    map_path = path.with_suffix(".dof") if freedoms is None else Path(freedoms)
+    rows_of_map = _map(map_path)
+    table, resolution = _table(path, 3, "row, column, value", None)
+    numbers = _whole(path, table[:, :2], "a row or column number")
+    n = len(rows_of_map)
+    outside = np.flatnonzero(((numbers < 1) | (numbers > n)).any(axis=1))
+    if outside.size:
+        raise ImportFormatError(
+            f"{path}: an entry of row {numbers[outside[0], 0]} and column {numbers[outside[0], 1]}, but "
+            f"{map_path} names {n} freedoms; take both from the same run"
+        )
+    if numbers.max() < n:
+        raise ImportFormatError(
+            f"{path}: {numbers.max()} rows, but {map_path} names {n} freedoms; is the file cut short? Take "
+            "both from the same run"
+        )
+    matrix = from_entries(str(path), numbers[:, 0] - 1, numbers[:, 1] - 1, table[:, 2], rows_of_map)
+    return LabelledMatrix(str(path), matrix, rows_of_map, resolution)
+
+
+def _map(path: Path) -> NDArray[np.int64]:
+    words = [(number, text.strip()) for number, text in _lines(path)]
+    found = []
+    for number, word in words:
+        node, dot, component = word.partition(".")
+        if not (dot and node.isdecimal() and component.isdecimal()):
+            raise ImportFormatError(
+                f"{path}, line {number}: '{word[:40]}' is not NODE.COMPONENT; write it anew"
+            )
+        found.append((int(node), int(component)))
+    return np.array(found, dtype=np.int64)
+
+
+def _table(path: Path, width: int, form: str, delimiter: str | None) -> tuple[FloatArray, float]:
+    """Numbers (k, width) of the lines that are no comments, and the resolution of the last column."""
+    lines = _lines(path)
+    rows = [[word.strip() for word in text.split(delimiter)] for _, text in lines]
+    try:
+        table = np.array(rows, dtype=np.float64)
+    except ValueError:
+        table = np.empty((0, 0))
+    if table.ndim != 2 or table.shape[1] != width:
+        number, text = next(line for line, row in zip(lines, rows, strict=True) if not _is_row(row, width))
+        raise ImportFormatError(
+            f"{path}, line {number}: '{text.strip()[:60]}' is not {form}; is the file cut short, or of "
+            "another format?"
+        )
+    return table, min(printed_resolution(row[-1]) for row in rows[:1000])
+
+
+def _is_row(row: list[str], width: int) -> bool:
+    try:
+        return len([float(word) for word in row]) == width
+    except ValueError:
+        return False
+
+
+def _whole(path: Path, values: FloatArray, what: str) -> NDArray[np.int64]:
+    whole = np.where(np.isfinite(values), values, -0.5)
+    if (whole != np.round(whole)).any():
+        raise ImportFormatError(
+            f"{path}: {values[whole != np.round(whole)][0]:g} is not {what}; write the file anew"
+        )
+    return whole.astype(np.int64)
+
+
+def _lines(path: Path) -> list[tuple[int, str]]:
+    """Lines with their numbers; comments and keywords (*) and blank ones left out."""
+    if not path.is_file():
+        raise ImportFormatError(f"{path}: no such file; check its name and folder")
+    content = path.read_bytes()
+    if b"\0" in content:
+        raise ImportFormatError(f"{path}: a binary file; write the matrices as text")
+    found = [
+        (number, text)
+        for number, text in enumerate(content.decode("utf-8", errors="replace").splitlines(), start=1)
+        if text.strip() and not text.lstrip().startswith("*")
+    ]
+    if not found:
+        raise ImportFormatError(f"{path}: an empty file; write it anew")
+    return found

@@ -1,0 +1,76 @@
+"""Matrix files: the reader for a labelled matrix and for its nodes, chosen by suffix."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from supple.errors import ImportFormatError
+from supple.importers.abaqus import read_abaqus_nodes
+from supple.importers.matrices.coordinate_matrices import read_abaqus_matrix, read_calculix_matrix
+from supple.importers.matrices.dmig import read_dmig
+from supple.importers.matrices.hdf5_matrices import read_hdf5_matrix, read_hdf5_nodes
+from supple.importers.matrices.labelled_matrix import LabelledMatrix, MatrixRole
+from supple.importers.matrices.output4 import read_output4
+from supple.importers.nastran.model import NASTRAN_SUFFIXES, read_nastran_nodes
+from supple.importers.node_table import NodeTable
+
+DMIG_SUFFIXES = (".pch", *NASTRAN_SUFFIXES)
+HDF5_SUFFIXES = (".h5", ".hdf5")
+"""Names of HDF5 files end so."""
+MATRIX_SUFFIXES = (*DMIG_SUFFIXES, ".op4", *HDF5_SUFFIXES, ".mtx", ".sti", ".mas")
+NODE_SUFFIXES = (".inp", *NASTRAN_SUFFIXES, *HDF5_SUFFIXES)
+"""Files that `read_nodes` reads."""
+
+
+def read_nodes(path: str | Path) -> NodeTable:
+    """Labelled nodes of an Abaqus or CalculiX (.inp), Nastran (.bdf ..) or HDF5 file, whatever its elements.
+
+    Raises
+    ------
+    ImportFormatError   a suffix that no reader knows; whatever the reader finds wrong
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix == ".inp":
+        return read_abaqus_nodes(path)
+    if suffix in NASTRAN_SUFFIXES:
+        return read_nastran_nodes(path)
+    if suffix in HDF5_SUFFIXES:
+        return read_hdf5_nodes(path)
+    raise ImportFormatError(
+        f"{path}: no reader of labelled nodes for this suffix; give a file that ends in "
+        f"{', '.join(NODE_SUFFIXES)}"
+    )
+
+
+def read_labelled_matrix(
+    path: str | Path, role: MatrixRole, nodes: NodeTable, *, name: str | None = None
+) -> LabelledMatrix:
+    """Stiffness or mass, from DMIG (.pch, .bdf ..), OUTPUT4, HDF5, Abaqus (.mtx) or CalculiX (.sti, .mas).
+
+    Parameters
+    ----------
+    nodes : NodeTable     of the model; OUTPUT4 files rest on its order
+    name : str or None    of the matrix, where a file may hold several (DMIG, OUTPUT4)
+    Raises
+    ------
+    ImportFormatError   a suffix that no reader knows; whatever the reader finds wrong
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix in DMIG_SUFFIXES:
+        return read_dmig(path, role, name=name)
+    if suffix == ".op4":
+        return read_output4(path, role, nodes, name=name)
+    if name is not None:
+        raise ImportFormatError(
+            f"{path}: a {suffix} file holds no named matrices; leave the name '{name}' out"
+        )
+    if suffix in HDF5_SUFFIXES:
+        return read_hdf5_matrix(path, role)
+    if suffix == ".mtx":
+        return read_abaqus_matrix(path)
+    if suffix in (".sti", ".mas"):
+        return read_calculix_matrix(path)
+    raise ImportFormatError(
+        f"{path}: no reader of matrices for this suffix; give a file that ends in "
+        f"{', '.join(MATRIX_SUFFIXES)}"
+    )

@@ -1,0 +1,111 @@
+"""OUTPUT4 files (.op4), text or binary: matrices by row number, with the map that the mesh file implies."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+
+from supple.errors import ImportFormatError
+from supple.importers.matrices.labelled_matrix import SINGLE_PRECISION, LabelledMatrix, MatrixRole
+from supple.importers.node_table import NodeTable
+
+_TEXT_FORMAT = re.compile(rb"[0-9]E[0-9]+\.([0-9]+)")
+_REAL_SINGLE = 1
+
+
+def read_output4(
+    path: str | Path, role: MatrixRole, nodes: NodeTable, *, name: str | None = None
+) -> LabelledMatrix:
+    """The stiffness or mass of an OUTPUT4 file; read by the library pyyeti (install `supple[nastran]`).
+
+    OUTPUT4 has no labels. Rows are the analysis set (ASET) of the mesh file where their number fits it, else
+    all six freedoms of all its grids (the g-set), sorted by grid id.
+
+    Parameters
+    ----------
+    nodes : NodeTable     of the bulk data file the matrices come from
+    name : str or None    as in the file; None takes the one whose name begins with K (stiffness) or M (mass)
+    Raises
+    ------
+    ImportFormatError   pyyeti missing; missing, cut or unreadable file; no such matrix, or several; complex
+                        entries; a number of rows that fits neither set
+    """
+    path = Path(path)
+    matrices = _load(path)
+    chosen = _chosen_name(path, list(matrices), role, name)
+    matrix, kind = matrices[chosen]
+    source = f"{path}, matrix {chosen.upper()}"
+    if np.iscomplexobj(matrix.data):
+        raise ImportFormatError(
+            f"{source}: complex entries; stiffness and mass are real, so export them as real"
+        )
+    freedoms = _row_freedoms(source, matrix.shape[0], nodes)
+    return LabelledMatrix(source, csc_array(matrix, dtype=np.float64), freedoms, _resolution(path, kind))
+
+
+def _load(path: Path) -> dict[str, tuple[Any, int]]:
+    """Matrices of a file with their types, by name."""
+    try:
+        from pyyeti.nastran import op4
+    except ImportError as error:
+        raise ImportFormatError(
+            f"{path}: OUTPUT4 files are read by the library pyyeti; pip install 'supple[nastran]', or "
+            "punch the matrices as DMIG"
+        ) from error
+    if not path.is_file():
+        raise ImportFormatError(f"{path}: no such file; check its name and folder")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            names, matrices, _, kinds = op4.read(str(path), into="list", sparse=True)
+    except Exception as error:  # the library raises whatever it meets in a file that breaks the format
+        raise ImportFormatError(
+            f"{path}: not readable as OUTPUT4 ({type(error).__name__}: {error}); is it cut short? Write it "
+            "anew"
+        ) from error
+    if not names:
+        raise ImportFormatError(f"{path}: no matrix in this file; is it OUTPUT4, and whole?")
+    return dict(zip(names, zip(matrices, kinds, strict=True), strict=True))
+
+
+def _resolution(path: Path, kind: int) -> float:
+    """Relative error of an entry: of its type, or of the digits that a text file prints (as in 1P,5E16.9)."""
+    with path.open("rb") as file:
+        printed = _TEXT_FORMAT.search(file.readline(200))
+    digits = 0.0 if printed is None else 5.0 * 10.0 ** -(int(printed[1]) + 1)
+    return max(digits, SINGLE_PRECISION if kind == _REAL_SINGLE else float(np.finfo(float).eps))
+
+
+def _chosen_name(path: Path, names: list[str], role: MatrixRole, name: str | None) -> str:
+    listed = ", ".join(known.upper() for known in names)
+    if name is not None:
+        if name.lower() not in names:
+            raise ImportFormatError(f"{path}: no matrix '{name}'; the file has {listed}")
+        return name.lower()
+    fitting = [known for known in names if known.upper().startswith(role.letter)]
+    if len(fitting) != 1:
+        raise ImportFormatError(
+            f"{path}: {len(fitting)} matrices whose name begins with {role.letter}, for the {role.label}; "
+            f"name the one to take; the file has {listed}"
+        )
+    return fitting[0]
+
+
+def _row_freedoms(source: str, n: int, nodes: NodeTable) -> NDArray[np.int64]:
+    if nodes.retained is not None and len(nodes.retained) == n:
+        return nodes.retained
+    if n != 6 * len(nodes.ids):
+        aset = "no ASET" if nodes.retained is None else f"an ASET of {len(nodes.retained)}"
+        raise ImportFormatError(
+            f"{source}: {n} rows, but {nodes.source} has {len(nodes.ids)} grids, so {6 * len(nodes.ids)} "
+            f"freedoms, and {aset}; export the matrix of all grids (KGG, MGG) or of the ASET written "
+            "there, from the same model"
+        )
+    ids = np.sort(nodes.ids)
+    return np.column_stack([np.repeat(ids, 6), np.tile(np.arange(1, 7), len(ids))])

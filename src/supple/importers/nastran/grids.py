@@ -1,0 +1,165 @@
+"""Grid points of a Nastran file: GRID with its coordinate systems, in basic coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ImportFormatError
+from supple.importers.nastran.bulk_data import BulkCard, BulkFile
+from supple.importers.nastran.coordinate_system import (
+    BASIC,
+    Coordinates,
+    CoordinateSystem,
+    through_points,
+)
+from supple.importers.numbering import first_repeated, numbers_of
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+COORDINATE_CARDS = ("CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C", "CORD1S")
+_COORDINATES = {"R": Coordinates.RECTANGULAR, "C": Coordinates.CYLINDRICAL, "S": Coordinates.SPHERICAL}
+
+
+@dataclass(frozen=True, eq=False)
+class GridPoints:
+    """All grid points of a file, in its order.
+
+    ids       : (N,)
+    positions : (N, 3)      in basic coordinates
+    axes      : (N, 3, 3)   directions of the displacements (CD) as columns, in basic axes
+    held      : (N,)        permanent supports (PS), components as written; empty where none
+    cards     : the card of each
+    """
+
+    ids: IntArray
+    positions: FloatArray
+    axes: FloatArray
+    held: NDArray[np.str_]
+    cards: tuple[BulkCard, ...]
+
+    def lookup(self, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
+        """Numbers from 0 of grid ids, and whether there are such grids."""
+        return numbers_of(self.ids, ids)
+
+    def numbers(self, card: BulkCard, ids: list[int]) -> IntArray:
+        """Numbers from 0 of the grid points that a card names; ImportFormatError for one the file lacks."""
+        wanted = np.array(ids, dtype=np.int64)
+        numbers, known = self.lookup(wanted)
+        if not known.all():
+            raise card.error(
+                f"names grid {wanted[~known][0]}, which the file does not define; add its GRID card, "
+                "or remove this card"
+            )
+        return numbers
+
+
+def read_grids(file: BulkFile) -> GridPoints:
+    """Grid points of a file.
+
+    Raises
+    ------
+    ImportFormatError   no GRID card; a grid id given twice; coordinate systems that are missing, given twice,
+                        circular or flat; fields that are no numbers
+    """
+    if "GRDSET" in file.by_name:
+        raise file.named("GRDSET")[0].error("is not read; write CP, CD and PS on every GRID card")
+    cards = file.named("GRID")
+    if not cards:
+        raise ImportFormatError(f"{file.path}: no GRID card; is this a mesh file, and whole?")
+    ids = np.array([card.integer(0, "the grid id") for card in cards], dtype=np.int64)
+    second = first_repeated(ids)
+    if second is not None:
+        raise cards[second].error(f"grid {ids[second]} is defined a second time; renumber or remove it")
+    given_in, moved_in = (
+        np.array([card.integer(place, what, 0) for card in cards], dtype=np.int64)
+        for place, what in ((1, "the coordinate system CP"), (5, "the coordinate system CD"))
+    )
+    local = np.array([[card.real(2 + i, f"coordinate X{i + 1}", 0.0) for i in range(3)] for card in cards])
+    systems, positions = _resolve(file, ids, given_in, local)
+    axes = np.broadcast_to(np.eye(3), (len(ids), 3, 3)).copy()
+    for system in np.unique(np.concatenate([given_in, moved_in])):
+        if system not in systems:
+            wrong = int(np.flatnonzero((given_in == system) | (moved_in == system))[0])
+            raise cards[wrong].error(
+                f"names coordinate system {system}, which the file does not define; add its CORD card"
+            )
+        members = moved_in == system
+        axes[members] = systems[system].directions(positions[members])
+    held = np.array([card.word(6) for card in cards])
+    return GridPoints(ids, positions, axes, held, tuple(cards))
+
+
+def _resolve(
+    file: BulkFile, ids: IntArray, given_in: IntArray, local: FloatArray
+) -> tuple[dict[int, CoordinateSystem], FloatArray]:
+    """Every coordinate system in the basic one, and the positions; each system waits for those it rests "
+    "on."""
+    systems = {0: BASIC}
+    positions = np.full(local.shape, np.nan)
+    waiting = _definitions(file)
+    while True:
+        for system in np.unique(given_in):
+            members = given_in == system
+            if system in systems and np.isnan(positions[members]).any():
+                positions[members] = systems[system].basic(local[members])
+        found = {
+            system: resolved
+            for system, (card, place) in waiting.items()
+            if (resolved := _system(card, place, systems, ids, positions)) is not None
+        }
+        if not found:
+            break
+        systems |= found
+        waiting = {system: card for system, card in waiting.items() if system not in found}
+    for system, (card, _) in waiting.items():
+        raise card.error(
+            f"coordinate system {system} rests on a system or grid that the file does not define, or on "
+            "itself; add what is missing"
+        )
+    return systems, positions
+
+
+def _definitions(file: BulkFile) -> dict[int, tuple[BulkCard, int]]:
+    """The card of each coordinate system, and the field it starts at: a CORD1 card may hold two."""
+    found: dict[int, tuple[BulkCard, int]] = {}
+    for card in file.named(*COORDINATE_CARDS):
+        places = [0, 4] if card.name.startswith("CORD1") and card.word(4) else [0]
+        for place in places:
+            system = card.integer(place, "the id of the coordinate system")
+            if system in found or system == 0:
+                raise card.error(
+                    f"coordinate system {system} is defined a second time; renumber or remove it"
+                )
+            found[system] = (card, place)
+    return found
+
+
+def _system(
+    card: BulkCard,
+    place: int,
+    systems: dict[int, CoordinateSystem],
+    ids: IntArray,
+    positions: FloatArray,
+) -> CoordinateSystem | None:
+    """The system of a card; None while what it rests on is not yet known."""
+    if card.name.startswith("CORD2"):
+        reference = systems.get(card.integer(1, "the reference system", 0))
+        if reference is None:
+            return None
+        points = reference.basic(
+            [[card.real(2 + 3 * i + j, "a point", 0.0) for j in range(3)] for i in range(3)]
+        )
+    else:
+        wanted = np.array([card.integer(place + i, "a grid") for i in (1, 2, 3)])
+        numbers, known = numbers_of(ids, wanted)
+        points = positions[numbers]
+        if not known.all() or np.isnan(points).any():
+            return None
+    made = through_points(_COORDINATES[card.name[-1]], *points)
+    if made is None:
+        raise card.error("its three points lie on one line; move one of them")
+    return made

@@ -1,0 +1,89 @@
+"""What a machine is made of, without any equation of motion: bodies placed, joints, forces, laws of time."""
+
+from supple.machine.forces.force_element import (
+    ForceElement,
+)
+from supple.machine.forces.marker_force import (
+    DeadTorque,
+    FollowerForce,
+    FollowerTorque,
+)
+from supple.machine.forces.spring_damper import (
+    SpringDamper,
+)
+from supple.machine.forces.torsion_spring_damper import (
+    TorsionSpringDamper,
+)
+from supple.machine.joints.ball import (
+    Ball,
+)
+from supple.machine.joints.cylindrical import (
+    Cylindrical,
+)
+from supple.machine.joints.fixed import (
+    Fixed,
+)
+from supple.machine.joints.joint import (
+    GROUND,
+    At,
+    Joint,
+    JointFrame,
+)
+from supple.machine.joints.prescribed_rotation import (
+    PrescribedRotation,
+)
+from supple.machine.joints.prescribed_translation import (
+    PrescribedTranslation,
+)
+from supple.machine.joints.prismatic import (
+    Prismatic,
+)
+from supple.machine.joints.revolute import (
+    Revolute,
+)
+from supple.machine.joints.universal import (
+    Universal,
+)
+from supple.machine.laws.time_law import (
+    Constant,
+    Table,
+    TimeFunction,
+    TimeLaw,
+    Turning,
+)
+from supple.machine.nodal_loads.dead_force import (
+    DeadForce,
+)
+from supple.machine.system import (
+    Placed,
+    System,
+)
+
+__all__ = [
+    "GROUND",
+    "At",
+    "Ball",
+    "Constant",
+    "Cylindrical",
+    "DeadForce",
+    "DeadTorque",
+    "Fixed",
+    "FollowerForce",
+    "FollowerTorque",
+    "ForceElement",
+    "Joint",
+    "JointFrame",
+    "Placed",
+    "PrescribedRotation",
+    "PrescribedTranslation",
+    "Prismatic",
+    "Revolute",
+    "SpringDamper",
+    "System",
+    "Table",
+    "TimeFunction",
+    "TimeLaw",
+    "TorsionSpringDamper",
+    "Turning",
+    "Universal",
+]

@@ -1,0 +1,72 @@
+"""What every force between two markers is: ends, parameters, and the wrenches it exerts on them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from supple.errors import ModelError
+from supple.machine.joints.joint import GROUND, At
+from supple.machine.laws.time_law import TimeLaw
+from supple.machine.pose import Wrench
+
+__all__ = ["ForceElement", "check_not_negative"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceElement(ABC):
+    """A force law between two markers; tangents follow from it by differentiation."""
+
+    first: At
+    second: At = GROUND
+
+    value_shape: ClassVar[tuple[int, ...]] = ()
+    """Shape of what the law gives, where there is one."""
+    acts_along_line: ClassVar[bool] = False
+    """True when the law needs a line between its ends, which must then stay apart."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "first", At(*self.first))
+        object.__setattr__(self, "second", At(*self.second))
+        if GROUND == self.first == self.second:
+            raise ModelError(f"{self.label} acts on the ground alone: name a body's interface")
+
+    @property
+    def label(self) -> str:
+        """Name for messages."""
+        return f"{type(self).__name__} on {self.first}"
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Axes of both markers in the initial configuration, global, as columns."""
+        return np.eye(3)
+
+    @property
+    def ground_point(self) -> np.ndarray | None:
+        """Where the force takes hold of the ground (3,); None: where its other end starts."""
+        return None
+
+    @property
+    def law(self) -> TimeLaw | None:
+        """The quantity that varies with time, where there is one."""
+        return None
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """The numbers that `wrenches` needs."""
+        return ()
+
+    @staticmethod
+    @abstractmethod
+    def wrenches(first: Any, second: Any, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+        """Wrenches on the two markers; `value` is the law's at this time, or None."""
+
+
+def check_not_negative(element: ForceElement, **values: float) -> None:
+    """Raise ModelError unless every value is finite and at least zero."""
+    for name, value in values.items():
+        if not (np.isfinite(value) and value >= 0):
+            raise ModelError(f"{element.label}: {name} must be finite and not negative, got {value}")

@@ -1,0 +1,78 @@
+"""Forces and torques over time at one interface: dead (fixed in space) or follower (turning with it)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax.numpy as jnp
+
+from supple.machine.forces.force_element import ForceElement
+from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.pose import Marker, Wrench, orientation
+
+__all__ = ["DeadTorque", "FollowerForce", "FollowerTorque"]
+
+
+def _at_rest() -> Wrench:
+    return Wrench(jnp.zeros(3), jnp.zeros(3))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowerForce(ForceElement):
+    """A force that turns with the interface it acts on."""
+
+    force: Any
+    """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
+
+    value_shape: ClassVar[tuple[int, ...]] = (3,)
+
+    @property
+    def law(self) -> TimeLaw:
+        """The force over time."""
+        return as_time_law(self.force)
+
+    @staticmethod
+    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """`F = A_p f(t)`."""
+        return Wrench(orientation(first) @ value, jnp.zeros(3)), _at_rest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowerTorque(ForceElement):
+    """A torque that turns with the interface it acts on."""
+
+    torque: Any
+    """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
+
+    value_shape: ClassVar[tuple[int, ...]] = (3,)
+
+    @property
+    def law(self) -> TimeLaw:
+        """The torque over time."""
+        return as_time_law(self.torque)
+
+    @staticmethod
+    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """`M = A_p m(t)`."""
+        return Wrench(jnp.zeros(3), orientation(first) @ value), _at_rest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeadTorque(ForceElement):
+    """A torque whose direction stays fixed in space."""
+
+    torque: Any
+    """(3,) global components."""
+
+    value_shape: ClassVar[tuple[int, ...]] = (3,)
+
+    @property
+    def law(self) -> TimeLaw:
+        """The torque over time."""
+        return as_time_law(self.torque)
+
+    @staticmethod
+    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """`M = m(t)`."""
+        return Wrench(jnp.zeros(3), jnp.asarray(value)), _at_rest()

@@ -1,0 +1,58 @@
+"""Spring and damper about the axis of a hinge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.machine.forces.force_element import ForceElement, check_not_negative
+from supple.machine.joints.joint import axes_along
+from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.pose import Marker, Wrench, angular_velocity, orientation
+
+__all__ = ["TorsionSpringDamper"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorsionSpringDamper(ForceElement):
+    """Moment `k (phi - phi_0(t)) + c dphi/dt` about an axis; the angle phi is taken in (-pi, pi]."""
+
+    axis: tuple[float, float, float]
+    """Direction of the axis in the initial configuration, global; it stays with the first end."""
+    stiffness: float = 0.0
+    damping: float = 0.0
+    rest_angle: Any = 0.0
+    """Angle of the second end against the first at rest, rad: a number or a law of time (a servo)."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_not_negative(self, stiffness=self.stiffness, damping=self.damping)
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the axis."""
+        return axes_along(self.axis)
+
+    @property
+    def law(self) -> TimeLaw:
+        """The rest angle over time."""
+        return as_time_law(self.rest_angle)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(k, c)`."""
+        return (self.stiffness, self.damping)
+
+    @staticmethod
+    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+        """Equal and opposite moments about the first end's axis."""
+        stiffness, damping = parameters
+        axes_1, axes_2 = orientation(first), orientation(second)
+        axis = axes_1[:, 2]
+        angle = jnp.arctan2(axes_1[:, 1] @ axes_2[:, 0], axes_1[:, 0] @ axes_2[:, 0])
+        rate = axis @ (angular_velocity(second) - angular_velocity(first))
+        moment = (stiffness * (angle - value) + damping * rate) * axis
+        return Wrench(jnp.zeros(3), moment), Wrench(jnp.zeros(3), -moment)

@@ -1,0 +1,47 @@
+"""Joints, one per module."""
+
+from supple.machine.joints.ball import (
+    Ball,
+)
+from supple.machine.joints.cylindrical import (
+    Cylindrical,
+)
+from supple.machine.joints.fixed import (
+    Fixed,
+)
+from supple.machine.joints.joint import (
+    GROUND,
+    At,
+    Joint,
+    JointFrame,
+)
+from supple.machine.joints.prescribed_rotation import (
+    PrescribedRotation,
+)
+from supple.machine.joints.prescribed_translation import (
+    PrescribedTranslation,
+)
+from supple.machine.joints.prismatic import (
+    Prismatic,
+)
+from supple.machine.joints.revolute import (
+    Revolute,
+)
+from supple.machine.joints.universal import (
+    Universal,
+)
+
+__all__ = [
+    "GROUND",
+    "At",
+    "Ball",
+    "Cylindrical",
+    "Fixed",
+    "Joint",
+    "JointFrame",
+    "PrescribedRotation",
+    "PrescribedTranslation",
+    "Prismatic",
+    "Revolute",
+    "Universal",
+]

@@ -1,0 +1,25 @@
+"""Ball joint: the two points coincide."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+
+from supple.machine.joints.joint import Joint, JointFrame, closing
+
+__all__ = ["Ball"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ball(Joint):
+    """`r_2 - r_1 = 0`: all rotations free."""
+
+    n_constraints: ClassVar[int] = 3
+    rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z")
+
+    @staticmethod
+    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
+        """The gap between the points, (3,)."""
+        return closing(first, second)

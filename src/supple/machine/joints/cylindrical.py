@@ -1,0 +1,34 @@
+"""Cylindrical joint: rotation about an axis and sliding along it are free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import numpy as np
+
+from supple.machine.joints.joint import Joint, JointFrame, axes_along, closing, stack, tilt
+
+__all__ = ["Cylindrical"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cylindrical(Joint):
+    """The second point stays on the first end's axis, and the axes stay parallel."""
+
+    axis: tuple[float, float, float]
+    """Direction of the axis in the initial configuration, global."""
+
+    n_constraints: ClassVar[int] = 4
+    rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "tilt about x", "tilt about y")
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the joint's axis."""
+        return axes_along(self.axis)
+
+    @staticmethod
+    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
+        """Offset from the axis and tilt, (4,)."""
+        return stack(closing(first, second)[:2], tilt(first, second))

@@ -1,0 +1,32 @@
+"""Fixed joint (weld): points and axes coincide."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+
+from supple.machine.joints.joint import Joint, JointFrame, closing, relative_turn, stack
+
+__all__ = ["Fixed"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fixed(Joint):
+    """`r_2 - r_1 = 0` and no relative rotation; with the ground as one end, a clamp."""
+
+    n_constraints: ClassVar[int] = 6
+    rows: ClassVar[tuple[str, ...]] = (
+        "position x",
+        "position y",
+        "position z",
+        "rotation x",
+        "rotation y",
+        "rotation z",
+    )
+
+    @staticmethod
+    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
+        """The gap and the relative turn, (6,)."""
+        return stack(closing(first, second), relative_turn(first, second))

@@ -1,0 +1,122 @@
+"""What every joint is: two ends, axes in the initial configuration, and constraint equations.
+
+The equations are written in the *joint frames* of both ends (`JointFrame`): points and axes that coincide in
+the initial configuration. They may depend on the frames through `A_1^T (r_2 - r_1)` and `A_1^T A_2` only, and
+affinely; Jacobian and geometric stiffness then follow (`joint_linearization`), so a new joint is one short
+function.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.rotation import unskew
+from supple.errors import ModelError
+from supple.machine.laws.time_law import TimeLaw
+
+__all__ = ["GROUND", "At", "Joint", "JointFrame", "axes_along", "closing", "relative_turn", "stack", "tilt"]
+
+
+class At(NamedTuple):
+    """One end of a joint or force: an interface of a body."""
+
+    body: str
+    interface: str
+
+    def __str__(self) -> str:
+        return f"{self.body}.{self.interface}" if self.interface else self.body
+
+
+GROUND = At("ground", "")
+"""The end that does not move."""
+
+
+class JointFrame(NamedTuple):
+    """Point (3,) and axes (3, 3, as columns) of one end of a joint, global components."""
+
+    point: jax.Array
+    axes: jax.Array
+
+
+def relative_turn(first: JointFrame, second: JointFrame) -> jax.Array:
+    """`sin(angle) axis` of the rotation from the first to the second frame, in the first's axes, (3,)."""
+    return unskew(first.axes.T @ second.axes)
+
+
+def tilt(first: JointFrame, second: JointFrame) -> jax.Array:
+    """`z_1 x z_2`: by what the second z axis is tilted about the first's x and y axes, (2,)."""
+    x, y, _ = first.axes.T @ second.axes[:, 2]
+    return jnp.stack([-y, x])
+
+
+def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
+    """Right-handed unit axes, as columns, the third `axis`, the first as near `hint` as can be."""
+    direction = np.asarray(axis, dtype=float)
+    length = np.linalg.norm(direction)
+    if direction.shape != (3,) or not np.isfinite(direction).all() or length == 0:
+        raise ModelError(f"a joint axis must be three finite numbers, not all zero; got {axis}")
+    direction = direction / length
+    near = np.eye(3)[np.argmin(abs(direction))] if hint is None else np.asarray(hint, dtype=float)
+    first = near - (near @ direction) * direction
+    if np.linalg.norm(first) < 1e-8 * np.linalg.norm(near):
+        raise ModelError(f"the two axes of a joint must not be parallel, got {axis} and {hint}")
+    first = first / np.linalg.norm(first)
+    return np.column_stack([first, np.cross(direction, first), direction])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Joint(ABC):
+    """A joint between two ends; the subclasses say which motions it leaves free."""
+
+    first: At
+    second: At
+    name: str = ""
+
+    n_constraints: ClassVar[int]
+    """Number of constraint equations."""
+    rows: ClassVar[tuple[str, ...]]
+    """What each constraint equation holds, for messages."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "first", At(*self.first))
+        object.__setattr__(self, "second", At(*self.second))
+        if not self.name:
+            object.__setattr__(self, "name", f"{type(self).__name__.lower()} {self.first} - {self.second}")
+        if GROUND == self.first == self.second:
+            raise ModelError(f"joint '{self.name}' joins the ground to itself: name a body's interface")
+        if self.first == self.second:
+            raise ModelError(f"joint '{self.name}' joins '{self.first}' to itself: name another interface")
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Joint axes in the initial configuration, global, as columns; z is the joint's own axis."""
+        return np.eye(3)
+
+    @property
+    def law(self) -> TimeLaw | None:
+        """The prescribed motion, where the joint has one."""
+        return None
+
+    @staticmethod
+    @abstractmethod
+    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:
+        """The equations `g = 0`, (n_constraints,), affine in the second frame as the first one sees it.
+
+        `value` is the law's at this time, or None.
+        """
+
+
+def closing(first: JointFrame, second: JointFrame) -> jax.Array:
+    """Vector from the first point to the second, in the first's axes, (3,)."""
+    return first.axes.T @ (second.point - first.point)
+
+
+def stack(*equations: Any) -> jax.Array:
+    """Scalars and vectors as one vector of equations."""
+    return jnp.concatenate([jnp.atleast_1d(jnp.asarray(e)) for e in equations])

@@ -1,0 +1,47 @@
+"""Prescribed rotation: the second end turns about the axis, relative to the first, by a given angle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.machine.joints.fixed import Fixed
+from supple.machine.joints.joint import Joint, JointFrame, axes_along, closing, relative_turn, stack
+from supple.machine.laws.time_law import TimeLaw, as_time_law
+
+__all__ = ["PrescribedRotation"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrescribedRotation(Joint):
+    """A fixed joint whose angle about one axis follows a law of time; all else is held."""
+
+    axis: tuple[float, float, float]
+    """Direction of the axis in the initial configuration, global."""
+    angle: Any
+    """rad, as a function of time (a number, a law, or a function written with jax.numpy)"""
+
+    n_constraints: ClassVar[int] = Fixed.n_constraints
+    rows: ClassVar[tuple[str, ...]] = Fixed.rows
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the joint's axis."""
+        return axes_along(self.axis)
+
+    @property
+    def law(self) -> TimeLaw:
+        """The prescribed angle."""
+        return as_time_law(self.angle)
+
+    @staticmethod
+    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:
+        """The gap, and the turn from the first frame turned by the angle, (6,)."""
+        cosine, sine = jnp.cos(value), jnp.sin(value)
+        about_z = jnp.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+        turned = JointFrame(first.point, first.axes @ about_z)
+        return stack(closing(first, second), relative_turn(turned, second))

@@ -1,0 +1,45 @@
+"""Prescribed translation: the second end slides along an axis of the first by a given distance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.machine.joints.fixed import Fixed
+from supple.machine.joints.joint import Joint, JointFrame, axes_along, closing, relative_turn, stack
+from supple.machine.laws.time_law import TimeLaw, as_time_law
+
+__all__ = ["PrescribedTranslation"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrescribedTranslation(Joint):
+    """A fixed joint whose offset along one axis follows a law of time; all else is held."""
+
+    axis: tuple[float, float, float]
+    """Direction of the axis in the initial configuration, global."""
+    displacement: Any
+    """distance as a function of time (a number, a law, or a function written with jax.numpy)"""
+
+    n_constraints: ClassVar[int] = Fixed.n_constraints
+    rows: ClassVar[tuple[str, ...]] = Fixed.rows
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the joint's axis."""
+        return axes_along(self.axis)
+
+    @property
+    def law(self) -> TimeLaw:
+        """The prescribed displacement."""
+        return as_time_law(self.displacement)
+
+    @staticmethod
+    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:
+        """The gap beyond the given distance, and the relative turn, (6,)."""
+        gap = closing(first, second) - value * jnp.array([0.0, 0.0, 1.0])
+        return stack(gap, relative_turn(first, second))

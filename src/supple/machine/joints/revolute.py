@@ -1,0 +1,40 @@
+"""Revolute joint (hinge): the points coincide, and one axis is shared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import numpy as np
+
+from supple.machine.joints.joint import Joint, JointFrame, axes_along, closing, stack, tilt
+
+__all__ = ["Revolute"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Revolute(Joint):
+    """Ball joint with `z_1 x z_2 = 0`: rotation about the axis is free."""
+
+    axis: tuple[float, float, float]
+    """Direction of the axis in the initial configuration, global."""
+
+    n_constraints: ClassVar[int] = 5
+    rows: ClassVar[tuple[str, ...]] = (
+        "position x",
+        "position y",
+        "position z",
+        "tilt about x",
+        "tilt about y",
+    )
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the joint's axis."""
+        return axes_along(self.axis)
+
+    @staticmethod
+    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
+        """The gap and the tilt of the second axis, (5,)."""
+        return stack(closing(first, second), tilt(first, second))

@@ -1,0 +1,36 @@
+"""Universal (Cardan, Hooke) joint: the points coincide, and two axes stay perpendicular."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import numpy as np
+
+from supple.machine.joints.joint import Joint, JointFrame, axes_along, closing, stack
+
+__all__ = ["Universal"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Universal(Joint):
+    """Ball joint with the first end's axis perpendicular to the second end's axis: two rotations are free."""
+
+    first_axis: tuple[float, float, float]
+    """Axis of the cross held by the first end, initial configuration, global."""
+    second_axis: tuple[float, float, float]
+    """Axis of the cross held by the second end; made perpendicular to the first."""
+
+    n_constraints: ClassVar[int] = 4
+    rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z", "angle between the axes")
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the first axis, x along the second."""
+        return axes_along(self.first_axis, hint=self.second_axis)
+
+    @staticmethod
+    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
+        """The gap and `z_1 . x_2`, (4,)."""
+        return stack(closing(first, second), first.axes[:, 2] @ second.axes[:, 0])

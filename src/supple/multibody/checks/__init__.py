@@ -1,0 +1,1 @@
+"""What a motion says about itself: energies, constraint residuals, validity, the spectrum of the loads."""

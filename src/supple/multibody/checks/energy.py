@@ -1,0 +1,150 @@
+"""Energies and momenta of a simulated system, at every output time."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.body import FlexibleBody
+from supple.body.full_body import FullBody
+from supple.integrate import BodyMotion, Solution
+from supple.machine.system import System
+from supple.multibody.equations.balance import AnyArray
+from supple.multibody.equations.floating_inertia import FloatingMotion, frame_momenta, kinetic_energy
+from supple.multibody.equations.model import BodyArrays, build_model
+from supple.multibody.equations.polynomial_force import polynomial_energy
+from supple.multibody.full.full_inertia import FullInertia
+
+__all__ = ["Balances", "balances"]
+
+# Numbers of a full body's nodal field held at a time (8 MiB), for a long run of a large body would not fit.
+_FIELD_NUMBERS = 2**20
+
+
+class Balances(NamedTuple):
+    """What a free conservative system keeps, (t,) or (t, 3)."""
+
+    kinetic: AnyArray
+    strain: AnyArray
+    potential: AnyArray
+    """In the uniform gravity field, zero at the global origin."""
+    momentum: AnyArray
+    """Linear momentum, global."""
+    angular_momentum: AnyArray
+    """About the global origin, global."""
+
+    @property
+    def total(self) -> AnyArray:
+        """Kinetic, strain and potential energy together."""
+        return self.kinetic + self.strain + self.potential
+
+
+def balances(system: System, solution: Solution) -> Balances:
+    """Energies and momenta of the whole system at the output times.
+
+    A full body counts node by node, `T = V^T M V / 2`, with the strain energy of its elements; a reduced one
+    through its Gram matrix and tensors, which is the same where its basis can follow.
+    """
+    gravity = system.gravity
+    parts = []
+    for placed, arrays in zip(system.bodies, build_model(system).bodies, strict=True):
+        body, motion = placed.body, solution.bodies[placed.body.name]
+        if isinstance(body, FullBody):
+            parts.append(_of_full_body(body, gravity, motion))
+        else:
+            moving = _Motion(*(jnp.asarray(getattr(motion, name)) for name in _Motion._fields))
+            parts.append(_of_reduced_body(arrays, jnp.asarray(gravity), moving))
+    return Balances(*(np.asarray(sum(items)) for items in zip(*parts, strict=True)))
+
+
+class _Motion(NamedTuple):
+    """The parts of a `BodyMotion` that energies need, as a pytree."""
+
+    position: jax.Array
+    rotation: jax.Array
+    coordinates: jax.Array
+    velocity: jax.Array
+    angular_velocity: jax.Array
+    coordinate_rates: jax.Array
+
+
+@jax.jit
+def _of_reduced_body(body: BodyArrays, gravity: jax.Array, motion: _Motion) -> Balances:
+    """Of a rigid or reduced body."""
+
+    def at_one_time(now: _Motion) -> Balances:
+        position, rotation, coordinates = now.position, now.rotation, now.coordinates
+        floating = FloatingMotion(
+            coordinates,
+            now.angular_velocity,
+            now.coordinate_rates,
+            jnp.zeros(3),
+            jnp.zeros(3),
+            jnp.zeros_like(coordinates),
+        )
+        local_velocity = rotation.T @ now.velocity
+        linear, angular = frame_momenta(body.gram, floating, local_velocity)
+        mass = body.gram[0, 0]
+        centre = _first_moment(body.gram, coordinates)
+        return Balances(
+            kinetic=kinetic_energy(body.gram, floating, local_velocity),
+            strain=polynomial_energy(body.stiffness, body.cubic, body.quartic, coordinates),
+            potential=-gravity @ (mass * position + rotation @ centre),
+            momentum=rotation @ linear,
+            angular_momentum=rotation @ angular + jnp.cross(position, rotation @ linear),
+        )
+
+    return jax.vmap(at_one_time)(motion)
+
+
+def _first_moment(gram: jax.Array, coordinates: jax.Array) -> jax.Array:
+    """`sum m (x + u)` in body components, (3,): from `Phi_t^T M Phi_w(0) = -(m c)~`, and `Phi_t^T M V g`."""
+    block = gram[:3, 3:6]
+    rest = jnp.stack([block[1, 2], block[2, 0], block[0, 1]])
+    return rest + gram[:3, 6 + 3 * coordinates.shape[0] :] @ coordinates
+
+
+def _of_full_body(full: FullBody, gravity: np.ndarray, motion: BodyMotion) -> Balances:
+    inertia = FullInertia(full.body)
+    size = max(1, _FIELD_NUMBERS // full.body.n_nodal)
+    parts = [
+        _at_instants(inertia, gravity, motion.at(slice(start, start + size)))
+        for start in range(0, len(motion.position), size)
+    ]
+    return Balances(*(np.concatenate(items) for items in zip(*parts, strict=True)))
+
+
+def _at_instants(inertia: FullInertia, gravity: np.ndarray, motion: BodyMotion) -> Balances:
+    """Of a full body, at instants whose nodal fields (N, d, t) fit in memory together."""
+    body, rotation = inertia.body, motion.rotation
+
+    def nodal(coordinates: np.ndarray) -> np.ndarray:
+        return (body.expansion @ coordinates.T).reshape(len(body.nodes), body.dofs_per_node, -1)
+
+    displacement = nodal(motion.coordinates)
+    local = inertia.momenta(
+        displacement,
+        nodal(motion.coordinate_rates),
+        motion.angular_velocity.T,
+        np.einsum("tji,tj->it", rotation, motion.velocity),
+    )
+    centre, linear, angular = (
+        np.einsum("tij,jt->ti", rotation, vectors)
+        for vectors in (inertia.first_moment(displacement), local.linear, local.angular)
+    )
+    return Balances(
+        kinetic=local.kinetic,
+        strain=_strain_energies(body, motion.coordinates),
+        potential=-(inertia.mass * motion.position + centre) @ gravity,
+        momentum=linear,
+        angular_momentum=angular + np.cross(motion.position, linear),
+    )
+
+
+def _strain_energies(body: FlexibleBody, coordinates: np.ndarray) -> np.ndarray:
+    if body.model is None:
+        return (coordinates * (body.stiffness @ coordinates.T).T).sum(axis=1) / 2
+    return body.assembly.energies(coordinates.T)

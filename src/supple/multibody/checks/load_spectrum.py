@@ -1,0 +1,203 @@
+"""Do the loads excite modes that a reduced body lacks? The band of the loads against the frequencies kept.
+
+A load f(t) over a run of length T is a straight line from its first value to its last, and a sine series
+
+    f(t) = f_0 + (f_T - f_0) t / T + sum_k b_k sin(k pi t / T),
+
+whose mean square is that of the line plus, by Parseval, b_k^2 / 2 for every frequency k pi / T. What is left
+after the line vanishes at both ends, so that its coefficients fall as k^-3 where f is smooth: no window is
+needed, and the beginning of a run counts as much as its middle. The onset of a load at t = 0 is not seen, nor
+is gravity. A prescribed motion excites by its acceleration.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from scipy.fft import dst
+
+from supple.algebra import lowest_modes, read_only
+from supple.body import FlexibleBody, Frame
+from supple.errors import LoadSpectrumWarning, ModelError
+from supple.machine.laws.time_law import Constant, TimeLaw
+from supple.machine.system import System
+from supple.reduction import ReducedBody
+
+__all__ = ["BandCoverage", "LoadSpectrum", "band_coverage", "load_spectra", "warn_of_missing_modes"]
+
+SHARE = 0.999
+"""Part of a load's mean square that its band holds."""
+SAME = 1.05
+"""A frequency of the reduced body up to so many times one of the whole body belongs to the same mode."""
+MOST_MODES = 200
+MOST_SAMPLES = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class LoadSpectrum:
+    """Mean square of a load over a run, by frequency.
+
+    label : str
+    frequencies : (k,)      rad/s, ascending
+    mean_squares : (k,)     b^2 / 2, summed over the components of the load
+    steady : float          mean square of the straight line
+    """
+
+    label: str
+    frequencies: np.ndarray
+    mean_squares: np.ndarray
+    steady: float
+
+    def __post_init__(self) -> None:
+        for item in ("frequencies", "mean_squares"):
+            object.__setattr__(self, item, read_only(getattr(self, item)))
+
+    @property
+    def band(self) -> float:
+        """Frequency below which SHARE of the mean square lies, rad/s; 0 of a load that hardly varies."""
+        above = np.append(np.cumsum(self.mean_squares[::-1])[::-1], 0.0)
+        within = int(np.argmax(above <= (1 - SHARE) * (above[0] + self.steady)))
+        return float(self.frequencies[within - 1]) if within else 0.0
+
+
+@dataclass(frozen=True)
+class BandCoverage:
+    """Which modes inside the band of the loads a reduced body has.
+
+    load : str              the load that reaches highest
+    band : float            rad/s, below which SHARE of its mean square lies
+    kept : float            rad/s, up to which the reduced body has every mode of the body
+    missing : (k,) tuple    rad/s, modes of the body inside the band that it has not
+    n_modes : int           of the body inside the band: so many to ask for
+    """
+
+    load: str
+    band: float
+    kept: float
+    missing: tuple[float, ...]
+    n_modes: int
+
+
+def load_spectra(system: System, times: np.ndarray) -> tuple[LoadSpectrum, ...]:
+    """Spectra of all loads and prescribed motions that vary over a run.
+
+    times : (t,)    s, evenly spaced, t >= 3; frequencies beyond half their rate are not seen
+    Raises ModelError for times that are not.
+    """
+    steps = np.diff(times)
+    if len(times) < 3 or not np.allclose(steps, steps[:1], rtol=1e-6, atol=0.0):
+        raise ModelError("spectrum of the loads: give at least three evenly spaced times")
+    histories = [(load.label, _values(load.law, times)) for load in system.loads if _varies(load.law)] + [
+        (f"joint '{joint.name}'", _accelerations(joint.law, times))
+        for joint in system.joints
+        if _varies(joint.law)
+    ]
+    return tuple(
+        _spectrum(label, np.asarray(history).reshape(len(times), -1), times) for label, history in histories
+    )
+
+
+def _varies(law: TimeLaw | None) -> bool:
+    return law is not None and not isinstance(law, Constant)
+
+
+@jax.jit
+def _values(law: Any, times: Any) -> jax.Array:
+    return jax.vmap(law)(times)
+
+
+@jax.jit
+def _accelerations(law: Any, times: Any) -> jax.Array:
+    return jax.vmap(jax.jacfwd(jax.jacfwd(lambda time: jnp.asarray(law(time)))))(times)
+
+
+def _spectrum(label: str, history: np.ndarray, times: np.ndarray) -> LoadSpectrum:
+    """Of a history (t, m)."""
+    n = len(times) - 1
+    first, last = history[0], history[-1]
+    line = first + np.linspace(0.0, 1.0, n + 1)[:, None] * (last - first)
+    coefficients = np.asarray(dst((history - line)[1:-1], type=1, axis=0)) / n
+    return LoadSpectrum(
+        label,
+        np.arange(1, n) * np.pi / (times[-1] - times[0]),
+        np.sum(coefficients**2, axis=1) / 2,
+        float(np.sum(first**2 + first * last + last**2) / 3),
+    )
+
+
+def band_coverage(
+    spectra: Sequence[LoadSpectrum], kept: np.ndarray, of_body: np.ndarray
+) -> BandCoverage | None:
+    """Compare the band of the loads with the modes of a body and of its reduced form; None without loads.
+
+    kept : (r,)         rad/s, ascending, of the reduced body in its frame
+    of_body : (m,)      rad/s, ascending, of the whole body in the same frame, up to the band or beyond
+    """
+    if not spectra:
+        return None
+    widest = max(spectra, key=lambda spectrum: spectrum.band)
+    missing, found = [], 0
+    # Rayleigh and Ritz: frequencies of the reduced body lie above those of its modes, in the same order.
+    for frequency in of_body:
+        if found < len(kept) and kept[found] <= SAME * frequency:
+            found += 1
+        else:
+            missing.append(float(frequency))
+    below_the_first = of_body if not missing else of_body[of_body < missing[0]]
+    return BandCoverage(
+        load=widest.label,
+        band=widest.band,
+        kept=float(np.max(below_the_first, initial=0.0)),
+        missing=tuple(frequency for frequency in missing if frequency <= widest.band),
+        n_modes=int(np.sum(of_body <= widest.band)),
+    )
+
+
+def warn_of_missing_modes(
+    system: System, times: np.ndarray, body: FlexibleBody, reduced: ReducedBody
+) -> BandCoverage | None:
+    """Warn where the loads excite modes of a body that its reduced form lacks.
+
+    system : System     with its loads and prescribed motions
+    times : (t,)        s, of the run, evenly spaced
+    Warns LoadSpectrumWarning: the load, its band, the modes missing, and how many to ask for.
+    """
+    spectra = load_spectra(system, _thinned(times))
+    if not any(spectrum.band > 0 for spectrum in spectra):
+        return None
+    band = max(spectrum.band for spectrum in spectra)
+    coverage = band_coverage(spectra, reduced.frequencies, _frequencies(body, reduced.frame, band, reduced.r))
+    if coverage is not None and coverage.missing:
+        hertz = ", ".join(f"{frequency / (2 * np.pi):.3g}" for frequency in coverage.missing[:5])
+        more = ", ..." if len(coverage.missing) > 5 else ""
+        warnings.warn(
+            f"{coverage.load}: its spectrum reaches to {coverage.band / (2 * np.pi):.3g} Hz, where body "
+            f"'{body.name}' has {coverage.n_modes} modes, {len(coverage.missing)} of which its reduced form "
+            f"lacks ({hertz}{more} Hz). Ask for at least {coverage.n_modes} modes",
+            LoadSpectrumWarning,
+            stacklevel=2,
+        )
+    return coverage
+
+
+def _thinned(times: np.ndarray) -> np.ndarray:
+    """At most MOST_SAMPLES of evenly spaced times, over the same span."""
+    return times if len(times) <= MOST_SAMPLES else np.linspace(times[0], times[-1], MOST_SAMPLES)
+
+
+def _frequencies(body: FlexibleBody, frame: Frame, band: float, at_least: int) -> np.ndarray:
+    """Lowest frequencies of the whole body in its frame, beyond the band unless there are too many."""
+    constraint = frame.constraint(body)
+    most = min(body.n - len(constraint), MOST_MODES)
+    n = min(at_least, most)
+    while True:
+        found = np.sqrt(lowest_modes(body.stiffness, body.mass, n, constraint=constraint).values)
+        if found[-1] > band or n == most:
+            return found
+        n = min(2 * n, most)

@@ -1,0 +1,175 @@
+"""Is the motion within what the kinematics can describe? Watched during every run, said with the number.
+
+Two limits are watched. A body without nonlinear terms has no geometric stiffness: spun faster than a good
+part of its lowest frequency, it bends too far, and past it diverges. And relative rotations beyond what the
+body's strains were derived for (about 0.3 rad where displacements or curvatures enter linearly) make the
+strains themselves wrong. Linear multibody codes pass both limits silently.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.algebra import lowest_modes
+from supple.body import RigidBody
+from supple.body.full_body import FullBody
+from supple.errors import ValidityError, ValidityWarning
+from supple.integrate import BodyMotion, Solution
+from supple.machine.system import Body, System
+from supple.reduction import ReducedBody
+
+__all__ = ["Excess", "Peaks", "Validity", "Watch", "watch"]
+
+LINEAR_ROTATION_LIMIT = 0.3
+"""rad: rotations beyond which linear strains are off by more than about 5 % (1 - cos)."""
+
+
+@dataclass(frozen=True)
+class Validity:
+    """How strictly the limits are held.
+
+    strict : a motion beyond a limit is an error (raised when it is seen) instead of a warning at the end
+    spin_ratio : part of a linear body's lowest frequency at which its spin becomes a mistake; at 0.3 the
+        missing centrifugal stiffness is already about 10 % of the elastic one
+    """
+
+    strict: bool = False
+    spin_ratio: float = 0.3
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.spin_ratio) and self.spin_ratio > 0):
+            raise ValueError(f"spin_ratio must be positive, got {self.spin_ratio}")
+
+
+class Peaks(NamedTuple):
+    """Largest spin (rad/s) and relative rotation (rad) of one body, with their times."""
+
+    spin: float = 0.0
+    spin_time: float = 0.0
+    rotation: float = 0.0
+    rotation_time: float = 0.0
+
+    def merged(self, other: Peaks) -> Peaks:
+        """The larger of both, each with its time."""
+        spin = (self if self.spin >= other.spin else other)[:2]
+        rotation = (self if self.rotation >= other.rotation else other)[2:]
+        return Peaks(*spin, *rotation)
+
+
+class Excess(NamedTuple):
+    """One limit passed: the message says body, number, limit, consequence and remedy."""
+
+    body: str
+    message: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Limits:
+    """Limits of one flexible body."""
+
+    name: str
+    spin: float
+    lowest_frequency: float
+    rotation: float
+    rotation_basis: np.ndarray | None
+    """(3 P, n) rotation vectors from coordinates"""
+
+
+@dataclass(frozen=True, eq=False)
+class Watch:
+    """The limits of a system's bodies, and how to hold them."""
+
+    validity: Validity
+    limits: tuple[_Limits, ...]
+
+    def peaks(self, chunk: Solution) -> dict[str, Peaks]:
+        """Largest spin and rotation of every flexible body in a part of a run."""
+        return {own.name: _peaks(own, chunk.times, chunk.bodies[own.name]) for own in self.limits}
+
+    def observe(self, so_far: Mapping[str, Peaks], chunk: Solution) -> dict[str, Peaks]:
+        """The peaks with a new chunk included; ValidityError at once when strict."""
+        new = self.peaks(chunk)
+        merged = {name: so_far.get(name, Peaks()).merged(peak) for name, peak in new.items()}
+        if self.validity.strict:
+            for excess in self.excesses(merged):
+                raise ValidityError(excess.message)
+        return merged
+
+    def excesses(self, peaks: Mapping[str, Peaks]) -> list[Excess]:
+        """Every limit passed."""
+        found = []
+        for own in self.limits:
+            peak = peaks.get(own.name, Peaks())
+            if peak.spin > own.spin:
+                found.append(
+                    Excess(
+                        own.name,
+                        f"body '{own.name}' is linear and spins at {peak.spin:.4g} rad/s "
+                        f"(t = {peak.spin_time:.4g}), "
+                        f"{peak.spin / own.lowest_frequency:.2f} times its lowest frequency "
+                        f"{own.lowest_frequency:.4g} rad/s: without geometric stiffness its deflections "
+                        "are too large or diverge. Reduce it with modal derivatives, from a model with "
+                        "quadratic strains",
+                    )
+                )
+            if peak.rotation > own.rotation:
+                found.append(
+                    Excess(
+                        own.name,
+                        f"body '{own.name}' turns by {peak.rotation:.3f} rad against its frame "
+                        f"(t = {peak.rotation_time:.4g}); its kinematics hold to about "
+                        f"{own.rotation:.2f} rad. Choose a mean-axis frame, or split the body in two",
+                    )
+                )
+        return found
+
+    def report(self, peaks: Mapping[str, Peaks]) -> None:
+        """Warn of every limit passed."""
+        for excess in self.excesses(peaks):
+            warnings.warn(excess.message, ValidityWarning, stacklevel=3)
+
+
+def _peaks(limits: _Limits, times: np.ndarray, motion: BodyMotion) -> Peaks:
+    spins = np.linalg.norm(motion.angular_velocity, axis=1)
+    fastest = int(np.argmax(spins))
+    peaks = Peaks(spin=float(spins[fastest]), spin_time=float(times[fastest]))
+    if limits.rotation_basis is None:
+        return peaks
+    turns = (motion.coordinates @ limits.rotation_basis.T).reshape(len(times), -1, 3)
+    largest = np.sqrt((turns**2).sum(axis=2).max(axis=1))
+    widest = int(np.argmax(largest))
+    return peaks._replace(rotation=float(largest[widest]), rotation_time=float(times[widest]))
+
+
+def watch(system: System, validity: Validity) -> Watch:
+    """Prepare the limits of every flexible body of a system."""
+    flexible = [placed.body for placed in system.bodies if not isinstance(placed.body, RigidBody)]
+    return Watch(validity, tuple(_limits(body, validity) for body in flexible))
+
+
+def _limits(body: Body, validity: Validity) -> _Limits:
+    if isinstance(body, ReducedBody):
+        linear, rotation_limit = body.is_linear, body.rotation_limit
+        basis = None if body.rotation_basis is None else body.rotation_basis.reshape(-1, body.r)
+        lowest = float(np.min(body.frequencies, initial=np.inf))
+    else:
+        assert isinstance(body, FullBody)
+        own = body.body
+        linear, rotation_limit = own.model is None, own.rotation_limit
+        basis = None if own.rotation_operator is None else own.rotation_operator @ own.expansion
+        lowest = np.inf
+        if linear:
+            held = body.frame.constraint(own)
+            lowest = float(np.sqrt(lowest_modes(own.stiffness, own.mass, 1, constraint=held).values[0]))
+    return _Limits(
+        name=body.name,
+        spin=validity.spin_ratio * lowest if linear else np.inf,
+        lowest_frequency=lowest,
+        rotation=min(rotation_limit, LINEAR_ROTATION_LIMIT) if linear else rotation_limit,
+        rotation_basis=basis,
+    )

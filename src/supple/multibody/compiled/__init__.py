@@ -1,0 +1,1 @@
+"""The engine for rigid and reduced bodies: compiled, dense."""

@@ -1,0 +1,339 @@
+"""One compiled time step, and the march from output time to output time.
+
+Unknown are the new accelerations and multipliers. With `k = beta h^2 kappa` the constraint equations are
+divided by `k`, so that every row of
+
+    [ S    G^T ] [ d vdot   ]     [ residual ]
+    [ G_T  0   ] [ d lambda ] = - [ g / k    ]
+
+has the size of a force or an acceleration whatever the step: the index-3 equations stay as well conditioned
+for h to 0 as the mass matrix (Bottasso, Bauchau & Cardona 2007).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.integrate import Coefficients, StepRule
+from supple.multibody.compiled.elimination import solve_bordering_column
+from supple.multibody.equations.balance import (
+    AnyArray,
+    Balance,
+    Configuration,
+    Linearization,
+    Motion,
+    advance,
+    balance,
+    constraint_rows,
+    tangent,
+)
+from supple.multibody.equations.model import Model
+
+__all__ = ["Controls", "State", "march", "next_step", "position_rounding"]
+
+
+class Controls(NamedTuple):
+    """Numbers that steer a run; plain floats, so that changing one compiles nothing anew."""
+
+    coefficients: Coefficients
+    first: Any
+    largest: Any
+    smallest: Any
+    error_tolerance: Any
+    residual_tolerance: Any
+    max_iterations: Any
+
+
+class State(NamedTuple):
+    """Everything needed to go on from an instant."""
+
+    time: AnyArray
+    step: AnyArray
+    """Size of the next step to try."""
+    configuration: Configuration
+    velocity: AnyArray
+    acceleration: AnyArray
+    auxiliary: AnyArray
+    """Auxiliary acceleration of the Newmark family."""
+    multipliers: AnyArray
+    steps: AnyArray
+    iterations: AnyArray
+    cuts: AnyArray
+    failed: AnyArray
+    """True when the smallest step did not converge: the state is that before the step."""
+    imbalance: AnyArray
+    """Relative residual of the last iteration, by kind: force, moment, deformation, constraint."""
+
+
+class _Trial(NamedTuple):
+    """Newton's iterate within a step."""
+
+    acceleration: jax.Array
+    multipliers: jax.Array
+    configuration: Configuration
+    velocity: jax.Array
+    auxiliary: jax.Array
+    increments: jax.Array
+    residual: jax.Array
+    gap: jax.Array
+    imbalance: jax.Array
+    iterations: jax.Array
+    converged: jax.Array
+
+
+class _Iteration(NamedTuple):
+    """An iterate and the correction that leads to the next."""
+
+    trial: _Trial
+    change: jax.Array
+    multiplier_change: jax.Array
+
+
+def _kinds(model: Model) -> np.ndarray:
+    """(3, n) rows that pick translations, rotations and deformations out of the velocity vector."""
+    kinds = np.zeros((3, model.n_velocities))
+    for part in model.slices:
+        kinds[0, part.start : part.start + 3] = 1
+        kinds[1, part.start + 3 : part.start + 6] = 1
+        kinds[2, part.start + 6 : part.stop] = 1
+    return kinds
+
+
+def _position_scale(model: Model) -> jax.Array:
+    """What counts as a large change of each freedom, (n,)."""
+    return jnp.concatenate(
+        [
+            jnp.concatenate(
+                [jnp.full(3, model.length), jnp.ones(3), jnp.full(body.r, 1.0) * body.coordinate_scale]
+            )
+            for body in model.bodies
+        ]
+    )
+
+
+def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
+    """`norm / scale`, and 0 where nothing is out of balance."""
+    # Asked this way round, NaN stays NaN: no comparison with it holds.
+    return jnp.where(norm == 0, 0.0, norm / jnp.where(scale > 0, scale, 1.0))
+
+
+def position_rounding(length: Any, origins: Any) -> Any:
+    """Change of position, in parts of the system's `length`, that arithmetic cannot tell from none.
+
+    Far from the global origin, positions themselves have fewer digits after the point.
+    """
+    return 1e-13 * jnp.maximum(1.0, jnp.max(jnp.abs(origins)) / length)
+
+
+def _imbalance(
+    model: Model, terms: Balance, trial: jax.Array, position: jax.Array, rounding: jax.Array
+) -> jax.Array:
+    """Residual of each kind over the largest term in balance, and the constraints' over the accelerations."""
+    columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
+    norms = jnp.sqrt(_kinds(model) @ jnp.stack(columns, axis=1) ** 2)
+    forces = _relative(norms[:, 0], jnp.max(norms[:, 1:], axis=1))
+    accelerations = model.length * jnp.max(jnp.abs(trial / _position_scale(model)), initial=0.0)
+    largest_gap = jnp.max(jnp.abs(terms.gap), initial=0.0)
+    floor = rounding * model.length
+    constraint = jnp.where(
+        largest_gap <= floor, 0.0, _relative(largest_gap / position, accelerations + floor / position)
+    )
+    return jnp.concatenate([forces, constraint[None]])
+
+
+def _evaluate(
+    model: Model,
+    rule: StepRule,
+    start: State,
+    acceleration: jax.Array,
+    multipliers: jax.Array,
+    iterations: jax.Array,
+    tolerance: jax.Array,
+) -> tuple[_Trial, Linearization]:
+    auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
+    increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
+    configuration = advance(model, start.configuration, increments)
+    velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
+    time = start.time + rule.h
+    terms = balance(model, Motion(time, configuration, velocity, acceleration, multipliers))
+    rounding = position_rounding(model.length, configuration.origins)
+    imbalance = _imbalance(model, terms, acceleration, rule.position, rounding)
+    trial = _Trial(
+        acceleration,
+        multipliers,
+        configuration,
+        velocity,
+        auxiliary,
+        increments,
+        terms.residual,
+        terms.gap,
+        imbalance,
+        iterations,
+        jnp.all(imbalance <= tolerance),
+    )
+    return trial, terms.linearization
+
+
+def _newton_correction(
+    model: Model, rule: StepRule, start: State, trial: _Trial, linearization: Linearization
+) -> tuple[jax.Array, jax.Array]:
+    motion = Motion(
+        start.time + rule.h, trial.configuration, trial.velocity, trial.acceleration, trial.multipliers
+    )
+    matrix = tangent(model, motion, linearization, trial.increments, rule.velocity, rule.position)
+    rows = constraint_rows(model, linearization.joints)
+    rows_by_increment = constraint_rows(model, linearization.joints, trial.increments)
+    n, m = model.n_velocities, trial.multipliers.shape[0]
+    bordered = jnp.block(
+        [
+            [matrix, model.mass * rows.T, trial.residual[:, None]],
+            [
+                model.mass * rows_by_increment,
+                jnp.zeros((m, m)),
+                (model.mass / rule.position * trial.gap)[:, None],
+            ],
+        ]
+    )
+    correction = -solve_bordering_column(bordered)
+    return correction[:n], model.mass * correction[n:]
+
+
+def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _Trial:
+    """Newton's iteration for one step of size h from the constant-acceleration guess.
+
+    Each pass evaluates the residual at the iterate left by the pass before and, unless that is good enough,
+    finds the next one; so the code for either stands once in the compiled program.
+    """
+    rule = StepRule(controls.coefficients, h)
+    scale = _position_scale(model)
+
+    def unfinished(iteration: _Iteration) -> jax.Array:
+        trial = iteration.trial
+        finite = jnp.all(jnp.isfinite(trial.imbalance))
+        return ~trial.converged & finite & (trial.iterations < controls.max_iterations)
+
+    def one_pass(iteration: _Iteration) -> _Iteration:
+        old = iteration.trial
+        trial, linearization = _evaluate(
+            model,
+            rule,
+            start,
+            old.acceleration + iteration.change,
+            old.multipliers + iteration.multiplier_change,
+            old.iterations + 1,
+            controls.residual_tolerance,
+        )
+        # Below rounding error no residual can tell a better answer from a worse one.
+        moved = rule.position * jnp.max(jnp.abs(iteration.change) / scale)
+        rounding = position_rounding(model.length, trial.configuration.origins)
+        settled = (trial.iterations > 0) & (moved <= rounding) & (trial.imbalance[3] <= 1e-6)
+        trial = trial._replace(converged=trial.converged | settled)
+        change, multiplier_change = jax.lax.cond(
+            trial.converged,
+            lambda: (jnp.zeros_like(iteration.change), jnp.zeros_like(iteration.multiplier_change)),
+            lambda: _newton_correction(model, rule, start, trial, linearization),
+        )
+        return _Iteration(trial, change, multiplier_change)
+
+    guess = _Trial(
+        acceleration=start.acceleration,
+        multipliers=start.multipliers,
+        configuration=start.configuration,
+        velocity=start.velocity,
+        auxiliary=start.auxiliary,
+        increments=jnp.zeros_like(start.velocity),
+        residual=jnp.zeros_like(start.velocity),
+        gap=jnp.zeros_like(start.multipliers),
+        imbalance=jnp.zeros(4),
+        iterations=jnp.asarray(-1),
+        converged=jnp.zeros((), dtype=bool),
+    )
+    none = _Iteration(guess, jnp.zeros_like(start.velocity), jnp.zeros_like(start.multipliers))
+    return jax.lax.while_loop(unfinished, one_pass, none).trial
+
+
+def _local_error(model: Model, rule: StepRule, start: State, trial: _Trial) -> jax.Array:
+    error = rule.position_error(start.auxiliary, trial.auxiliary) / _position_scale(model)
+    return jnp.max(jnp.abs(error))
+
+
+@jax.jit
+def next_step(
+    h: jax.Array | float,
+    intended: jax.Array | float,
+    error: jax.Array | float,
+    tolerance: jax.Array | float,
+    largest: jax.Array | float,
+) -> jax.Array:
+    """Step size after a converged step of size `h` whose local error, of third order, was `error`.
+
+    Every change of the step excites the integrator's spurious roots, which look like errors: the step grows
+    only when it can by half. And a step shortened to meet an output time is no reason to go on with short
+    ones: it is measured against the step that was `intended`.
+    """
+    ratio = jnp.where(error > 0, tolerance / jnp.where(error > 0, error, 1.0), jnp.inf)
+    best = 0.9 * h * ratio ** (1 / 3)
+    steady = (error <= tolerance) & (best < 1.5 * intended)
+    best = jnp.where(steady, jnp.minimum(best, intended), best)
+    return jnp.clip(best, 0.2 * h, jnp.minimum(2 * jnp.maximum(h, intended), largest))
+
+
+def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> State:
+    """Try one step towards `end`: accept it, or cut it."""
+    remaining = end - start.time
+    # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
+    h = remaining / jnp.maximum(jnp.ceil(remaining / start.step * (1 - 1e-9)), 1.0)
+    trial = _try_step(model, controls, start, h)
+    error = _local_error(model, StepRule(controls.coefficients, h), start, trial)
+    converged = trial.converged & jnp.isfinite(error)
+    accepted = converged & (error <= controls.error_tolerance)
+
+    proposed = next_step(h, start.step, error, controls.error_tolerance, controls.largest)
+    proposed = jnp.where(converged, proposed, h / 2)
+    failed = ~accepted & (proposed < controls.smallest)
+    last = h >= remaining * (1 - 1e-9)
+    after = State(
+        time=jnp.where(last, end, start.time + h),
+        step=proposed,
+        configuration=trial.configuration,
+        velocity=trial.velocity,
+        acceleration=trial.acceleration,
+        auxiliary=trial.auxiliary,
+        multipliers=trial.multipliers,
+        steps=start.steps + 1,
+        iterations=start.iterations + trial.iterations,
+        cuts=start.cuts,
+        failed=failed,
+        imbalance=trial.imbalance,
+    )
+    before = start._replace(
+        step=proposed,
+        iterations=start.iterations + trial.iterations,
+        cuts=start.cuts + 1,
+        failed=failed,
+        imbalance=trial.imbalance,
+    )
+    return jax.tree.map(lambda a, b: jnp.where(accepted, a, b), after, before)
+
+
+@jax.jit
+def march(model: Model, controls: Controls, start: State, output_times: jax.Array) -> tuple[State, State]:
+    """Simulate to each of the output times (k,); the final state, and the states there, stacked.
+
+    After a failure the state stays where it was: the caller looks at `failed`.
+    """
+
+    def to_output(state: State, end: jax.Array) -> tuple[State, State]:
+        state = jax.lax.while_loop(
+            lambda s: (s.time < end) & ~s.failed,
+            partial(_substep, model, controls, end),
+            state,
+        )
+        return state, state
+
+    return jax.lax.scan(to_output, start, output_times)

@@ -1,0 +1,274 @@
+"""Inertia of a body in a floating frame: all couplings from one Gram matrix, with analytic tangent.
+
+The velocity field of the body is `W z` with the constant fields `W = [Phi_t | Phi_w0 | Phi_1 .. Phi_r | V]`
+and `z = (v, w, g_1 w, .., g_r w, gdot)`; `G = W^T M W` is the *inertia Gram matrix*. Written with the frame's
+global acceleration, `a = A^T (Rddot - gravity)` in body components, the frame's velocity `v` drops out of
+the equations of motion altogether (a Galilean frame cannot matter), and gravity needs no load vector. With
+
+    h = G (0, w, g_k w, gdot),     d = G (a, wdot, g_k wdot + gdot_k w, gddot),
+
+    force        p   = d_t + w x h_t
+    moment       m   = d_w + sum_k (g_k d_k + gdot_k h_k) + w x (h_w + sum_k g_k h_k)
+    deformation  e_k = d_g,k - w . h_k
+
+Everything here is exact for mass matrices whose translational part is a scalar times the identity.
+Source: floating-frame theory page; [Wu2019] Appendix A, without its shape-function integrals.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.rotation import skew
+from supple.algebra.small_product import small_product
+
+__all__ = [
+    "FloatingMotion",
+    "InertiaArrays",
+    "InertiaTerms",
+    "floating_mass",
+    "frame_momenta",
+    "inertia_arrays",
+    "inertia_tangent",
+    "inertia_terms",
+    "kinetic_energy",
+]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class InertiaArrays:
+    """The blocks of the Gram matrix in the order in which the equations of motion run through them."""
+
+    fixed: Any
+    """(3 + r, 6 + 4r): rows of the translations and of the deformation"""
+    by_spin: Any
+    """(1 + r, 3 (6 + 4r)): rows of the rotation, then of each `e_i x V_k`, the three axes side by side"""
+    by_deformation: Any
+    """(12, r^2): coefficients of `w_i` in the gyroscopic matrix (3), its transposes (3), of `w_i w_j` in the
+    centrifugal one (6, `i <= j`)"""
+    inertia: Any
+    """(r, r): of the deformation, the identity for orthonormal shapes"""
+
+
+class FloatingMotion(NamedTuple):
+    """Motion of a floating frame and of its body's coordinates, all in body components."""
+
+    coordinates: jax.Array
+    """(r,)"""
+    spin: jax.Array
+    """(3,) angular velocity `w`"""
+    rates: jax.Array
+    """(r,)"""
+    acceleration: jax.Array
+    """(3,) `A^T (Rddot - gravity)`"""
+    spin_rate: jax.Array
+    """(3,)"""
+    accelerations: jax.Array
+    """(r,)"""
+
+
+class InertiaTerms(NamedTuple):
+    """Inertia force of a moving body, and what its tangent needs of the same evaluation."""
+
+    force: jax.Array
+    """`(p, m, e)`, (6 + r,)"""
+    weights: jax.Array
+    """`(1, g)` and `(0, gdot)`, (2, 1 + r)"""
+    spinning: jax.Array
+    """Rows of the rotation in the deformed body and their rates, (6, 6 + 4r)"""
+    momentum: jax.Array
+    """`h_t`, (3,)"""
+    angular: jax.Array
+    """`h_w + sum_k g_k h_k`, (3,)"""
+    coupling: jax.Array
+    """`h_k` and `d_k`, (2, r, 3)"""
+
+
+class _Parts(NamedTuple):
+    """A vector (or the rows of a matrix) of the Gram matrix's size, split by field."""
+
+    translation: jax.Array
+    rotation: jax.Array
+    coupling: jax.Array
+    """(r, 3, ...): the fields `e_i x V_k`"""
+    deformation: jax.Array
+
+
+def _split(vector: jax.Array) -> _Parts:
+    r = (vector.shape[0] - 6) // 4
+    coupling = vector[6 : 6 + 3 * r].reshape((r, 3, *vector.shape[1:]))
+    return _Parts(vector[:3], vector[3:6], coupling, vector[6 + 3 * r :])
+
+
+def _join(
+    translation: jax.Array, rotation: jax.Array, coupling: jax.Array, deformation: jax.Array
+) -> jax.Array:
+    return jnp.concatenate([translation, rotation, coupling.reshape(-1), deformation])
+
+
+def _cross(spin: jax.Array, columns: jax.Array) -> jax.Array:
+    """`spin x` each column, (3, k)."""
+    x, y, z = columns
+    return jnp.stack([spin[1] * z - spin[2] * y, spin[2] * x - spin[0] * z, spin[0] * y - spin[1] * x])
+
+
+def inertia_arrays(gram: Any) -> InertiaArrays:
+    """The Gram matrix (6 + 4r, 6 + 4r) rearranged for the equations of motion."""
+    gram = np.asarray(gram)
+    n = gram.shape[0]
+    r = (n - 6) // 4
+    coupled = gram[6 : 6 + 3 * r].reshape(r, 3, n)
+    with_rates = coupled[:, :, 6 + 3 * r :].transpose(1, 2, 0)
+    squares = coupled[:, :, 6 : 6 + 3 * r].reshape(r, 3, r, 3).transpose(1, 3, 0, 2)
+    first, second = np.triu_indices(3)
+    weight = np.where(first == second, 0.5, 1.0)[:, None, None]
+    both = weight * (squares[first, second] + squares[second, first])
+    return InertiaArrays(
+        fixed=np.concatenate([gram[:3], gram[6 + 3 * r :]]),
+        by_spin=gram[3 : 6 + 3 * r].reshape(1 + r, 3 * n),
+        by_deformation=np.concatenate([with_rates, with_rates.transpose(0, 2, 1), both]).reshape(12, r * r),
+        inertia=gram[6 + 3 * r :, 6 + 3 * r :],
+    )
+
+
+def inertia_terms(arrays: InertiaArrays, motion: FloatingMotion) -> InertiaTerms:
+    """Inertia force of a moving body, and what its tangent needs of the same evaluation."""
+    r = motion.coordinates.shape[0]
+    n = 6 + 4 * r
+    one, zero = jnp.ones(1), jnp.zeros(1)
+    weights = jnp.stack([jnp.concatenate([one, motion.coordinates]), jnp.concatenate([zero, motion.rates])])
+    spinning = (weights @ arrays.by_spin).reshape(6, n)
+    none = jnp.zeros(3)
+    by_fixed = jnp.stack(
+        [
+            jnp.concatenate([none, motion.rates]),
+            jnp.concatenate([motion.acceleration, motion.accelerations]),
+        ]
+    )
+    spun = jnp.stack(
+        [
+            small_product(motion.spin, spinning[:3]),
+            small_product(motion.spin_rate, spinning[:3]) + small_product(motion.spin, spinning[3:]),
+        ]
+    )
+    h, d = both = by_fixed @ arrays.fixed + spun
+    turning = both[:, 3 : 6 + 3 * r].reshape(2, 1 + r, 3)
+    # h and d of the rotation in the deformed body, and of its rate.
+    (angular, d_angular), (h_rate, _) = (weights[:, None, :, None] * turning).sum(axis=2)
+    moment = d_angular + h_rate + jnp.cross(motion.spin, angular)
+    force = d[:3] + jnp.cross(motion.spin, h[:3])
+    deformation = d[6 + 3 * r :] - small_product(turning[0, 1:], motion.spin)
+    return InertiaTerms(
+        force=jnp.concatenate([force, moment, deformation]),
+        weights=weights,
+        spinning=spinning,
+        momentum=h[:3],
+        angular=angular,
+        coupling=turning[:, 1:],
+    )
+
+
+def floating_mass(gram: jax.Array, coordinates: jax.Array) -> jax.Array:
+    """Mass matrix `Z^T G Z` for `(v, w, gdot)` in body components, (6 + r, 6 + r)."""
+    rows = _split(gram)
+    columns = jnp.concatenate(
+        [
+            rows.translation,
+            rows.rotation + jnp.einsum("k,kin->in", coordinates, rows.coupling),
+            rows.deformation,
+        ]
+    )
+    parts = _split(columns.T)
+    by_spin = parts.rotation + jnp.einsum("k,kin->in", coordinates, parts.coupling)
+    return jnp.concatenate([parts.translation, by_spin, parts.deformation])
+
+
+def inertia_tangent(
+    arrays: InertiaArrays,
+    motion: FloatingMotion,
+    terms: InertiaTerms,
+    velocity: jax.Array | float,
+    position: jax.Array | float,
+) -> jax.Array:
+    """Derivative of the inertia force for accelerations whose change carries velocity and position along.
+
+    Column j answers to `d(a, wdot, gddot) = e_j` together with `d(w, gdot) = velocity e_j` and
+    `dg = position e_j`, the combination that a Newmark step needs; (6 + r, 6 + r). The change of `a` with the
+    frame's rotation is the caller's.
+    """
+    r = motion.coordinates.shape[0]
+    spin = motion.spin
+
+    # The rows of G for the frame's translation and rotation, and for the rate of the latter.
+    rows = jnp.concatenate([arrays.fixed[:3], terms.spinning])
+    turning = rows[:, 3 : 6 + 3 * r].reshape(9, 1 + r, 3)
+    by_spin = (terms.weights[:, None, :, None] * turning).sum(axis=2)
+    turned, turned_faster = (
+        small_product(turning[:, 1:], spin),
+        small_product(turning[:, 1:], motion.spin_rate),
+    )
+    deformed = rows[:, 6 + 3 * r :]
+
+    # What d and h, seen by those rows, owe to the accelerations: columns of force, moment and its rate.
+    d_columns = jnp.concatenate(
+        [
+            rows[:, :3],
+            by_spin[0] + velocity * by_spin[1],
+            deformed + velocity * turned + position * turned_faster,
+        ],
+        axis=1,
+    )
+    h_columns = jnp.concatenate(
+        [jnp.zeros((9, 3)), velocity * by_spin[0], velocity * deformed + position * turned], axis=1
+    )
+    h, d = terms.coupling[0].T, terms.coupling[1].T
+    carried = jnp.concatenate(
+        [
+            jnp.zeros((3, 3)),
+            -velocity * skew(terms.angular),
+            position * (d + _cross(spin, h)) + velocity * h,
+        ],
+        axis=1,
+    )
+    force_rows = d_columns[:3] + _cross(spin, h_columns[:3])
+    force_rows = force_rows + jnp.pad(-velocity * skew(terms.momentum), ((0, 0), (3, r)))
+    moment_rows = d_columns[3:6] + h_columns[6:] + _cross(spin, h_columns[3:6]) + carried
+
+    first, second = np.triu_indices(3)
+    among_themselves = jnp.concatenate(
+        [
+            velocity * spin + position * motion.spin_rate,
+            -velocity * spin,
+            -position * spin[first] * spin[second],
+        ]
+    )
+    deformation_rows = jnp.concatenate(
+        [
+            deformed[:3].T,
+            (deformed[3:6] + velocity * (deformed[6:] - turned[3:6] - h)).T,
+            arrays.inertia + (among_themselves @ arrays.by_deformation).reshape(r, r),
+        ],
+        axis=1,
+    )
+    return jnp.concatenate([force_rows, moment_rows, deformation_rows])
+
+
+def kinetic_energy(gram: jax.Array, motion: FloatingMotion, velocity: jax.Array) -> jax.Array:
+    """`T = z G z / 2` with the frame's velocity `v = A^T Rdot` (3,) in body components."""
+    z = _join(velocity, motion.spin, motion.coordinates[:, None] * motion.spin, motion.rates)
+    return z @ gram @ z / 2
+
+
+def frame_momenta(
+    gram: jax.Array, motion: FloatingMotion, velocity: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Linear momentum, and angular momentum about the frame origin, body components, (3,) each."""
+    z = _join(velocity, motion.spin, motion.coordinates[:, None] * motion.spin, motion.rates)
+    h = _split(gram @ z)
+    return h.translation, h.rotation + motion.coordinates @ h.coupling

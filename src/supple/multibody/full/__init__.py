@@ -1,0 +1,1 @@
+"""The engine for bodies with all their freedoms: sparse Newton steps."""

@@ -1,0 +1,1 @@
+"""Bases of linear columns, one per module."""

@@ -1,0 +1,45 @@
+"""Attachment modes: a basis that also holds the static answer to every interface force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.body import FlexibleBody, Frame, MeanAxisFrame
+from supple.reduction.bases.interface_columns import column_labels, motion_rows, require_interfaces
+from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe
+
+
+@dataclass(frozen=True)
+class AttachmentModes:
+    """The columns of a recipe and, beside them, the inertia-relief attachment modes of every interface.
+
+        K Psi + M R mu = B^T,   R^T M Psi = 0
+
+    Joints act on a body by forces at its interfaces. The modes left out answer to them nearly statically, and
+    six columns an interface hold that answer: what is still missing of a mode falls with the fourth power of
+    its frequency, not the second. The forces are balanced by rigid inertia whatever the frame, so that the
+    body is the same in every frame; in a mean-axis frame, AttachmentModes(NormalModes(n)) is Rubin(n).
+
+    recipe : modes of the free body, ErrorControlled(...) or NormalModes(n)
+    Source: [Rubin1975]; [Wu2019] (33)-(38).
+    """
+
+    recipe: LinearBasisRecipe
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """Attachment modes, then the recipe's columns; ModelError: no interface."""
+        require_interfaces(body, "an attachment mode")
+        basis = self.recipe.build(body, frame)
+        relief = body.constrained(MeanAxisFrame().constraint(body))
+        attachment = relief.solve(motion_rows(body.interfaces).T)
+        return LinearBasis(
+            vectors=np.hstack([attachment, basis.vectors]),
+            frequencies=np.concatenate([np.full(attachment.shape[1], np.nan), basis.frequencies]),
+            labels=column_labels("attachment", body.interfaces) + basis.labels,
+            static_solver=basis.static_solver,
+            dropped=basis.dropped,
+            # More columns lower Ritz values, never below the true ones: what was proven stays so.
+            certificate=basis.certificate,
+        )

@@ -1,0 +1,46 @@
+"""The Craig-Bampton basis: constraint modes and fixed-interface modes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.body import FlexibleBody, Frame
+from supple.reduction.bases.guyan import constraint_modes
+from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
+from supple.reduction.bases.mode_selection import LowestFrequency, ModeSelection
+
+
+@dataclass(frozen=True)
+class CraigBampton:
+    """Constraint modes and vibrations with every interface held, by default the lowest.
+
+        K Phi + B^T mu = M Phi diag(omega^2),   B Phi = 0
+
+    n_modes : number of fixed-interface modes, besides the constraint modes; or
+    n_columns : number of all columns
+    selection : LowestFrequency(), EffectiveInterfaceMass(candidates) or CouplingMoment(candidates)
+    Raises ModelError when both or none are given, or a number is negative.
+    Source: [CraigBampton1968]; [Han2020] (11)-(17); NFR-CB of [Wu2019].
+    """
+
+    n_modes: int | None = None
+    n_columns: int | None = None
+    selection: ModeSelection = LowestFrequency()  # noqa: RUF009 (it is immutable)
+
+    def __post_init__(self):
+        ModeCount(self.n_modes, self.n_columns)
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """Constraint modes first, then fixed-interface modes; ModelError: no interface, too many modes."""
+        static = constraint_modes(body, frame)
+        n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(static.vectors.shape[1])
+        modes = self.selection.choose(body, n_modes)
+        return LinearBasis(
+            vectors=np.hstack([static.vectors, modes.vectors]),
+            frequencies=np.concatenate([static.frequencies, np.sqrt(modes.values)]),
+            labels=static.labels + tuple(f"fixed-interface mode {i}" for i in modes.numbers),
+            static_solver=static.static_solver,
+            dropped=static.dropped,
+        )

@@ -1,0 +1,91 @@
+"""The Craig-Bampton bodies of one flexible body, for every number of fixed-interface modes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from supple.algebra import GrowingModes, RitzModes
+from supple.body import FlexibleBody
+from supple.reduction.bases.guyan import interface_shapes
+from supple.reduction.bases.interface_columns import motion_rows, require_interfaces
+from supple.reduction.components.deflation import residual_response
+from supple.reduction.components.fixed_interface_component import (
+    FixedInterfaceComponent,
+    fixed_interface_component,
+)
+from supple.reduction.components.free_vibration import FreeVibrations, free_vibrations
+from supple.reduction.eigenvalues.eigenvalue_error import ErrorEstimator, error_terms
+
+N_RIGID = 6
+
+# When modes run out, this many more at least: searches that add one at a time would ask again and again.
+GROWTH = 1.1
+
+
+class CraigBamptonFamily:
+    """Craig-Bampton bodies with 0, 1, 2 ... modes; modes are computed as they are needed, and kept.
+
+    body : FlexibleBody      with interfaces; ModelError without
+    """
+
+    def __init__(self, body: FlexibleBody):
+        require_interfaces(body, "a Craig-Bampton body")
+        held = motion_rows(body.interfaces)
+        self.body = body
+        self.shapes = interface_shapes(body)
+        self.rigid_motion = held @ body.rigid_modes
+        self.growing = GrowingModes(body.constrained(held), body.mass)
+        self.modes: RitzModes = self.growing.found
+        self.component: FixedInterfaceComponent = fixed_interface_component(body, self.modes)
+
+    @property
+    def n_available(self) -> int:
+        """How many fixed-interface modes the body has."""
+        return self.growing.available
+
+    @property
+    def n_vibrations(self) -> int:
+        """How many elastic vibrations the free body has."""
+        return self.body.n - N_RIGID
+
+    def vibrations(self, n_kept: int, n_vibrations: int) -> FreeVibrations:
+        """The lowest elastic vibrations of the free body with n_kept modes; fewer, where it has fewer."""
+        self._know(max(n_kept, min(n_vibrations, self.n_available)))
+        return free_vibrations(self.component.leading(n_kept), self.rigid_motion, n_vibrations)
+
+    def errors(self, n_kept: int, n_vibrations: int, estimator: ErrorEstimator) -> np.ndarray:
+        """Estimated eigenvalue errors (n_vibrations,); infinite where there is no such vibration."""
+        vibrations = self.vibrations(n_kept, n_vibrations)
+        errors = np.full(n_vibrations, np.inf)
+        errors[: vibrations.values.size] = estimator.errors(error_terms(self.component, vibrations))
+        return errors
+
+    def vectors(self, vibrations: FreeVibrations) -> np.ndarray:
+        """Vibrations as M-orthonormal columns (n, N) on the body's coordinates."""
+        amounts = np.zeros((self.modes.values.size, vibrations.values.size))
+        amounts[: len(vibrations.modal)] = vibrations.modal
+        return self.shapes @ vibrations.interfaces + self.modes.combine(amounts)
+
+    def make_room(self) -> None:
+        """Give back memory: the factor's numbers, and the Krylov space but for the modes found in it."""
+        self.body.grounded_stiffness.factor.release()
+        self.growing.keep_modes_only()
+        self.modes = self.growing.found
+
+    def _know(self, n_kept: int) -> None:
+        """Have n_kept modes and one more, which bounds those left out; and their residual, by deflation."""
+        known, needed = self.modes.values.size, min(n_kept + 1, self.n_available)
+        if needed <= known:
+            return
+        self.modes = self.growing.at_least(min(max(needed, int(GROWTH * known)), self.n_available))
+        inertia = self.body.mass @ self.shapes
+        residual = residual_response(self.growing.inverse, self.body.mass, self.modes, inertia)
+        self.component = replace(
+            self.component,
+            eigenvalues=self.modes.values,
+            participation=self.modes.participation(inertia),
+            residual_flexibility=residual.flexibility,
+            residual_mass=residual.mass,
+        )

@@ -1,0 +1,59 @@
+"""Craig-Bampton with residual modes: the static answer of the vibrations left out joins the basis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.algebra import Eigenpairs, RitzModes
+from supple.body import FlexibleBody, Frame
+from supple.reduction.bases.craig_bampton import CraigBampton
+from supple.reduction.bases.guyan import Guyan, interface_shapes
+from supple.reduction.bases.interface_columns import column_labels, motion_rows
+from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
+from supple.reduction.components.deflation import residual_response
+
+
+@dataclass(frozen=True)
+class CraigBamptonResidual:
+    """Constraint modes, residual modes and the lowest vibrations with every interface held.
+
+        Y = F_rs A,   F_rs = K_s^-1 - Phi Lambda^-1 Phi^T,   A = M Psi     (K_s, Phi: interfaces held)
+
+    A unit acceleration of an interface loads the inside by A; Y is the part of the static answer that the
+    truncated vibrations would give. [Han2020] (26) adds omega^2 Y to the constraint modes and [KimLee2015]
+    estimate the unknown omega^2; here the residual modes have coordinates of their own, six for each
+    interface: a larger space that holds theirs, and no estimate.
+
+    n_modes : number of fixed-interface modes, besides the constraint and residual modes; or
+    n_columns : number of all columns
+    Raises ModelError when both or none are given, or a number is negative.
+    """
+
+    n_modes: int | None = None
+    n_columns: int | None = None
+
+    def __post_init__(self):
+        ModeCount(self.n_modes, self.n_columns)
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """Constraint modes, residual modes, vibrations; ModelError: no interface, too many modes."""
+        static = Guyan().build(body, frame)
+        n_constraint = static.vectors.shape[1]
+        n_residual = 6 * len(body.interfaces)
+        n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(n_constraint + n_residual)
+        plain = CraigBampton(n_modes=n_modes).build(body, frame)
+        constraint, modes = np.split(plain.vectors, [n_constraint], axis=1)
+        known = RitzModes.of(Eigenpairs(plain.frequencies[n_constraint:] ** 2, modes))
+        held = body.constrained(motion_rows(body.interfaces))
+        residual = residual_response(held, body.mass, known, body.mass @ interface_shapes(body)).columns
+        return LinearBasis(
+            vectors=np.hstack([constraint, residual, modes]),
+            frequencies=np.insert(plain.frequencies, n_constraint, np.full(n_residual, np.nan)),
+            labels=plain.labels[:n_constraint]
+            + column_labels("residual", body.interfaces)
+            + plain.labels[n_constraint:],
+            static_solver=plain.static_solver,
+            dropped=plain.dropped,
+        )

@@ -1,0 +1,64 @@
+"""Effective interface mass: the share of each fixed-interface mode in what the interfaces accelerate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.algebra import factorize_symmetric
+from supple.body import FlexibleBody
+from supple.reduction.bases.interface_columns import motion_rows
+from supple.reduction.bases.mode_selection import ChosenModes, ranked_modes
+from supple.reduction.components.fixed_interface_component import FixedInterfaceComponent
+
+# Directions of interface motion, in a unit-diagonal matrix, that carry less move no mass inside.
+SMALLEST_SHARE = 1e-10
+
+
+@dataclass(frozen=True)
+class EffectiveInterfaceMass:
+    """Keep the modes with the largest effective interface mass.
+
+        e_j = p_j M_e^+ p_j^T / rank M_e,   p_j = phi_j^T M Psi,   M_e = sum of p_j^T p_j over all modes
+
+    p_j^T p_j is the effective mass of the clamped body at its support, made general: Psi may be any motion of
+    any interface. Measured against the total like this, it does not change with the units of translation and
+    rotation or with the axes of the interfaces. All e_j together make one.
+
+    candidates : how many modes, the lowest, to choose among
+    Source: [KammerTriller1996]; the measure is our own.
+    """
+
+    candidates: int
+
+    def scores(self, body: FlexibleBody, component: FixedInterfaceComponent) -> np.ndarray:
+        """The effective interface masses e_j, (m,)."""
+        return effective_interface_masses(component, interior_interface_mass(body, component))
+
+    def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
+        """The n_modes of largest mass; ModelError when there are fewer candidates."""
+        return ranked_modes(self, body, n_modes)
+
+
+def effective_interface_masses(component: FixedInterfaceComponent, total: np.ndarray) -> np.ndarray:
+    """Shares e_j (m,) of the modes in the total interface mass M_e (b, b); they sum to 1 over all modes."""
+    scale = 1.0 / np.sqrt(np.diag(total))
+    masses, directions = np.linalg.eigh(scale[:, None] * total * scale)
+    carried = masses > SMALLEST_SHARE
+    shares = (component.participation * scale) @ directions[:, carried] / np.sqrt(masses[carried])
+    return np.sum(shares**2, axis=1) / np.sum(carried)
+
+
+def interior_interface_mass(body: FlexibleBody, component: FixedInterfaceComponent) -> np.ndarray:
+    """Mass (b, b) that all fixed-interface modes together carry, without computing them.
+
+        M_e = Psi^T M Psi - (B M^-1 B^T)^-1
+
+    The interface mass less what moves with the interfaces when the inside is left behind. With a lumped mass,
+    that is the mass of the interface nodes; one factor of M.
+    """
+    B = motion_rows(body.interfaces)
+    mobility = B @ factorize_symmetric(body.mass).solve(B.T)
+    total = component.interface_mass - np.linalg.inv(0.5 * (mobility + mobility.T))
+    return 0.5 * (total + total.T)

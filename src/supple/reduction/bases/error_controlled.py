@@ -1,0 +1,191 @@
+"""The basis whose eigenvalues are as accurate as one asks: the modes are counted by the computer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.body import FlexibleBody, Frame
+from supple.errors import AccuracyError, ModelError
+from supple.reduction.bases.craig_bampton_family import CraigBamptonFamily
+from supple.reduction.bases.linear_basis import LinearBasis
+from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
+from supple.reduction.eigenvalues.eigenvalue_enclosure import EigenvalueEnclosure, enclose_eigenvalues
+from supple.reduction.eigenvalues.eigenvalue_error import ErrorEstimator, KnownEigenvalues, SharperBound
+from supple.reduction.eigenvalues.mode_search import Bisection, ModeSearch, SearchStep
+from supple.reduction.stopwatch import timed
+
+SMALLEST_TOLERANCE = 1e-7
+"""Below this, round-off in the eigenvalues of large bodies could decide."""
+LARGEST_WITH_TWO_FACTORS = 100_000
+"""Freedoms; beyond, a minute for factoring K once more is cheaper than the memory."""
+
+
+@dataclass(frozen=True)
+class ErrorControlled:
+    """The n_modes lowest elastic eigenvalues of the free body, each within a relative tolerance.
+
+        0 <= chi-bar_n / chi_n - 1 <= tolerance,     n = 1 .. n_modes,  none missed
+
+    Fixed-interface modes join a Craig-Bampton basis until an estimate of every error is within the tolerance;
+    bounds for the eigenvalues of the full body then prove it, and where they object, modes are added. What
+    remains are the n_modes vibrations of that body: M = I, K = diag(chi-bar), so that bodies of different
+    tolerance have the same size.
+
+    tolerance : relative error of eigenvalues (squared frequencies), such as 1e-3 for 0.1 %
+    n_modes : how many, besides the six rigid motions, which are exact
+    start : fixed-interface modes to try first
+    most : fixed-interface modes allowed; None: all the body has
+    estimator : SharperBound(), TwoTermEstimate(), PublishedBound() or EarlierEstimate()
+    search : Bisection() or OneByOne()
+    progress : called with each SearchStep
+    Raises ModelError when a number makes no sense.
+    Source: [Han2020] section 4 and (46)-(49); the sharper estimators, the search and the proof are our own.
+    """
+
+    tolerance: float
+    n_modes: int
+    start: int = 5
+    most: int | None = None
+    estimator: ErrorEstimator = field(default_factory=SharperBound)
+    search: ModeSearch = field(default_factory=Bisection)
+    progress: Callable[[SearchStep], None] | None = field(default=None, compare=False)
+
+    def __post_init__(self):
+        if not 0 < self.tolerance < 1:
+            raise ModelError(
+                f"the tolerance is {self.tolerance:g}: give a relative error of the eigenvalues between "
+                "0 and 1, such as 1e-3 for 0.1 %"
+            )
+        if self.tolerance < SMALLEST_TOLERANCE:
+            raise ModelError(
+                f"the tolerance {self.tolerance:g} is below what round-off leaves of the eigenvalues of a "
+                f"large body; ask for {SMALLEST_TOLERANCE:g} or more"
+            )
+        if self.n_modes < 1 or self.start < 0 or (self.most is not None and self.most < self.start):
+            raise ModelError(
+                f"n_modes = {self.n_modes}, start = {self.start}, most = {self.most}: give n_modes of one or "
+                "more, and 0 <= start <= most"
+            )
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """The vibrations as columns, with the proof of their accuracy; see `error_controlled_modes`."""
+        modes = error_controlled_modes(body, self)
+        return LinearBasis(
+            vectors=modes.vectors,
+            frequencies=np.sqrt(modes.certificate.values),
+            labels=tuple(f"error-controlled mode {i + 1}" for i in range(self.n_modes)),
+            static_solver=body.constrained(frame.constraint(body)),
+            certificate=modes.certificate,
+        )
+
+
+class ErrorControlledModes(NamedTuple):
+    """Free elastic vibrations (n, N), M-orthonormal, and the proof of their accuracy."""
+
+    vectors: np.ndarray
+    certificate: EigenvalueCertificate
+
+
+def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> ErrorControlledModes:
+    """The lowest vibrations of a Craig-Bampton body that meets a tolerance, and the proof.
+
+    It is the smallest that the search finds by its estimates; where these are too high, fewer modes would do.
+
+    Raises
+    ------
+    ModelError      no interface; more modes asked for than the body has, or more to start with
+    AccuracyError   the tolerance is not reached with all modes allowed; the proof does not come out
+    """
+    family = CraigBamptonFamily(body)
+    _check_range(family, control)
+    seconds: dict[str, float] = {}
+    with timed(seconds, "modes and search"):
+        steps = _search(family, control, control.estimator, control.start)
+    with timed(seconds, "enclosure"):
+        enclosure = _enclosed(family, control, steps[-1].n_modes)
+    # Estimates are of first order: where they promised too much, the bounds themselves tell what is missing.
+    with timed(seconds, "modes added"):
+        proven = KnownEigenvalues(enclosure.lower)
+        if _tried(family, control, proven, steps[-1].n_modes).first_failing:
+            steps += _search(family, control, proven, steps[-1].n_modes + 1)
+    n_kept = steps[-1].n_modes
+    vibrations = family.vibrations(n_kept, control.n_modes)
+    certificate = EigenvalueCertificate(
+        tolerance=control.tolerance,
+        values=vibrations.values,
+        enclosure=enclosure,
+        n_fixed_interface_modes=n_kept,
+        estimated=family.errors(n_kept, control.n_modes, control.estimator),
+        steps=steps,
+        seconds=seconds,
+    )
+    return ErrorControlledModes(family.vectors(vibrations), certificate)
+
+
+def _check_range(family: CraigBamptonFamily, control: ErrorControlled) -> None:
+    name = family.body.name
+    if control.n_modes >= family.n_vibrations:
+        raise ModelError(
+            f"{control.n_modes} eigenvalues asked of body '{name}', which has {family.n_vibrations} elastic "
+            "ones; ask for fewer, so that the next one shows that none was missed"
+        )
+    if control.start > family.n_available:
+        raise ModelError(
+            f"{control.start} fixed-interface modes to start with, but body '{name}' has {family.n_available}"
+        )
+
+
+def _search(
+    family: CraigBamptonFamily, control: ErrorControlled, estimator: ErrorEstimator, first: int
+) -> tuple[SearchStep, ...]:
+    """The steps to the first body that meets the tolerance; AccuracyError where none does."""
+    most = family.n_available if control.most is None else min(control.most, family.n_available)
+
+    def trial(n_kept: int) -> SearchStep:
+        step = _tried(family, control, estimator, n_kept)
+        if control.progress:
+            control.progress(step)
+        return step
+
+    steps = control.search.run(trial, min(first, most), most)
+    if steps[-1].first_failing:
+        raise _not_reached(family, control, steps[-1])
+    return steps
+
+
+def _tried(
+    family: CraigBamptonFamily, control: ErrorControlled, estimator: ErrorEstimator, n_kept: int
+) -> SearchStep:
+    start = perf_counter()
+    errors = family.errors(n_kept, control.n_modes, estimator)
+    criterion = type(estimator).__name__
+    return SearchStep(n_kept, errors, control.tolerance, criterion, perf_counter() - start)
+
+
+def _enclosed(family: CraigBamptonFamily, control: ErrorControlled, n_kept: int) -> EigenvalueEnclosure:
+    """Bounds for the full body's eigenvalues; the reduced body, with some more modes, says where to look."""
+    body = family.body
+    n_trial = min(family.n_vibrations, max(control.n_modes + 8, 3 * control.n_modes // 2))
+    n_needed = n_trial - (len(family.rigid_motion) - 6)
+    trial = family.vibrations(min(max(n_kept, n_needed), family.n_available), n_trial)
+    width = max(0.01 * control.tolerance, 0.1 * SMALLEST_TOLERANCE)
+    # Two factors of a large body, gigabytes each, are not held at once.
+    make_room = family.make_room if body.n > LARGEST_WITH_TWO_FACTORS else None
+    return enclose_eigenvalues(body, family.vectors(trial), control.n_modes, width, make_room)
+
+
+def _not_reached(family: CraigBamptonFamily, control: ErrorControlled, step: SearchStep) -> AccuracyError:
+    worst = int(np.argmax(step.errors))
+    remedy = "loosen the tolerance"
+    if step.n_modes < family.n_available:
+        remedy += f" or allow more than most = {control.most} modes"
+    return AccuracyError(
+        f"body '{family.body.name}': with {step.n_modes} fixed-interface modes, eigenvalue {worst + 1} of "
+        f"{control.n_modes} is within {step.errors[worst]:.1e}, not {control.tolerance:.1e} "
+        f"({step.criterion}); {remedy}, or ask for fewer eigenvalues"
+    )

@@ -1,0 +1,70 @@
+"""Constraint modes, the static basis of Guyan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.body import FlexibleBody, Frame
+from supple.reduction.bases.interface_columns import (
+    column_labels,
+    held_interfaces,
+    motion_rows,
+    require_interfaces,
+)
+from supple.reduction.bases.linear_basis import LinearBasis
+
+
+@dataclass(frozen=True)
+class Guyan:
+    """The body follows its interfaces statically: constraint modes alone, exact for loads at interfaces."""
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """Constraint modes in a frame; see constraint_modes."""
+        return constraint_modes(body, frame)
+
+
+def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
+    """Static shapes due to a unit motion of one interface freedom, all others held.
+
+        K Psi + B^T mu = 0,   B Psi = (columns of) I
+
+    which is Psi_i = -K_ii^-1 K_ib where B selects freedoms. Six of them, those of the interface that the
+    frame holds (of the first interface, when it holds none), equal a rigid motion less the others: they are
+    not formed.
+
+    Returns LinearBasis (n, 6 (n_interfaces - 1)), not yet projected on the frame; frequencies nan.
+    Raises ModelError when the body has no interface.
+    Source: [Guyan1965], [Han2020] (12).
+    """
+    require_interfaces(body, "a basis of constraint modes")
+    reference = (held_interfaces(body, frame) or body.interfaces)[0]
+    moving = [interface for interface in body.interfaces if interface is not reference]
+    held = motion_rows([reference, *moving])
+    solver = body.constrained(held)
+    n_moving = 6 * len(moving)
+    unit_motions = np.vstack([np.zeros((6, n_moving)), np.eye(n_moving)])
+    n = body.n
+    vectors = solver.solve(np.zeros((n, n_moving)), unit_motions) if moving else np.empty((n, 0))
+    return LinearBasis(
+        vectors=vectors,
+        frequencies=np.full(n_moving, np.nan),
+        labels=column_labels("constraint", moving),
+        static_solver=solver,
+        dropped=column_labels("constraint", [reference]),
+    )
+
+
+def interface_shapes(body: FlexibleBody) -> np.ndarray:
+    """Static shapes due to a unit motion of every interface freedom, rigid motions within their span.
+
+        K Psi + B^T mu = 0,   B Psi = I
+
+    Returns (n, 6 n_interfaces), in the order of the body's interfaces.
+    Raises ModelError when the body has no interface.
+    Source: [Han2020] (12).
+    """
+    require_interfaces(body, "a set of constraint modes")
+    held = motion_rows(body.interfaces)
+    return body.constrained(held).solve(values=np.eye(len(held)))

@@ -1,0 +1,69 @@
+"""The Herting basis: constraint modes, inertia relief modes and free-interface modes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.body import FlexibleBody, Frame, MeanAxisFrame
+from supple.reduction.bases.guyan import Guyan
+from supple.reduction.bases.interface_columns import MOTIONS, motion_rows, require_interfaces
+from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
+from supple.reduction.bases.normal_modes import NormalModes
+
+
+@dataclass(frozen=True)
+class Herting:
+    """Static shapes of interface motion and rigid acceleration, and the lowest free vibrations.
+
+        K Psi + B^T mu = 0,        B Psi = (columns of) I       constraint modes
+        K Upsilon + B^T mu = M R,  B Upsilon = 0                inertia relief modes
+        K Phi = M Phi diag(omega^2),  Phi^T M R = 0             free-interface modes
+
+    Interface statics are exact, as in Craig-Bampton; the free body's modes are exact, as in Rubin. Herting
+    writes Phi - Psi B Phi for the modes, so that the interface coordinates are the physical ones: the same
+    span. Indeed Psi, Upsilon and the rigid motions are the static answers to all balanced loads of interface
+    forces and rigid inertia, and so are Rubin's attachment modes in a mean-axis frame with the rigid motions:
+    both bases give one and the same body there.
+
+    n_modes : number of free-interface modes, besides the static columns; or
+    n_columns : number of all columns
+    Raises ModelError when both or none are given, or a number is negative.
+    Source: [Herting1985].
+    """
+
+    n_modes: int | None = None
+    n_columns: int | None = None
+
+    def __post_init__(self):
+        ModeCount(self.n_modes, self.n_columns)
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """Constraint, inertia relief and free modes; ModelError: no interface, too many modes."""
+        constraint = Guyan().build(body, frame)
+        relief = inertia_relief_modes(body)
+        static = np.hstack([constraint.vectors, relief])
+        n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(static.shape[1])
+        modes = NormalModes(n_modes).build(body, MeanAxisFrame())
+        return LinearBasis(
+            vectors=np.hstack([static, modes.vectors]),
+            frequencies=np.concatenate([np.full(static.shape[1], np.nan), modes.frequencies]),
+            labels=constraint.labels
+            + tuple(f"inertia relief {motion}" for motion in MOTIONS)
+            + tuple(f"free-interface {label}" for label in modes.labels),
+            static_solver=body.constrained(frame.constraint(body)),
+            dropped=constraint.dropped,
+        )
+
+
+def inertia_relief_modes(body: FlexibleBody) -> np.ndarray:
+    """Static shapes (n, 6) under the inertia of the six rigid accelerations, every interface held.
+
+        K Upsilon + B^T mu = M R,   B Upsilon = 0
+
+    Raises ModelError when the body has no interface.
+    """
+    require_interfaces(body, "an inertia relief mode")
+    held = body.constrained(motion_rows(body.interfaces))
+    return held.solve(body.mass @ body.rigid_modes)

@@ -1,0 +1,118 @@
+"""A linear reduction basis: columns, their frequencies, and the static problem its derivatives obey."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from supple.algebra import ConstrainedFactor, mass_orthonormalize, read_only
+from supple.body import FlexibleBody, Frame, frame_projector
+from supple.errors import AccuracyError, ModelError
+from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
+
+
+@dataclass(frozen=True, eq=False)
+class LinearBasis:
+    """Columns of a linear basis: static interface columns first, then modes.
+
+    vectors : (n, m)
+    frequencies : (m,)       rad/s; nan for static columns, which vibrate at no frequency of their own
+    labels : (m,) str        such as "constraint tip rz" or "fixed-interface mode 3"
+    static_solver : solves K x = f with the interfaces and the frame held as this basis holds them;
+                     the derivatives of its columns are static solutions of that same problem
+    dropped : labels of columns not formed because the frame itself carries their motion
+    certificate : what is proven of their eigenvalues; None where nothing is
+    """
+
+    vectors: np.ndarray
+    frequencies: np.ndarray
+    labels: tuple[str, ...]
+    static_solver: ConstrainedFactor
+    dropped: tuple[str, ...] = ()
+    certificate: EigenvalueCertificate | None = None
+
+    def __post_init__(self):
+        object.__setattr__(self, "vectors", read_only(self.vectors))
+        object.__setattr__(self, "frequencies", read_only(self.frequencies))
+
+
+class LinearBasisRecipe(Protocol):
+    """How to build a linear basis: CraigBampton, CraigBamptonResidual, Rubin, Herting, NormalModes ..."""
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """The basis of a body whose motion is measured in a frame."""
+        ...
+
+
+def vibrating_basis(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearBasis:
+    """Columns of the same span that vibrate at frequencies of their own (Rayleigh-Ritz).
+
+        X = P raw Q,   X^T M X = I,   X^T K X = diag(omega^2),   D X = 0
+
+    P is the frame's projector. So a static column also has a frequency, needed to weigh its modal
+    derivatives; modes of the frame's own eigenproblem keep theirs. Dependent columns are dropped.
+
+    Returns LinearBasis: labels name the raw columns kept (in their order, which is not that of the
+        frequencies, ascending); dropped names the rest.
+    Raises AccuracyError when a column stores no energy, ModelError when no column is left.
+    """
+    # Measured against the columns before projection: what the frame takes out whole leaves only round-off.
+    norms = np.sqrt(np.sum(raw.vectors * (body.mass @ raw.vectors), axis=0))
+    projected = frame_projector(body, frame)(raw.vectors)
+    columns, kept, dropped = mass_orthonormalize(projected, body.mass, reference_norms=norms)
+    if columns.shape[1] == 0:
+        raise ModelError(
+            f"the linear basis of body '{body.name}' is empty: the frame carries all of its "
+            f"{raw.vectors.shape[1]} columns; ask for modes or use a basis with free interfaces"
+        )
+    squares, rotation = np.linalg.eigh(columns.T @ (body.stiffness @ columns))
+    if squares[0] <= 0.0:
+        raise AccuracyError(
+            f"a linear column of body '{body.name}' stores no energy (omega^2 = {squares[0]:.3g} of largest "
+            f"{squares[-1]:.3g}): does the frame hold the body, or is part of it a mechanism?"
+        )
+    return LinearBasis(
+        vectors=columns @ rotation,
+        frequencies=np.sqrt(squares),
+        labels=tuple(raw.labels[i] for i in kept),
+        static_solver=raw.static_solver,
+        dropped=raw.dropped + tuple(raw.labels[i] for i in dropped),
+        certificate=raw.certificate,
+    )
+
+
+@dataclass(frozen=True)
+class ModeCount:
+    """How many modes join n_static columns: n_modes of them, or as many as make n_columns in total."""
+
+    n_modes: int | None
+    n_columns: int | None
+
+    def __post_init__(self):
+        if (self.n_modes is None) == (self.n_columns is None):
+            raise ModelError("give either n_modes (besides the static columns) or n_columns (in total)")
+        if (self.n_modes or 0) < 0 or (self.n_columns or 0) < 0:
+            raise ModelError(f"a basis cannot have a negative number of columns: {self}")
+
+    def modes_besides(self, n_static: int) -> int:
+        """Number of modes; ModelError when the static columns alone exceed n_columns."""
+        if self.n_columns is None:
+            return self.n_modes or 0
+        if self.n_columns < n_static:
+            raise ModelError(
+                f"n_columns = {self.n_columns} is too few: "
+                f"the interfaces alone need {n_static} static columns"
+            )
+        return self.n_columns - n_static
+
+
+def check_mode_count(body: FlexibleBody, n_modes: int, n_held: int) -> None:
+    """ModelError when a body with n_held motions held has fewer than n_modes modes."""
+    available = body.n - n_held
+    if not 0 <= n_modes <= available:
+        raise ModelError(
+            f"n_modes = {n_modes}, but body '{body.name}' has {available} modes "
+            f"({body.n} freedoms, {n_held} of them held)"
+        )

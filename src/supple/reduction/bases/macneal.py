@@ -1,0 +1,60 @@
+"""MacNeal's method: free-interface modes joined by the residual flexibility, without its mass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import linalg
+
+from supple.reduction.components.component_model import ReducedMatrices, block_diagonal
+from supple.reduction.components.free_interface_component import FreeInterfaceComponent, require_residual
+
+
+@dataclass(frozen=True, eq=False)
+class MacNealComponent:
+    """Free-interface modes eta and interface motion q_v, which springs of the residual flexibility join.
+
+        q_v = B Phi eta + F f    gives    f = F^-1 (q_v - B Phi eta)
+
+        K = [ Lambda + (B Phi)^T F^-1 B Phi    -(B Phi)^T F^-1 ]     M = [ I  0 ]
+            [ -F^-1 B Phi                       F^-1           ]         [ 0  0 ]
+
+    The modes left out are there as springs without mass: Rubin's matrices in other coordinates, less the mass
+    H of the residual shapes. That is no congruence, so there is no basis that `reduce` could use. As mass is
+    missing, no eigenvalue is below Rubin's: upper bounds too, and the worse ones; each more mode, given its
+    mass, lowers them.
+
+    ingredients : FreeInterfaceComponent
+    Raises AccuracyError when the modes leave no residual flexibility.
+    Source: [MacNeal1971].
+    """
+
+    ingredients: FreeInterfaceComponent
+
+    def __post_init__(self):
+        require_residual(self.ingredients, "MacNeal's method")
+
+    def interfaces_free(self) -> ReducedMatrices:
+        """The free modes themselves: without mass or load, q_v follows them, f = 0."""
+        values = self.ingredients.eigenvalues
+        return ReducedMatrices(np.diag(values), np.eye(values.size))
+
+    def interfaces_held(self) -> ReducedMatrices:
+        """Lambda + (B Phi)^T F^-1 B Phi in the modes: q_v = 0."""
+        n = self.ingredients.eigenvalues.size
+        return ReducedMatrices(self._stiffness()[:n, :n], np.eye(n))
+
+    def interfaces_loaded(self, added_mass: np.ndarray) -> ReducedMatrices:
+        """M = diag(I, added_mass) in (eta, q_v)."""
+        n = self.ingredients.eigenvalues.size
+        return ReducedMatrices(self._stiffness(), block_diagonal(np.eye(n), added_mass))
+
+    def _stiffness(self) -> np.ndarray:
+        motion = self.ingredients.interface_motion
+        stretch = np.hstack([-motion, np.eye(len(motion))])
+        springs = linalg.cho_solve(linalg.cho_factor(self.ingredients.residual_flexibility), stretch)
+        stiffness = stretch.T @ springs
+        n = self.ingredients.eigenvalues.size
+        stiffness[range(n), range(n)] += self.ingredients.eigenvalues
+        return 0.5 * (stiffness + stiffness.T)

@@ -1,0 +1,75 @@
+"""Which fixed-interface modes a Craig-Bampton basis keeps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from supple.body import FlexibleBody
+from supple.errors import ModelError
+from supple.reduction.components.fixed_interface_component import (
+    FixedInterfaceComponent,
+    fixed_interface_component,
+    fixed_interface_modes,
+)
+
+
+class ChosenModes(NamedTuple):
+    """Fixed-interface modes in ascending order of frequency."""
+
+    values: np.ndarray
+    """(k,) rad^2/s^2"""
+    vectors: np.ndarray
+    """(n, k)"""
+    numbers: np.ndarray
+    """(k,) int: place of each among all fixed-interface modes, counted from 1"""
+
+
+class ModeSelection(Protocol):
+    """A rule: LowestFrequency(), EffectiveInterfaceMass(candidates) or CouplingMoment(candidates)."""
+
+    def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
+        """The n_modes fixed-interface modes that the rule prefers."""
+        ...
+
+
+class ModeRanking(Protocol):
+    """A rule that gives each mode a number, the larger the better."""
+
+    @property
+    def candidates(self) -> int:
+        """How many modes, the lowest, there are to choose among."""
+        ...
+
+    def scores(self, body: FlexibleBody, component: FixedInterfaceComponent) -> np.ndarray:
+        """(m,) one number for each mode of the component."""
+        ...
+
+
+@dataclass(frozen=True)
+class LowestFrequency:
+    """The modes of lowest frequency: no judgement of what the interfaces can feel, and none missing."""
+
+    def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
+        """The first n_modes modes; ModelError when the body has fewer."""
+        modes = fixed_interface_modes(body, n_modes)
+        return ChosenModes(modes.values, modes.vectors, np.arange(1, n_modes + 1))
+
+
+def ranked_modes(ranking: ModeRanking, body: FlexibleBody, n_modes: int) -> ChosenModes:
+    """The n_modes best among the lowest candidates of a ranking; ModelError when there are fewer."""
+    if n_modes > ranking.candidates:
+        raise ModelError(
+            f"{n_modes} modes cannot be chosen among {ranking.candidates} candidates; give more candidates"
+        )
+    modes = fixed_interface_modes(body, ranking.candidates)
+    scores = ranking.scores(body, fixed_interface_component(body, modes))
+    best = np.sort(best_first(scores)[:n_modes])
+    return ChosenModes(modes.values[best], modes.vectors[:, best], best + 1)
+
+
+def best_first(scores: np.ndarray) -> np.ndarray:
+    """Mode numbers (from 0) by falling score; of equal ones the lower frequency first."""
+    return np.argsort(-scores, kind="stable")

@@ -1,0 +1,44 @@
+"""Truncated normal modes: the lowest vibrations of the body in its frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.algebra import lowest_modes
+from supple.body import FlexibleBody, Frame
+from supple.reduction.bases.linear_basis import LinearBasis, check_mode_count
+
+
+@dataclass(frozen=True)
+class NormalModes:
+    """The n_modes lowest modes with nothing held but the frame.
+
+        K Phi + D^T mu = M Phi diag(omega^2),   D Phi = 0
+
+    In a mean-axis frame (D = R^T M) these are the elastic modes of the free body.
+    """
+
+    n_modes: int
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """Modes of ascending frequency; ModelError when the body has fewer."""
+        constraint = frame.constraint(body)
+        check_mode_count(body, self.n_modes, len(constraint))
+        modes = lowest_modes(body.stiffness, body.mass, self.n_modes, constraint=constraint)
+        return LinearBasis(
+            vectors=modes.vectors,
+            frequencies=np.sqrt(modes.values),
+            labels=tuple(f"mode {i + 1}" for i in range(self.n_modes)),
+            static_solver=body.constrained(constraint),
+        )
+
+
+@dataclass(frozen=True)
+class CompleteBasis:
+    """All modes: the reduced body is the full one in other coordinates. For small bodies and for tests."""
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """All n - 6 modes of the body in its frame."""
+        return NormalModes(body.n - len(frame.constraint(body))).build(body, frame)

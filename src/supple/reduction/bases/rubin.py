@@ -1,0 +1,60 @@
+"""The Rubin basis: attachment modes and free-interface modes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.body import FlexibleBody, Frame
+from supple.reduction.bases.interface_columns import (
+    column_labels,
+    held_interfaces,
+    motion_rows,
+    require_interfaces,
+)
+from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
+from supple.reduction.bases.normal_modes import NormalModes
+
+
+@dataclass(frozen=True)
+class Rubin:
+    """Attachment modes and the lowest vibrations with the interfaces free.
+
+        K Psi + D^T mu = B^T,   D Psi = 0
+        K Phi + D^T mu = M Phi diag(omega^2),   D Phi = 0
+
+    Psi is the static answer to a unit force (moment) at one interface freedom, held by the frame alone; in a
+    mean-axis frame (D = R^T M) the multipliers are inertia forces: inertia relief. An interface that the
+    frame itself holds has no attachment mode: the frame takes its load.
+
+    n_modes : number of free-interface modes, besides the attachment modes; or
+    n_columns : number of all columns
+    Raises ModelError when both or none are given, or a number is negative.
+    Source: [Wu2019] (33)-(38); [Rubin1975].
+    """
+
+    n_modes: int | None = None
+    n_columns: int | None = None
+
+    def __post_init__(self):
+        ModeCount(self.n_modes, self.n_columns)
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """Attachment modes first, then free-interface modes; ModelError: no interface, too many modes."""
+        require_interfaces(body, "a Rubin basis")
+        held = held_interfaces(body, frame)
+        loaded = [interface for interface in body.interfaces if interface not in held]
+        n_static = 6 * len(loaded)
+        n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(n_static)
+        modes = NormalModes(n_modes).build(body, frame)
+        attachment = np.empty((body.n, 0))
+        if loaded:
+            attachment = modes.static_solver.solve(motion_rows(loaded).T)
+        return LinearBasis(
+            vectors=np.hstack([attachment, modes.vectors]),
+            frequencies=np.concatenate([np.full(n_static, np.nan), modes.frequencies]),
+            labels=column_labels("attachment", loaded) + tuple(f"free-interface {m}" for m in modes.labels),
+            static_solver=modes.static_solver,
+            dropped=column_labels("attachment", held),
+        )

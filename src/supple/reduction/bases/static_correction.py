@@ -1,0 +1,55 @@
+"""Static correction: a basis that also holds the static answer to loads known beforehand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.algebra import read_only
+from supple.body import FlexibleBody, Frame
+from supple.errors import ModelError
+from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe
+
+
+@dataclass(frozen=True, eq=False)
+class StaticCorrection:
+    """The columns of a recipe and, beside them, the static deflection under each of some loads.
+
+        K x + D^T mu = F,   D x = 0     (and B x = 0 where the recipe holds the interfaces)
+
+    The few lowest modes answer a distributed load slowly: a centrifugal load stretches a blade, pulls its
+    walls straight and tilts its sections, mostly in modes far above those that vibrate. One column holds all
+    of it. In a mean-axis frame the multipliers are inertia forces, so that a load need not be balanced.
+
+    recipe : the basis to correct
+    loads : (n_nodal, k)    on the nodal freedoms; their scale is free
+    Source: mode acceleration and modal truncation augmentation, [Dickens1997]
+    """
+
+    recipe: LinearBasisRecipe
+    loads: np.ndarray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "loads", read_only(self.loads))
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """The recipe's columns, then one per load; ModelError when the loads do not fit the body."""
+        if self.loads.ndim != 2 or self.loads.shape[0] != body.n_nodal:
+            raise ModelError(
+                f"static correction of body '{body.name}': loads of shape {self.loads.shape}; "
+                f"give ({body.n_nodal}, k), one column for each load"
+            )
+        if not (np.isfinite(self.loads).all() and self.loads.any(axis=0).all()):
+            raise ModelError(f"static correction of body '{body.name}': a load is zero or not finite")
+        basis = self.recipe.build(body, frame)
+        answers = basis.static_solver.solve(body.expansion.T @ self.loads)
+        n_loads = self.loads.shape[1]
+        return LinearBasis(
+            vectors=np.hstack([basis.vectors, answers]),
+            frequencies=np.append(basis.frequencies, np.full(n_loads, np.nan)),
+            labels=basis.labels + tuple(f"static answer to load {i + 1}" for i in range(n_loads)),
+            static_solver=basis.static_solver,
+            dropped=basis.dropped,
+            certificate=basis.certificate,
+        )

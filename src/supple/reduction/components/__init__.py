@@ -1,0 +1,1 @@
+"""Substructures as the bases see them: clamped or free at their interfaces."""

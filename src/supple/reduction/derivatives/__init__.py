@@ -1,0 +1,1 @@
+"""Modal derivatives: computed, weighted, picked or compressed."""

@@ -1,0 +1,57 @@
+"""Compressing modal derivatives: the directions in which the weighted block of all of them moves most."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from supple.body import FlexibleBody, Frame
+from supple.reduction.bases.linear_basis import LinearBasis
+from supple.reduction.derivatives.derivative_columns import DerivativeColumns, check_derivative_count
+from supple.reduction.derivatives.leading_directions import leading_directions
+from supple.reduction.derivatives.modal_derivatives import ModalDerivatives, modal_derivatives
+from supple.reduction.derivatives.pair_weights import AmplitudeProduct
+
+# Singular values below this, relative to the first, are round-off of the solves.
+ROUND_OFF = 1e-10
+
+
+@dataclass(frozen=True)
+class CompressedDerivatives:
+    """Add the n leading directions of all derivatives, each weighted by the amplitude its pair will have.
+
+    n : number of columns to add (fewer where all derivatives together span less)
+    weights : AmplitudeProduct(UnitLoad()) or AmplitudeProduct(StaticLoad(F))
+    """
+
+    n: int
+    weights: AmplitudeProduct = field(default_factory=AmplitudeProduct)
+
+    def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
+        """Compressed columns, leading first; ModelError when there are fewer than n pairs."""
+        check_derivative_count(self.n, len(basis.frequencies))
+        derivatives = modal_derivatives(body, frame, basis)
+        return compress(body, basis, derivatives, self.n, self.weights.weights(body, basis, derivatives))
+
+
+def compress(
+    body: FlexibleBody, basis: LinearBasis, derivatives: ModalDerivatives, n: int, weights: np.ndarray
+) -> DerivativeColumns:
+    """The n leading left singular vectors, in the M-norm, of the weighted derivatives outside the basis.
+
+        Z = (I - X X^T M) [w_jk theta_jk] = Q R,   Q^T M Q = I,   R = U diag(s) W^T,   columns Q U_n
+
+    They are the n columns that miss least of Z, in the sum of squares sum_(i>n) s_i^2.
+    """
+    directions = leading_directions(
+        derivatives.vectors * weights, basis.vectors, body.mass, derivatives.reference_norms(body) * weights
+    )
+    relative = directions.lengths / directions.lengths.max(initial=np.finfo(float).tiny)
+    n_kept = min(n, int(np.count_nonzero(relative > ROUND_OFF)))
+    return DerivativeColumns(
+        directions.vectors[:, :n_kept],
+        labels=tuple(f"compressed derivative {i + 1}" for i in range(n_kept)),
+        singular_values_kept=relative[:n_kept],
+        singular_values_dropped=relative[n_kept:],
+    )

@@ -1,0 +1,58 @@
+"""The columns that a choice of modal derivatives adds to a linear basis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from supple.algebra import read_only
+from supple.body import FlexibleBody, Frame
+from supple.errors import ModelError
+from supple.reduction.bases.linear_basis import LinearBasis
+
+
+@dataclass(frozen=True, eq=False)
+class DerivativeColumns:
+    """Columns M-orthonormal to each other and to the linear basis.
+
+    vectors : (n, k)
+    labels : (k,) str
+    dropped : labels of candidates met and left out because the columns before them hold their motion
+    singular_values_kept, singular_values_dropped : relative to the first; empty unless compressed
+    """
+
+    vectors: np.ndarray
+    labels: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()
+    singular_values_kept: np.ndarray = field(default_factory=lambda: np.empty(0))
+    singular_values_dropped: np.ndarray = field(default_factory=lambda: np.empty(0))
+
+    def __post_init__(self):
+        for name in ("vectors", "singular_values_kept", "singular_values_dropped"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+
+class DerivativeChoice(Protocol):
+    """Which derivatives to add: PickedDerivatives, CompressedDerivatives or NoDerivatives."""
+
+    def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
+        """Columns to append to a basis made by vibrating_basis."""
+        ...
+
+
+@dataclass(frozen=True)
+class NoDerivatives:
+    """Nothing is added: for linear bodies, or to show what derivatives are good for."""
+
+    def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:  # noqa: ARG002
+        """No columns."""
+        return DerivativeColumns(np.empty((basis.vectors.shape[0], 0)))
+
+
+def check_derivative_count(n: int, n_linear: int) -> None:
+    """ModelError when n_linear columns have fewer than n pairs, or n is negative."""
+    n_pairs = n_linear * (n_linear + 1) // 2
+    if not 0 <= n <= n_pairs:
+        raise ModelError(f"asked for {n} derivatives, but {n_linear} linear columns have {n_pairs} pairs")

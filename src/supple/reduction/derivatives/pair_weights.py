@@ -1,0 +1,102 @@
+"""How much each modal derivative is expected to move: the weights for picking and compression."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from supple.algebra import read_only
+from supple.body import FlexibleBody
+from supple.errors import ModelError
+from supple.reduction.bases.linear_basis import LinearBasis
+from supple.reduction.derivatives.modal_derivatives import ModalDerivatives
+
+
+class ModalAmplitudes(Protocol):
+    """Expected static amplitude of each column of a linear basis: UnitLoad or StaticLoad."""
+
+    def amplitudes(self, body: FlexibleBody, basis: LinearBasis) -> np.ndarray:
+        """(m,) amplitudes p_j >= 0."""
+        ...
+
+
+class PairCriterion(Protocol):
+    """Rank of each pair: AmplitudeProduct or ModalVirtualWork."""
+
+    def rank(self, body: FlexibleBody, basis: LinearBasis, derivatives: ModalDerivatives) -> np.ndarray:
+        """(n_pairs,) values >= 0, the largest the most wanted."""
+        ...
+
+
+@dataclass(frozen=True)
+class UnitLoad:
+    """A load of which nothing is known works on each mode alike: p_j = 1/omega_j^2."""
+
+    def amplitudes(self, body: FlexibleBody, basis: LinearBasis) -> np.ndarray:  # noqa: ARG002 (protocol)
+        """(m,) 1/omega^2."""
+        return basis.frequencies**-2.0
+
+
+@dataclass(frozen=True, eq=False)
+class StaticLoad:
+    """A known load F on the nodal freedoms, (n_nodal,): p_j = |phi_j^T F| / omega_j^2."""
+
+    nodal_load: np.ndarray
+
+    def __post_init__(self):
+        object.__setattr__(self, "nodal_load", read_only(self.nodal_load))
+
+    def amplitudes(self, body: FlexibleBody, basis: LinearBasis) -> np.ndarray:
+        """(m,); ModelError when the load does not fit the body or moves no mode."""
+        n_nodal = body.n_nodal
+        load = self.nodal_load
+        if load.shape != (n_nodal,):
+            raise ModelError(
+                f"the load has shape {load.shape}, but body '{body.name}' has {n_nodal} nodal freedoms "
+                f"({body.dofs_per_node} per node)"
+            )
+        amplitudes = np.abs(basis.vectors.T @ (body.expansion.T @ load)) / basis.frequencies**2
+        if not amplitudes.any():
+            raise ModelError(f"the load given to weigh derivatives moves no mode of body '{body.name}'")
+        return amplitudes
+
+
+@dataclass(frozen=True)
+class AmplitudeProduct:
+    """Weight of a pair in the quadratic motion sum_jk theta_jk p_j p_k: p_j p_k, twice for j < k.
+
+    With UnitLoad() this is 1/(omega_j^2 omega_k^2).
+    """
+
+    expected: ModalAmplitudes = UnitLoad()
+
+    def weights(self, body: FlexibleBody, basis: LinearBasis, derivatives: ModalDerivatives) -> np.ndarray:
+        """(n_pairs,) weights."""
+        amplitudes = self.expected.amplitudes(body, basis)
+        return derivatives.multiplicity * amplitudes[derivatives.pairs].prod(axis=1)
+
+    def rank(self, body: FlexibleBody, basis: LinearBasis, derivatives: ModalDerivatives) -> np.ndarray:
+        """The weights themselves."""
+        return self.weights(body, basis, derivatives)
+
+
+@dataclass(frozen=True)
+class ModalVirtualWork:
+    """Work of a pair's quadratic internal force on its own derivative, at the expected amplitudes.
+
+        W_jk = |(w_jk theta_jk)^T w_jk f''(X_j, X_k)| = w_jk^2 theta_jk^T K theta_jk
+
+    with w_jk = p_j p_k, twice for j < k: the multipliers do no work, as D theta = 0. So the rank is twice the
+    energy that the derivative releases, and derivatives that cannot move are passed over.
+    Source: after the modal virtual work of [Jain2017], here at static amplitudes instead of simulated ones.
+    """
+
+    expected: ModalAmplitudes = UnitLoad()
+
+    def rank(self, body: FlexibleBody, basis: LinearBasis, derivatives: ModalDerivatives) -> np.ndarray:
+        """(n_pairs,) virtual works."""
+        weights = AmplitudeProduct(self.expected).weights(body, basis, derivatives)
+        theta = derivatives.vectors
+        return weights**2 * np.einsum("ij,ij->j", theta, body.stiffness @ theta)

@@ -1,0 +1,62 @@
+"""Picking modal derivatives: the most wanted pairs, in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from supple.algebra import mass_orthonormalize
+from supple.body import FlexibleBody, Frame
+from supple.reduction.bases.linear_basis import LinearBasis
+from supple.reduction.derivatives.derivative_columns import DerivativeColumns, check_derivative_count
+from supple.reduction.derivatives.modal_derivatives import ModalDerivatives, modal_derivatives
+from supple.reduction.derivatives.pair_weights import AmplitudeProduct, PairCriterion
+
+
+@dataclass(frozen=True)
+class PickedDerivatives:
+    """Add the n derivatives that a criterion ranks highest.
+
+    A derivative whose motion the linear basis and the derivatives before it already hold is passed over, and
+    the next one taken; fewer than n columns result only when no independent one is left.
+
+    n : number of columns to add
+    criterion : AmplitudeProduct(...) or ModalVirtualWork(...)
+    Source: [Wu2019] section 5.1; [Jain2017].
+    """
+
+    n: int
+    criterion: PairCriterion = field(default_factory=AmplitudeProduct)
+
+    def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
+        """Picked columns, most wanted first; ModelError when there are fewer than n pairs."""
+        check_derivative_count(self.n, len(basis.frequencies))
+        derivatives = modal_derivatives(body, frame, basis)
+        return pick(body, basis, derivatives, self.n, self.criterion.rank(body, basis, derivatives))
+
+
+def pick(
+    body: FlexibleBody, basis: LinearBasis, derivatives: ModalDerivatives, n: int, rank: np.ndarray
+) -> DerivativeColumns:
+    """The first n independent derivatives in descending rank, M-orthonormalised against the basis."""
+    order = np.argsort(-rank, kind="stable")
+    n_linear = len(basis.frequencies)
+    references = np.concatenate([np.ones(n_linear), derivatives.reference_norms(body)[order]])
+    n_tried = n
+    while True:
+        tried = order[:n_tried]
+        together = np.hstack([basis.vectors, derivatives.vectors[:, tried]])
+        vectors, kept, dropped = mass_orthonormalize(
+            together, body.mass, reference_norms=references[: n_linear + n_tried]
+        )
+        missing = n_linear + n - len(kept)
+        if missing == 0 or n_tried == len(order):
+            break
+        n_tried = min(n_tried + missing, len(order))
+    labels = derivatives.labels
+    return DerivativeColumns(
+        vectors[:, n_linear:],
+        labels=tuple(labels[tried[i - n_linear]] for i in kept[n_linear:]),
+        dropped=tuple(labels[tried[i - n_linear]] for i in dropped),
+    )

@@ -1,0 +1,55 @@
+"""What is proven of the eigenvalues of a reduced body, and how its size was found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from supple.algebra import read_only
+from supple.reduction.eigenvalues.eigenvalue_enclosure import EigenvalueEnclosure
+from supple.reduction.eigenvalues.mode_search import SearchStep
+
+
+@dataclass(frozen=True, eq=False)
+class EigenvalueCertificate:
+    """The elastic eigenvalues of a free reduced body, next to bounds for those of the full one.
+
+    tolerance : relative error allowed in each eigenvalue
+    values : (N,)                chi-bar, of the reduced body, rad^2/s^2, ascending
+    enclosure : EigenvalueEnclosure     of the full body
+    n_fixed_interface_modes : how many the reduced body is made of
+    estimated : (N,)             errors by the estimator that chose them
+    steps : every number of modes tried, in order
+    seconds : wall time of modes, search and proof
+    """
+
+    tolerance: float
+    values: np.ndarray
+    enclosure: EigenvalueEnclosure
+    n_fixed_interface_modes: int
+    estimated: np.ndarray
+    steps: tuple[SearchStep, ...] = field(repr=False)
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self):
+        for name in ("values", "estimated"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @property
+    def errors(self) -> np.ndarray:
+        """(N,) proven: no eigenvalue is further above that of the full body than this, relatively."""
+        return self.values / self.enclosure.lower - 1.0
+
+    @property
+    def largest_error(self) -> float:
+        """The largest of the errors."""
+        return float(self.errors.max())
+
+    def __str__(self) -> str:
+        return (
+            f"{self.values.size} eigenvalues, each within {100 * self.tolerance:g} %, none missed "
+            f"(largest error {100 * self.largest_error:.3g} %, "
+            f"{self.n_fixed_interface_modes} fixed-interface modes)"
+        )

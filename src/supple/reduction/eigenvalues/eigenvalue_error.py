@@ -1,0 +1,125 @@
+"""Estimates of the eigenvalue errors of a Craig-Bampton body, from what its modes left out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from supple.algebra import read_only
+from supple.reduction.components.fixed_interface_component import FixedInterfaceComponent
+from supple.reduction.components.free_vibration import FreeVibrations
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorTerms:
+    """What the estimators are made of; n counts the elastic vibrations of the free reduced body.
+
+    values : (N,)   chi-bar, eigenvalues of the reduced body, rad^2/s^2
+    first  : (N,)   xi^T X xi,  xi the interface part of each vibration
+    second : (N,)   xi^T X2 xi
+    held   : (m,)   kappa, eigenvalues of the fixed-interface modes that are known, m > d, rad^2/s^2
+    next_held : kappa of the first mode not kept, rad^2/s^2; infinite when all modes are
+    """
+
+    values: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    held: np.ndarray
+    next_held: float
+
+    def __post_init__(self):
+        for name in ("values", "first", "second", "held"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+
+def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) -> ErrorTerms:
+    """The terms of each vibration that keeps fewer modes than the component knows.
+
+    The residual flexibility of the modes not kept is that of the unknown ones, by deflation, plus
+    a a^T / kappa for each known one: rank-one updates that only add, where Phi Lambda^-1 Phi^T subtracted
+    from K^-1 would cancel nearly all digits.
+    """
+    n_kept, xi = len(vibrations.modal), vibrations.interfaces
+    kept = component.leading(n_kept)
+    return ErrorTerms(
+        values=vibrations.values,
+        first=np.sum(xi * (kept.residual_flexibility @ xi), axis=0),
+        second=np.sum(xi * (kept.residual_mass @ xi), axis=0),
+        held=component.eigenvalues,
+        next_held=float(component.eigenvalues[n_kept]) if n_kept < component.n_modes else np.inf,
+    )
+
+
+class ErrorEstimator(Protocol):
+    """An estimate of zeta_n = chi-bar_n / chi_n - 1, by how much the reduced eigenvalues are too high.
+
+    Above or below are meant to first order, for errors of a few per cent and less. None of them sees a
+    vibration that no interface feels while its mode is left out: that takes a count.
+    """
+
+    def errors(self, terms: ErrorTerms) -> np.ndarray:
+        """Relative error of each vibration, (N,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class EarlierEstimate:
+    """The first term alone, eta_n = chi-bar xi^T X xi: to first order below the truth. [Han2020] (45)"""
+
+    def errors(self, terms: ErrorTerms) -> np.ndarray:
+        """eta_n."""
+        return terms.values * terms.first
+
+
+@dataclass(frozen=True)
+class PublishedBound:
+    """(chi-bar + chi-bar^2 / kappa_n) xi^T X xi, n the number of the elastic vibration. [Han2020] (42)
+
+    With n modes or more kept, every mode left out vibrates faster than the n-th one held, so its share is
+    bounded. With many kept the bound is two or three times the truth, and tens of times where chi-bar_n is
+    far above kappa_n. With fewer, as bodies of several interfaces allow, it bounds nothing; where the body
+    has no n-th mode, the last one stands for it.
+    """
+
+    def errors(self, terms: ErrorTerms) -> np.ndarray:
+        """Upper estimate."""
+        n_th = np.minimum(np.arange(terms.values.size), max(terms.held.size - 1, 0))
+        ratio = terms.values / np.append(terms.held, np.inf)[n_th]
+        return terms.values * (1.0 + ratio) * terms.first
+
+
+@dataclass(frozen=True)
+class SharperBound:
+    """(chi-bar + chi-bar^2 / kappa_(d+1)) xi^T X xi: the first mode left out bounds all of them."""
+
+    def errors(self, terms: ErrorTerms) -> np.ndarray:
+        """Upper estimate."""
+        return terms.values * (1.0 + terms.values / terms.next_held) * terms.first
+
+
+@dataclass(frozen=True)
+class TwoTermEstimate:
+    """chi-bar xi^T X xi + chi-bar^2 xi^T X2 xi: to first order the error itself, neither above nor below."""
+
+    def errors(self, terms: ErrorTerms) -> np.ndarray:
+        """Estimate."""
+        return terms.values * terms.first + terms.values**2 * terms.second
+
+
+@dataclass(frozen=True, eq=False)
+class KnownEigenvalues:
+    """No estimate: chi-bar_n / chi_n - 1 with the eigenvalues of the full body, or lower bounds to them.
+
+    values : (N,)   chi, rad^2/s^2, of the free elastic body
+    """
+
+    values: np.ndarray
+
+    def __post_init__(self):
+        object.__setattr__(self, "values", read_only(self.values))
+
+    def errors(self, terms: ErrorTerms) -> np.ndarray:
+        """Exact errors, or upper bounds to them."""
+        return terms.values / self.values[: terms.values.size] - 1.0

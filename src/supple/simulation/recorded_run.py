@@ -1,0 +1,105 @@
+"""A simulation that lives on disk: begun, continued where it was cut off, read where it is complete."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from supple.errors import ResultFileError
+from supple.integrate import Solution
+from supple.machine import System
+from supple.multibody import Checkpoint
+from supple.multibody.run_parts import Progress
+from supple.simulation.recorded_columns import check_columns, columns_of
+from supple.simulation.simulate import simulate
+from supple.storage.result_file import ResultFile
+from supple.storage.result_reader import Metadata, read_header, read_last_instant, read_solution
+
+
+def begin_recorded(
+    system: System,
+    path: Path | str,
+    *,
+    case: str,
+    metadata: Metadata = MappingProxyType({}),
+    **options: Any,
+) -> Solution:
+    """Simulate a system from its start, keeping every finished part in a result file, new or replaced.
+
+    Parameters
+    ----------
+    path : file to write; its folder is made
+    case, metadata      kept in the file, to continue it and for the record
+    options : as for `simulate`
+
+    Raises
+    ------
+    ResultFileError     the file cannot be written (a full disk, say)
+    errors of `simulate`; what was computed until then is kept in the file
+    """
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    metadata = {**metadata, **columns_of(system)}
+    return _recorded(system, ResultFile.create(path, case=case, metadata=metadata), None, options)
+
+
+def continue_recorded(system: System, path: Path | str, *, case: str, **options: Any) -> Solution:
+    """Simulate the rest of a run that was cut off, from the last instant its result file holds.
+
+    Parameters and errors as for `begin_recorded`; also
+
+    ResultFileError     no such file, or its run is complete, of another case, or without any output; a
+                        reduced body is not the one that it was begun with
+    """
+    check_columns(read_header(path), system, path)
+    start = Checkpoint(read_last_instant(path))
+    return _recorded(system, ResultFile.resume(path, case=case), start, options)
+
+
+def simulate_recorded(
+    system: System, path: Path | str, *, case: str, progress: Progress | None = None, **options: Any
+) -> Solution:
+    """Simulate a system unless its result file holds the run: begin it, or continue what was cut off.
+
+    Parameters
+    ----------
+    path : file to write; its folder is made
+    case : str      says what is simulated; a file of another case is never overwritten nor continued
+    progress, options : as for `simulate`
+
+    Returns
+    -------
+    Solution    the whole run, from its start
+
+    Raises
+    ------
+    ResultFileError     the file holds another case, or motions of reduced bodies other than those given, or
+                        cannot be read or written (a full disk, say)
+    errors of `simulate`; what was computed until then is kept in the file
+    """
+    path = Path(path)
+    if not path.exists():
+        return begin_recorded(system, path, case=case, progress=progress, **options)
+    header = read_header(path)
+    if header.case != case:
+        raise ResultFileError(
+            f"{path} holds another run than the one asked for; delete it or choose another folder. "
+            f"There: {header.case}. Here: {case}"
+        )
+    check_columns(header, system, path)
+    if header.complete:
+        if progress is not None:
+            progress(1.0)
+        return read_solution(path)
+    # A run that ended before its first output left nothing to continue from.
+    proceed = continue_recorded if header.n_times else begin_recorded
+    return proceed(system, path, case=case, progress=progress, **options)
+
+
+def _recorded(
+    system: System, file: ResultFile, start: Checkpoint | None, options: dict[str, Any]
+) -> Solution:
+    with file:
+        simulate(system, **options, resume=start, record=file.append)
+        file.finish()
+    return read_solution(file.path)

@@ -1,0 +1,35 @@
+"""Files of results and reduced bodies that survive a kill."""
+
+from supple.storage.json_report import (
+    write_json,
+)
+from supple.storage.reduced_body_hdf5 import (
+    holds_reduced_body,
+    read_interface_names,
+    read_reduced_body,
+    write_reduced_body,
+)
+from supple.storage.result_file import (
+    ResultFile,
+    write_solution,
+)
+from supple.storage.result_reader import (
+    ResultHeader,
+    read_header,
+    read_last_instant,
+    read_solution,
+)
+
+__all__ = [
+    "ResultFile",
+    "ResultHeader",
+    "holds_reduced_body",
+    "read_header",
+    "read_interface_names",
+    "read_last_instant",
+    "read_reduced_body",
+    "read_solution",
+    "write_json",
+    "write_reduced_body",
+    "write_solution",
+]

@@ -1,0 +1,216 @@
+"""Reduced bodies as HDF5 files: everything a simulation needs of a body, kept without its mesh.
+
+Format "supple-reduced-body", version 1 (any HDF5 reader opens it):
+
+    attributes   format             "supple-reduced-body"
+                 version            1
+                 name               of the body
+                 frame              "mean-axis", or "nodal-fixed" with the attribute frame_interface
+                 rotation_limit     rad
+    gram, stiffness, damping, frequencies, nodes, nodal_basis
+                 the arrays of ReducedBody; cubic, quartic and rotation_basis where the body has them
+    interfaces/<i>      i = 0, 1, ...: attribute name, datasets position (3,) and motion (6, r)
+    report              the fields of ReductionReport, as in hdf5_record
+
+Numbers are stored as they are, so that reading gives back the very bits. Arrays carry a checksum, and the
+file as a whole a seal behind its last byte (file_seal); a file without one is read as well.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from supple.body import Frame, MeanAxisFrame, NodalFixedFrame
+from supple.errors import ModelError, ResultFileError
+from supple.reduction import ReducedBody, ReductionReport
+from supple.reduction.reduced_body import ReducedInterface
+from supple.storage.atomic_write import replacing
+from supple.storage.file_errors import file_errors
+from supple.storage.file_seal import is_seal_broken, sealed
+from supple.storage.hdf5_record import (
+    read_array,
+    read_group,
+    read_number,
+    read_record,
+    store_array,
+    store_record,
+)
+
+FORMAT = "supple-reduced-body"
+VERSION = 1
+
+_ARRAYS = (
+    "gram",
+    "stiffness",
+    "cubic",
+    "quartic",
+    "damping",
+    "nodes",
+    "nodal_basis",
+    "rotation_basis",
+    "frequencies",
+)
+
+
+def write_reduced_body(path: Path | str, body: ReducedBody) -> Path:
+    """Write a reduced body as an HDF5 file, atomically; returns the path.
+
+    Raises
+    ------
+    ModelError          a frame of one's own, which the format has no word for
+    ResultFileError     the file cannot be written
+    """
+    # Built in memory, because HDF5 does not survive a write that fails: see results.disk_space.
+    with h5py.File("image", "w", driver="core", backing_store=False) as file:
+        file.attrs.update({"format": FORMAT, "version": VERSION, "name": body.name})
+        file.attrs.update(_frame_attributes(body))
+        file.attrs["rotation_limit"] = body.rotation_limit
+        for name in _ARRAYS:
+            if getattr(body, name) is not None:
+                store_array(file, name, getattr(body, name))
+        for i, interface in enumerate(body.interfaces):
+            store_record(file.create_group(f"interfaces/{i}"), interface)
+        store_record(file.create_group("report"), body.report)
+        file.flush()
+        image = file.id.get_file_image()
+    with replacing(path) as temporary:
+        temporary.write_bytes(sealed(image))
+    return Path(path)
+
+
+def read_reduced_body(path: Path | str) -> ReducedBody:
+    """The reduced body in a file, bit by bit as it was written.
+
+    Raises
+    ------
+    ResultFileError     no such file, no reduced body, of a newer version, damaged
+    """
+    path = Path(path)
+    with _open(path) as file:
+        try:
+            return ReducedBody(
+                name=_text(file.attrs["name"]),
+                frame=_frame(file.attrs),
+                gram=read_array(file, "gram"),
+                stiffness=read_array(file, "stiffness"),
+                cubic=_array_or_none(file, "cubic"),
+                quartic=_array_or_none(file, "quartic"),
+                damping=read_array(file, "damping"),
+                interfaces=tuple(read_record(group, ReducedInterface) for group in _interface_groups(file)),
+                nodes=read_array(file, "nodes"),
+                nodal_basis=read_array(file, "nodal_basis"),
+                rotation_basis=_array_or_none(file, "rotation_basis"),
+                rotation_limit=read_number(file, "rotation_limit"),
+                frequencies=read_array(file, "frequencies"),
+                report=read_record(read_group(file, "report"), ReductionReport),
+            )
+        # A checksum that does not agree is an OSError of HDF5, a missing part a KeyError, and parts that do
+        # not fit each other the ModelError of the body itself.
+        except (KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
+            raise _damaged(path, error) from error
+
+
+def read_interface_names(path: Path | str) -> tuple[str, ...]:
+    """Names of the interfaces of the reduced body in a file; ResultFileError as for read_reduced_body."""
+    path = Path(path)
+    with _open(path) as file:
+        try:
+            return tuple(_text(group.attrs["name"]) for group in _interface_groups(file))
+        except (KeyError, OSError, RuntimeError, TypeError) as error:
+            raise _damaged(path, error) from error
+
+
+def holds_reduced_body(path: Path | str) -> bool:
+    """Whether a file is an HDF5 file that says it holds a reduced body."""
+    path = Path(path)
+    if not path.is_file() or not h5py.is_hdf5(path):
+        return False
+    try:
+        if is_seal_broken(path):
+            return True  # only such files have a seal; read_reduced_body says what became of it
+        with h5py.File(path, "r", locking=False) as file:
+            return file.attrs.get("format") == FORMAT
+    except OSError:
+        return False
+
+
+def _open(path: Path) -> h5py.File:
+    """The file, once its format and version are known to be ours; ResultFileError otherwise."""
+    if not path.is_file():
+        raise ResultFileError(f"cannot read {path}: no such file; check the path")
+    if not h5py.is_hdf5(path):
+        raise ResultFileError(f"cannot read {path}: not an HDF5 file, so no reduced body; check the path")
+    with file_errors("read", path, note="; if it was copied, copy it again"):
+        # HDF5 itself may hang over a broken header.
+        if is_seal_broken(path):
+            raise _damaged(path, ValueError("its bytes are not those that were written"))
+        file = h5py.File(path, "r")
+    try:
+        _check_format(path, file.attrs)
+    except (OSError, RuntimeError, ValueError) as error:
+        file.close()
+        raise error if isinstance(error, ResultFileError) else _damaged(path, error) from error
+    return file
+
+
+def _check_format(path: Path, attributes: h5py.AttributeManager) -> None:
+    if attributes.get("format") != FORMAT:
+        raise ResultFileError(
+            f"{path} is an HDF5 file but holds no reduced body of supple: check the path; "
+            "`supple reduce` and write_reduced_body make such files"
+        )
+    version = int(str(attributes.get("version", 0)))
+    if version < 1:
+        raise ValueError(f"format version {version} never was")
+    if version > VERSION:
+        raise ResultFileError(
+            f"{path} has format version {version}, and this supple reads up to {VERSION}: "
+            "use the supple that wrote it, or a newer one"
+        )
+
+
+def _damaged(path: Path, error: Exception) -> ResultFileError:
+    return ResultFileError(f"{path} is damaged ({error}): copy it again, or reduce the body again")
+
+
+def _array_or_none(file: h5py.File, name: str) -> np.ndarray | None:
+    return read_array(file, name) if name in file else None
+
+
+def _interface_groups(file: h5py.File) -> list[h5py.Group]:
+    if "interfaces" not in file:
+        return []
+    groups = read_group(file, "interfaces")
+    return [read_group(groups, str(i)) for i in range(len(groups))]
+
+
+def _frame_attributes(body: ReducedBody) -> dict[str, str]:
+    match body.frame:
+        case MeanAxisFrame():
+            return {"frame": "mean-axis"}
+        case NodalFixedFrame(interface=interface):
+            return {"frame": "nodal-fixed", "frame_interface": interface}
+        case other:
+            raise ModelError(
+                f"cannot write body '{body.name}': its frame is {type(other).__name__}, and a file knows "
+                "MeanAxisFrame and NodalFixedFrame; replace the body's frame by one of these"
+            )
+
+
+def _frame(attributes: h5py.AttributeManager) -> Frame:
+    kind = _text(attributes["frame"])
+    if kind == "mean-axis":
+        return MeanAxisFrame()
+    if kind == "nodal-fixed":
+        return NodalFixedFrame(_text(attributes["frame_interface"]))
+    raise KeyError(f"frame {kind!r} is not known")
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{value!r} is not a text")
+    return value

@@ -1,0 +1,204 @@
+"""Self-correcting reduction against the full run that it never makes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
+from supple.correction import SelfCorrection, SelfCorrectionError, self_correct
+from supple.correction.system_correction import _evenly_spread, _extrapolated
+from supple.errors import AccuracyError, ConvergenceError, ModelError
+from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.integrate import FixedStep, Tolerances
+from supple.machine import GROUND, At, Placed, PrescribedRotation, System
+from supple.mesh import strip
+from supple.reduction import CompressedDerivatives, CraigBampton
+from supple.simulation import simulate
+
+FRAMES = {"nodal-fixed": NodalFixedFrame("root"), "mean-axis": MeanAxisFrame()}
+RUN = {
+    "duration": 2.0,
+    "output_step": 0.02,
+    "step": FixedStep(0.02, smallest=1e-3),
+    "tolerances": Tolerances(residual=1e-9),
+}
+ALLOWED = 1e-5
+
+
+@pytest.fixture(scope="module")
+def beam():
+    """A strip of shells along x, 1 m long, held at its root; lowest frequency 10 rad/s."""
+    wall = HomogeneousWall(Isotropic(1e9, 0.3, 1000.0), 0.01)
+    return flexible_body("beam", shell_model(strip(1.0, 0.1, 6, 2), wall), (RigidInterface("root", "root"),))
+
+
+def turned(angle):
+    """The system with its root turned about the width of the strip, so that it bends out of its plane."""
+
+    def system_of(body):
+        root = At("beam", "root")
+        hinge = PrescribedRotation(name="hinge", first=GROUND, second=root, axis=(0, -1, 0), angle=angle)
+        return System((Placed(body),), (hinge,))
+
+    return system_of
+
+
+def spin_up(time):
+    """To 9.6 rad/s in 2 s: the tip lags by 0.09 m, held back by the tension."""
+    return 0.8 * time**3
+
+
+def corrected(beam, frame, **target):
+    target = {"absolute": ALLOWED, "instants": 20} | target
+    rounds = []
+    result = self_correct(
+        turned(spin_up),
+        beam,
+        frame,
+        CraigBampton(n_modes=4),
+        derivatives=CompressedDerivatives(4),
+        target=SelfCorrection(**target),
+        announce=rounds.append,
+        **RUN,
+    )
+    return result, rounds
+
+
+def positions(body, solution):
+    motion = solution.bodies["beam"]
+    local = body.nodes + body.expand(motion.coordinates)
+    return motion.position[:, None] + np.einsum("tij,tnj->tni", motion.rotation, local)
+
+
+def largest_rms(full, reference, body, solution):
+    """Equation (52) of [Wu2019]."""
+    distance = positions(full, reference) - positions(body, solution)
+    return np.sqrt(np.mean(np.sum(distance**2, axis=2), axis=1)).max()
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_estimates_are_the_true_errors(beam, name):
+    """Of every round, within the factor 0.7 .. 1.4; the last round meets what was asked, no earlier one."""
+    frame = FRAMES[name]
+    result, announced = corrected(beam, frame)
+    full = FullBody(beam, frame)
+    reference = simulate(turned(spin_up)(full), **RUN)
+    true = np.array([largest_rms(full, reference, each.body, each.solution) for each in result.rounds])
+    estimated = np.array([each.estimated_error for each in result.rounds])
+    indicators = np.array([each.indicator for each in result.rounds])
+    assert (np.abs(np.log(estimated / true)) < np.log(1.4)).all()
+    assert (np.abs(np.log(indicators / true)) < np.log(2.0)).all()
+    assert true[0] > 10 * ALLOWED
+    assert true[-1] <= ALLOWED
+    assert (estimated[:-1] > ALLOWED).all()
+    assert [each.size for each in result.rounds] == [8, 11]
+    assert tuple(announced) == result.rounds
+    assert result.body.r == 11
+    assert result.estimated_error == estimated[-1]
+    finer = largest_rms(full, reference, result.finer_body, result.finer_solution)
+    assert finer < 0.1 * largest_rms(full, reference, result.body, result.solution)
+
+
+def test_a_relative_error_is_that_over_the_largest_displacement(beam):
+    """What 1e-5 m are to the tip's deflection is met by the same round."""
+    result, _ = corrected(beam, FRAMES["nodal-fixed"], absolute=None, relative=ALLOWED / 0.086)
+    displacement = np.linalg.norm(result.body.expand(result.solution.bodies["beam"].coordinates), axis=2)
+    assert displacement.max() == pytest.approx(0.086, rel=0.01)
+    assert [each.size for each in result.rounds] == [8, 11]
+
+
+def test_gives_up_after_the_rounds_allowed_and_keeps_them(beam):
+    with pytest.raises(SelfCorrectionError, match="error 1e-12: 1 rounds are over") as caught:
+        corrected(beam, FRAMES["nodal-fixed"], absolute=1e-12, max_rounds=1)
+    assert isinstance(caught.value, AccuracyError)
+    assert [each.size for each in caught.value.rounds] == [8, 11]
+    assert caught.value.rounds[1].estimated_error < 1e-2 * caught.value.rounds[0].estimated_error
+
+
+def test_gives_up_rather_than_need_more_coordinates(beam):
+    with pytest.raises(SelfCorrectionError, match="would have 11 coordinates, more than 10 allowed"):
+        corrected(beam, FRAMES["nodal-fixed"], absolute=None, relative=1e-9, largest_size=10)
+
+
+@pytest.fixture
+def breaking_off(monkeypatch):
+    """Let every reduced run break off at a given time, as a basis that cannot follow the motion does."""
+
+    def at(time):
+        def broken(system, **options):
+            parts = []
+            simulate(system, **(options | {"duration": time, "record": parts.append}))
+            for part in parts[: None if time > 0.02 else 1]:
+                options["record"](part)
+            raise ConvergenceError(f"no convergence at t = {time}")
+
+        monkeypatch.setattr("supple.correction.round_archive.simulate", broken)
+
+    return at
+
+
+def test_a_run_that_breaks_off_is_corrected_by_what_it_did(beam, breaking_off):
+    breaking_off(1.0)
+    with pytest.raises(SelfCorrectionError, match="inf with 8 coordinates, inf with 11") as caught:
+        corrected(beam, FRAMES["nodal-fixed"], max_rounds=1)
+    first, second = caught.value.rounds
+    assert first.solution.times[-1] == pytest.approx(1.0)
+    assert second.indicator < 0.1 * first.indicator
+
+
+def test_a_run_that_breaks_off_at_once_is_an_error(beam, breaking_off):
+    breaking_off(0.02)
+    with pytest.raises(ConvergenceError, match=r"no convergence at t = 0\.02"):
+        corrected(beam, FRAMES["nodal-fixed"])
+
+
+def test_the_system_must_hold_the_body_it_is_given(beam):
+    def another(body):
+        return turned(spin_up)(replace(body))
+
+    with pytest.raises(ModelError, match="does not hold the reduced body 'beam' it was given"):
+        self_correct(
+            another,
+            beam,
+            FRAMES["nodal-fixed"],
+            CraigBampton(n_modes=4),
+            derivatives=CompressedDerivatives(4),
+            target=SelfCorrection(absolute=ALLOWED),
+            **RUN,
+        )
+
+
+def test_rounds_that_shrink_by_one_rate_add_up():
+    """Runs with errors e_k = 4^-k at right angles: d_k^2 = e_k^2 - e_(k+1)^2; the sum returns e_k."""
+    errors = 4.0 ** -np.arange(4)
+    differences = np.sqrt(-np.diff(errors**2))
+    assert _extrapolated(differences[2], differences[1]) == pytest.approx(errors[2])
+    assert _extrapolated(differences[0], np.inf) == differences[0]
+
+
+@pytest.mark.parametrize("difference", [np.inf, 2.0, 1.0])
+def test_rounds_that_do_not_shrink_say_nothing(difference):
+    assert _extrapolated(difference, 1.0) == np.inf
+
+
+def test_instants_are_spread_to_the_end():
+    np.testing.assert_array_equal(_evenly_spread(101, 4), [25, 50, 75, 100])
+    np.testing.assert_array_equal(_evenly_spread(3, 50), [1, 2])
+
+
+@pytest.mark.parametrize("given", [{}, {"absolute": 1e-3, "relative": 1e-3}])
+def test_refuses_no_error_or_two(given):
+    with pytest.raises(ModelError, match="either as absolute or as relative"):
+        SelfCorrection(**given)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"instants": 0}, {"directions": -1}, {"max_rounds": 0}, {"largest_size": np.nan}, {"absolute": 0.0}],
+)
+def test_refuses_numbers_that_are_not_positive(wrong):
+    with pytest.raises(ModelError, match=f"{next(iter(wrong))} must be a positive number"):
+        SelfCorrection(**({"absolute": 1e-3} | wrong))

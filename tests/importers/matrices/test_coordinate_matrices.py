@@ -1,0 +1,95 @@
+"""Matrices as lists of entries, of Abaqus and CalculiX; what breaks their form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from supple.errors import ImportFormatError
+from supple.importers.matrices.coordinate_matrices import read_abaqus_matrix, read_calculix_matrix
+
+ABAQUS = "** made by hand\n*MATRIX INPUT\n5,1, 5,1, 2.5\n5,2, 5,1, -1.0\n5,2, 5,2, 4e+00\n"
+
+
+@pytest.fixture
+def files(tmp_path):
+    def write(**texts):
+        for name, text in texts.items():
+            (tmp_path / name.replace("_", ".")).write_bytes(
+                text if isinstance(text, bytes) else text.encode()
+            )
+        return tmp_path
+
+    return write
+
+
+def test_abaqus_entries_have_labels(files):
+    made = read_abaqus_matrix(files(K_mtx=ABAQUS) / "K.mtx")
+    np.testing.assert_array_equal(made.freedoms, [[5, 1], [5, 2]])
+    np.testing.assert_array_equal(made.matrix.toarray(), [[2.5, -1], [-1, 4]])
+
+
+def test_calculix_entries_have_a_map_beside_them(files):
+    folder = files(arm_sti="1 1 2.5\n 1 2 -1.0\n2 2 4.0\n", arm_dof="    5.1\n   17.3\n")
+    made = read_calculix_matrix(folder / "arm.sti")
+    np.testing.assert_array_equal(made.freedoms, [[5, 1], [17, 3]])
+    np.testing.assert_array_equal(made.matrix.toarray(), [[2.5, -1], [-1, 4]])
+    same = read_calculix_matrix(folder / "arm.sti", folder / "arm.dof")
+    np.testing.assert_array_equal(same.freedoms, made.freedoms)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            ABAQUS[:-10],
+            r"K\.mtx, line 5: '5,2, 5' is not node, component, node, component, value; is the file cut",
+        ),
+        (ABAQUS.replace("2.5", "two"), r"K\.mtx, line 3: '5,1, 5,1, two' is not node"),
+        (ABAQUS.replace("5,1, 5,1", "5.5,1, 5,1"), r"K\.mtx: 5\.5 is not a node id or component"),
+        (ABAQUS + "5,1, 5,1, 2.5\n", "the entry of node 5 ux with node 5 ux is given twice"),
+        (ABAQUS + "5,1, 5,2, -2.0\n", "not symmetric: the two entries of node 5"),
+        (ABAQUS + "5,7, 5,7, 1.0\n", "component 7 of node 5; only 1 to 6"),
+        (ABAQUS + "5,3, 5,3, nan\n", "an entry in the row of node 5 uz is not finite"),
+        ("** nothing\n", r"K\.mtx: an empty file"),
+        (b"\x00\x01\x02", r"K\.mtx: a binary file; write the matrices as text"),
+        (
+            "%%MatrixMarket matrix coordinate real general\n2 2 1\n",
+            r"K\.mtx, line 1: '%%MatrixMarket.*is not node",
+        ),
+    ],
+)
+def test_abaqus_files_that_break_the_rules(files, text, message):
+    with pytest.raises(ImportFormatError, match=message):
+        read_abaqus_matrix(files(K_mtx=text) / "K.mtx")
+
+
+@pytest.mark.parametrize(
+    ("entries", "freedoms", "message"),
+    [
+        (
+            "1 1 1.0\n3 3 1.0\n",
+            "5.1\n5.2\n",
+            r"arm\.sti: an entry of row 3 and column 3, but .*arm\.dof names 2 freedoms",
+        ),
+        (
+            "1 1 1.0\n",
+            "5.1\n5.2\n",
+            r"arm\.sti: 1 rows, but .*arm\.dof names 2 freedoms; is the file cut short",
+        ),
+        ("1 1 1.0\n2 2\n", "5.1\n5.2\n", r"arm\.sti, line 2: '2 2' is not row, column, value"),
+        ("1 1 1.0\n2 2 1.0\n", "5.1\nfive\n", r"arm\.dof, line 2: 'five' is not NODE\.COMPONENT"),
+        ("1 1 1.0\n2 2 1.0\n", "5.1\n5.1\n", r"arm\.sti: node 5 ux stands twice in the map"),
+    ],
+)
+def test_calculix_files_that_break_the_rules(files, entries, freedoms, message):
+    folder = files(arm_sti=entries, arm_dof=freedoms)
+    with pytest.raises(ImportFormatError, match=message):
+        read_calculix_matrix(folder / "arm.sti")
+
+
+def test_missing_files_are_named(tmp_path, files):
+    with pytest.raises(ImportFormatError, match=r"K\.mtx: no such file"):
+        read_abaqus_matrix(tmp_path / "K.mtx")
+    with pytest.raises(ImportFormatError, match=r"arm\.dof: no such file"):
+        read_calculix_matrix(files(arm_sti="1 1 1.0\n") / "arm.sti")

@@ -1,0 +1,97 @@
+"""Many load cases at once are the same cases one by one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from supple.body import FullBody, MeanAxisFrame, RigidBody
+from supple.errors import ConvergenceError, ModelError
+from supple.integrate import FixedStep, Tolerances
+from supple.machine import GROUND, At, DeadForce, Placed, Revolute, System, Table
+from supple.simulation import simulate, simulate_batch
+
+
+def pendulum(turned, angle=2.0, gravity=9.81, rows=2):
+    """Released from an angle, with a side force from a table."""
+    bob = RigidBody("bob", 2.0, [0, 0, 0], np.diag([0.15, 0.2, 0.25]), {"hinge": [0, 0, 0.8]})
+    rotation = turned(0, angle)
+    hinge = Revolute(first=GROUND, second=At("bob", "hinge"), axis=(1, 0, 0), name="hinge")
+    force = np.outer(np.linspace(0, angle, rows), [0.0, 1.0, 0.0])
+    load = DeadForce(body="bob", at="hinge", force=Table(np.linspace(0, 1, rows), force))
+    placed = Placed(bob, position=-rotation @ [0, 0, 0.8], rotation=rotation)
+    return System((placed,), (hinge,), (load,), gravity=(0, 0, -gravity))
+
+
+@pytest.fixture(scope="module")
+def cases(turned):
+    return [pendulum(turned, angle, gravity) for angle, gravity in ((2.0, 9.81), (1.0, 9.81), (0.5, 1.62))]
+
+
+OPTIONS = {"duration": 1.0, "output_step": 0.1, "step": FixedStep(0.02)}
+
+
+def test_batch_is_the_same_as_one_by_one(cases):
+    batch = simulate_batch(cases, **OPTIONS).check()
+    for system, own in zip(cases, batch.solutions, strict=True):
+        alone = simulate(system, **OPTIONS)
+        np.testing.assert_array_equal(own.times, alone.times)
+        np.testing.assert_allclose(own.bodies["bob"].position, alone.bodies["bob"].position, atol=1e-12)
+        np.testing.assert_allclose(own.joint_forces["hinge"], alone.joint_forces["hinge"], atol=1e-8)
+        assert own.statistics.steps == alone.statistics.steps == 50
+
+
+def test_cases_may_go_in_chunks(cases):
+    seen = []
+    batch = simulate_batch([*cases, *reversed(cases)], **OPTIONS, chunk=3, progress=seen.append)
+    assert seen == [0.5, 1.0]
+    for own, other in zip(batch.solutions, reversed(batch.solutions), strict=True):
+        np.testing.assert_allclose(own.bodies["bob"].position, other.bodies["bob"].position, atol=1e-12)
+
+
+def test_failing_case_does_not_stop_the_others(cases):
+    """Too few iterations for wide swings, enough for the smallest."""
+    options = OPTIONS | {
+        "step": FixedStep(0.02, smallest=0.015),
+        "tolerances": Tolerances(residual=1e-4, max_iterations=1),
+    }
+    batch = simulate_batch(cases, **options)
+    assert list(batch.failures) == [0, 1]
+    assert batch.solutions[0].times[-1] < 1.0
+    assert batch.solutions[2].times[-1] == 1.0
+    with pytest.raises(
+        ConvergenceError, match=r"2 of 3 cases failed \(0, 1\); case 0: no convergence at t = 0"
+    ):
+        batch.check()
+
+
+def test_a_batch_needs_a_case():
+    with pytest.raises(ModelError, match="a batch needs at least one case"):
+        simulate_batch([], duration=1.0, output_step=0.1)
+
+
+def test_full_bodies_do_not_go_in_batches(blade):
+    system = System((Placed(FullBody(blade, MeanAxisFrame())),))
+    with pytest.raises(
+        ModelError, match="a batch takes rigid and reduced bodies: reduce the full ones first"
+    ):
+        simulate_batch([system], duration=1.0, output_step=0.1)
+
+
+def test_chunks_hold_a_case(cases):
+    with pytest.raises(ValueError, match="chunk must be at least 1, got 0"):
+        simulate_batch(cases, **OPTIONS, chunk=0)
+
+
+def test_cases_differ_in_numbers_only(cases):
+    with pytest.raises(ModelError, match="the cases of a batch must differ in numbers only"):
+        simulate_batch([cases[0], replace(cases[0], loads=())], **OPTIONS)
+
+
+def test_tables_have_one_size(cases, turned):
+    with pytest.raises(
+        ModelError, match="the cases of a batch must have tables and bodies of the same sizes"
+    ):
+        simulate_batch([cases[0], pendulum(turned, rows=3)], **OPTIONS)
