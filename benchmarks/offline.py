@@ -21,7 +21,7 @@ from supple.body import (
     flexible_body,
     inertia_gram,
 )
-from supple.fem import HomogeneousWall, Isotropic, assemble, shell_model
+from supple.fem import HomogeneousSection, Isotropic, assemble, shell_model
 from supple.importers import read_abaqus
 from supple.reduction import (
     AmplitudeProduct,
@@ -31,11 +31,11 @@ from supple.reduction import (
     compress,
     internal_force_tensors,
     modal_derivatives,
-    vibrating_basis,
+    rayleigh_ritz,
 )
 
 BLADE = Path(__file__).parents[1] / "examples" / "blade.inp"
-WALL = HomogeneousWall(Isotropic(61.13e9, 0.3, 1474.9), 0.02)
+WALL = HomogeneousSection(Isotropic(61.13e9, 0.3, 1474.9), 0.02)
 N_LINEAR, N_ADDED = 10, 15
 
 
@@ -77,7 +77,7 @@ def main() -> None:
     for name, frame, recipe, basis_seconds, tensor_seconds in variants:
         linear = note(
             f"{N_LINEAR} columns, {name}",
-            lambda frame=frame, recipe=recipe: vibrating_basis(body, frame, recipe.build(body, frame)),
+            lambda frame=frame, recipe=recipe: rayleigh_ritz(body, frame, recipe.build(body, frame)),
             repeats=3,
             Wu2019=basis_seconds,
         )

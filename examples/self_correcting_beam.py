@@ -20,7 +20,7 @@ import numpy as np
 
 from supple.body import FullBody, MeanAxisFrame, RigidInterface, flexible_body
 from supple.correction import SelfCorrected, SelfCorrection, self_correct
-from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.machine.laws.spin_up import SpinUp
@@ -41,7 +41,7 @@ RUN = {
 length, width, thickness = 10.0, 1.0, np.sqrt(12 * 1.4e4 / 2.8e7)
 area = width * thickness
 material = Isotropic(youngs_modulus=2.8e7 / area, poissons_ratio=0.0, density=1.2 / area)
-shell = shell_model(strip(length, width, 10, 2), HomogeneousWall(material, thickness))
+shell = shell_model(strip(length, width, 10, 2), HomogeneousSection(material, thickness))
 beam = flexible_body("beam", shell, [RigidInterface("root", "root")])
 
 

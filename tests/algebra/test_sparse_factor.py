@@ -17,7 +17,7 @@ from supple.algebra import (
     lowest_modes,
 )
 from supple.errors import AccuracyError, ModelError, SuppleWarning
-from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.mesh import strip
 
 
@@ -165,7 +165,7 @@ def test_multiplier_rows_with_zero_diagonal(truss, solver, relative_error):
 
 @pytest.mark.skipif(not importlib.util.find_spec("rslab"), reason="rslab is an extra")
 def test_both_solvers_agree_on_a_thin_shell():
-    wall = HomogeneousWall(Isotropic(7e10, 0.3, 2700.0), 0.005)
+    wall = HomogeneousSection(Isotropic(7e10, 0.3, 2700.0), 0.005)
     model = shell_model(strip(5.0, 0.4, 40, 4), wall)
     load = np.random.default_rng(5).standard_normal(model.n_dofs)
     shifted = model.stiffness + 10.0 * model.mass

@@ -11,7 +11,7 @@ from supple.algebra import lowest_modes
 from supple.benchmark.mode_selection import compare_selections, draw_transfer_errors
 from supple.body import MeanAxisFrame, RigidInterface, flexible_body
 from supple.errors import ModelError
-from supple.fem import HomogeneousWall, Isotropic, shell_model, solid_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.mesh import CellType, block, box_beam
 from supple.reduction import (
     CraigBampton,
@@ -69,7 +69,7 @@ def test_eigenvalue_error_is_that_of_the_reduced_body(block_body):
 
 
 def test_panels_of_a_thin_box_make_interface_aware_rules_pay(tmp_path):
-    wall = HomogeneousWall(Isotropic(70e9, 0.33, 2700.0), 0.001)
+    wall = HomogeneousSection(Isotropic(70e9, 0.33, 2700.0), 0.001)
     model = shell_model(box_beam(1.0, 0.1, 0.06, 16, 4, 4), wall)
     body = flexible_body("box", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
     qualities = compare_selections(body, (40, 60), candidates=120, n_frequencies=100)

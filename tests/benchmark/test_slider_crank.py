@@ -9,7 +9,7 @@ import pytest
 
 from supple.benchmark.slider_crank import CRANK_RADIUS, ROD, TOTAL_MASS, SliderCrank, slider_position
 from supple.integrate import FixedStep, Tolerances
-from supple.multibody import balances, joint_gaps
+from supple.multibody import balances, joint_residuals
 from supple.reduction import CraigBampton, NoDerivatives, reduce
 from supple.simulation import simulate
 
@@ -75,7 +75,7 @@ def test_energy_is_the_work_of_the_torque(stiff):
     work = machine.work(solution)
     assert work[-1] > 0.1
     np.testing.assert_allclose(energies.total - energies.total[0], work, atol=1e-4 * work[-1])
-    assert np.abs(joint_gaps(system, solution)).max() < 1e-11
+    assert np.abs(joint_residuals(system, solution)).max() < 1e-11
 
 
 def test_the_slider_stays_on_its_path(stiff):

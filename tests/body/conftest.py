@@ -6,7 +6,7 @@ import pytest
 from supple.body import AveragingInterface, FlexibleBody, RigidInterface, flexible_body
 from supple.fem import (
     FiniteElementModel,
-    HomogeneousWall,
+    HomogeneousSection,
     Isotropic,
     shell_model,
     solid_model,
@@ -19,7 +19,7 @@ ALUMINIUM = Isotropic(7e10, 0.3, 2700.0)
 @pytest.fixture(scope="session")
 def shell() -> FiniteElementModel:
     """A strip of 2 x 0.4 m, 20 mm thick, along x."""
-    return shell_model(strip(2.0, 0.4, 8, 2), HomogeneousWall(ALUMINIUM, 0.02))
+    return shell_model(strip(2.0, 0.4, 8, 2), HomogeneousSection(ALUMINIUM, 0.02))
 
 
 @pytest.fixture(scope="session")

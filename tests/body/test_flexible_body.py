@@ -14,7 +14,7 @@ from supple.body import (
     flexible_body,
 )
 from supple.errors import MeshError, ModelError
-from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.mesh import strip
 
 
@@ -87,7 +87,7 @@ def test_one_shell_node_can_be_rigid(shell):
 def test_beam_frequencies_in_both_frames():
     # Slender strip, no lateral contraction: omega = (beta L)^2 sqrt(EI / rho A) / L^2 of Euler and Bernoulli.
     length, width, thickness, E, rho = 10.0, 0.2, 0.02, 7e10, 2700.0
-    model = shell_model(strip(length, width, 60, 2), HomogeneousWall(Isotropic(E, 0.0, rho), thickness))
+    model = shell_model(strip(length, width, 60, 2), HomogeneousSection(Isotropic(E, 0.0, rho), thickness))
     body = flexible_body("beam", model, [RigidInterface("root", "root")])
     wave_speed = np.sqrt(E * thickness**2 / 12 / rho) / length**2
     for frame, beta_length in ((MeanAxisFrame(), 4.730040745), (NodalFixedFrame("root"), 1.875104069)):

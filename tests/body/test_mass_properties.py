@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from supple.body import mesh_mass_properties, rigid_mass_properties
-from supple.fem import BeamSection, HomogeneousWall, Isotropic, shell_model, solid_model
+from supple.fem import BeamSection, HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.mesh import CellType, Mesh, block, cylinder_shell
 
 MATERIAL = Isotropic(1e9, 0.2, 1000.0)
@@ -56,7 +56,7 @@ def assert_agree(matrix, mesh):
 
 def test_a_shell_agrees_with_its_mesh():
     mesh, _ = moved(cylinder_shell(1.0, 0.4, 6, 12))
-    model = shell_model(mesh, HomogeneousWall(MATERIAL, 0.1))
+    model = shell_model(mesh, HomogeneousSection(MATERIAL, 0.1))
     assert_agree(rigid_mass_properties(model.mass, mesh.nodes, 6), mesh_mass_properties(model))
 
 

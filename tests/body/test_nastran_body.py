@@ -16,7 +16,7 @@ from supple.body import (
     read_nastran_body,
 )
 from supple.errors import ModelError
-from supple.fem import VON_KARMAN, HomogeneousWall, Isotropic, shell_model, solid_model
+from supple.fem import VON_KARMAN, HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.importers import read_nastran
 from supple.mesh import CellType, block, strip
 
@@ -51,7 +51,7 @@ def test_shells_take_their_walls_and_kinematics(write, bulk):
     for options in ({}, {"kinematics": VON_KARMAN}):
         model, own = (
             nastran_model(file, **options),
-            shell_model(mesh, HomogeneousWall(STEEL, 0.02), **options),
+            shell_model(mesh, HomogeneousSection(STEEL, 0.02), **options),
         )
         assert abs(model.stiffness - own.stiffness).max() == 0
         assert model.blocks[0].N.shape == own.blocks[0].N.shape

@@ -13,7 +13,7 @@ from supple.cli.build_bodies import build_flexible_body, read_meshes
 from supple.cli.main import app
 from supple.cli.read_case import read_case
 from supple.errors import CaseError, ModelError
-from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.mesh import strip
 
 MESH = strip(1.0, 0.1, 8, 2)
@@ -32,7 +32,7 @@ def folder(tmp_path, bulk):
     root = MESH.nodes_of("root") + 1
     rbe2 = bulk.card("RBE2", 7, 900, 123456, *root)
     (tmp_path / "strip.bdf").write_text(bulk.text(MESH, *bulk.shell(0.01), "GRID,900,,0.,0.,0.", rbe2))
-    write_matrices(tmp_path / "strip.h5", shell_model(MESH, HomogeneousWall(STEEL, 0.01)))
+    write_matrices(tmp_path / "strip.h5", shell_model(MESH, HomogeneousSection(STEEL, 0.01)))
     (tmp_path / "strip.toml").write_text(CASE)
     return tmp_path
 
@@ -114,7 +114,7 @@ def test_all_bodies_of_a_case_and_matrices_on_their_own(folder):
 
 
 def test_a_refused_model_is_an_exit_code(folder):
-    write_matrices(folder / "strip.h5", shell_model(MESH, HomogeneousWall(STEEL, 0.01)), ground=1e9)
+    write_matrices(folder / "strip.h5", shell_model(MESH, HomogeneousSection(STEEL, 0.01)), ground=1e9)
     output = call("check", folder / "strip.h5", code=2)
     assert re.search(r"problem\s+free of supports\s+translation along x meets", output)
     assert "-> leave supports and springs to ground out" in output
@@ -146,7 +146,7 @@ def test_both_bodies_of_the_case_are_the_same(folder):
 
 
 def test_a_refused_body_is_not_run(folder):
-    write_matrices(folder / "strip.h5", shell_model(MESH, HomogeneousWall(STEEL, 0.01)), ground=1e9)
+    write_matrices(folder / "strip.h5", shell_model(MESH, HomogeneousSection(STEEL, 0.01)), ground=1e9)
     case_file = read_case(folder / "strip.toml")
     with pytest.raises(ModelError, match=r"(?s)body 'copy' cannot be used.*free of supports.*leave supports"):
         build_flexible_body(case_file, case_file.case.body[1], None)

@@ -14,7 +14,7 @@ from supple import __version__
 from supple.body import RigidInterface, flexible_body
 from supple.cli import build_system
 from supple.cli.main import app
-from supple.fem import LaminateWall, shell_model
+from supple.fem import LaminateSection, shell_model
 from supple.mesh import strip
 from supple.storage import ResultFile, read_header, read_solution
 
@@ -67,14 +67,14 @@ def test_a_run_coloured_by_stress_draws_its_contours(case_folder):
 
 def test_stress_that_cannot_be_drawn_is_known_before_the_run(case_folder, monkeypatch):
     """A laminate does not say the stress of its plies; nor is it a matter for the end of a long run."""
-    laminate = LaminateWall(1e7 * np.eye(3), np.zeros((3, 3)), 1e2 * np.eye(3), 10.0, 1e-4)
+    laminate = LaminateSection(1e7 * np.eye(3), np.zeros((3, 3)), 1e2 * np.eye(3), 10.0, 1e-4)
     model = shell_model(strip(1.0, 0.1, 4, 2), laminate)
     body = flexible_body("strip", model, [RigidInterface("root", "root")])
     monkeypatch.setattr(build_system, "build_flexible_body", lambda *_: body)
     case = case_folder / "strip.toml"
     case.write_text(case.read_text().replace("animation = false", 'colour = "von-mises"'))
     output = call("run", case, "-o", case_folder / "out", code=2)
-    assert "line 30, output.colour: body 'strip': stress needs a HomogeneousWall" in output
+    assert "line 30, output.colour: body 'strip': stress needs a HomogeneousSection" in output
     assert "remove the key" in output
     assert not (case_folder / "out" / "strip.h5").exists()
 

@@ -8,7 +8,7 @@ import pytest
 from supple.body import FullBody, NodalFixedFrame, RigidInterface, flexible_body
 from supple.correction import CorrectionFolder, ReductionStart, SelfCorrection, self_correct_system
 from supple.errors import ResultFileError
-from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.mesh import strip
@@ -30,7 +30,7 @@ START = ReductionStart(
 
 @pytest.fixture(scope="module")
 def system():
-    wall = HomogeneousWall(Isotropic(1e9, 0.3, 1000.0), 0.01)
+    wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
     body = flexible_body("beam", shell_model(strip(1.0, 0.1, 4, 2), wall), (RigidInterface("root", "root"),))
     hinge = PrescribedRotation(
         name="hinge",
@@ -141,7 +141,7 @@ def test_rounds_of_another_case_are_not_continued(kept):
 
 
 def test_bases_of_another_mesh_are_not_continued(kept):
-    wall = HomogeneousWall(Isotropic(1e9, 0.3, 1000.0), 0.01)
+    wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
     other = flexible_body("beam", shell_model(strip(1.0, 0.1, 2, 2), wall), (RigidInterface("root", "root"),))
     archive = CorrectionFolder.resume(kept[1], case=CASE)
     with pytest.raises(ResultFileError, match="its bases of body 'beam' have"):

@@ -20,7 +20,7 @@ from supple.body import (
 from supple.correction import residual_corrections
 from supple.errors import ModelError
 from supple.fem import Isotropic, solid_model
-from supple.integrate import BodyMotion, FixedStep, Solution, Statistics, Tolerances
+from supple.integrate import FixedStep, FloatingMotion, Solution, Statistics, Tolerances
 from supple.machine import (
     GROUND,
     At,
@@ -96,7 +96,7 @@ def test_a_complete_basis_misses_nothing(beam, name):
 def at_rest(system, r):
     """One instant of a system of one body that rests undeformed, its joints without force."""
     zero, none = np.zeros((1, 3)), np.zeros((1, r))
-    motion = BodyMotion(zero, np.eye(3)[None], none, zero, zero, none, zero, zero, none)
+    motion = FloatingMotion(zero, np.eye(3)[None], none, zero, zero, none, zero, zero, none)
     forces = {joint.name: np.zeros((1, joint.n_constraints)) for joint in system.joints}
     return Solution(np.zeros(1), {"beam": motion}, forces, Statistics())
 

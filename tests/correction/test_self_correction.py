@@ -11,7 +11,7 @@ from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface
 from supple.correction import SelfCorrection, SelfCorrectionError, self_correct
 from supple.correction.system_correction import _evenly_spread, _extrapolated
 from supple.errors import AccuracyError, ConvergenceError, ModelError
-from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.mesh import strip
@@ -31,7 +31,7 @@ ALLOWED = 1e-5
 @pytest.fixture(scope="module")
 def beam():
     """A strip of shells along x, 1 m long, held at its root; lowest frequency 10 rad/s."""
-    wall = HomogeneousWall(Isotropic(1e9, 0.3, 1000.0), 0.01)
+    wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
     return flexible_body("beam", shell_model(strip(1.0, 0.1, 6, 2), wall), (RigidInterface("root", "root"),))
 
 

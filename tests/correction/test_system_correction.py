@@ -17,7 +17,7 @@ from supple.correction import (
 )
 from supple.correction.system_correction import _with_reduced
 from supple.errors import ModelError
-from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, Revolute, System
 from supple.mesh import strip
@@ -44,7 +44,7 @@ NAMES = tuple(ALLOWED)
 
 def soft_strip(name, length):
     """A strip of shells along x with interfaces at both ends."""
-    wall = HomogeneousWall(Isotropic(1e9, 0.3, 1000.0), 0.01)
+    wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
     ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
     return flexible_body(name, shell_model(strip(length, 0.1, 3, 2), wall), ends)
 

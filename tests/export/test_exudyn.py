@@ -8,7 +8,7 @@ import pytest
 from supple.body import MeanAxisFrame, flexible_body
 from supple.errors import ModelError
 from supple.export import exudyn_arrays, interface_nodes, write_exudyn
-from supple.fem import HomogeneousWall, Isotropic, shell_model, stress_recovery
+from supple.fem import HomogeneousSection, Isotropic, shell_model, stress_recovery
 from supple.mesh import strip
 from supple.reduction import NoDerivatives, NormalModes, reduce
 from supple.results import stress_modes
@@ -133,7 +133,7 @@ def test_bodies_and_stress_of_other_kinds_are_refused(tmp_path, model, linear, n
 
 
 def test_a_shell_goes_without_stress():
-    shell = shell_model(strip(1.0, 0.2, 4, 2), HomogeneousWall(Isotropic(2.1e11, 0.3, 7800.0), 0.01))
+    shell = shell_model(strip(1.0, 0.2, 4, 2), HomogeneousSection(Isotropic(2.1e11, 0.3, 7800.0), 0.01))
     body = reduce(
         flexible_body("strip", shell).linearized(),
         MeanAxisFrame(),

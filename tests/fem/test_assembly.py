@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import coo_array, csc_array, eye_array
 
 from supple.errors import ModelError
-from supple.fem import HomogeneousWall, assemble, assembly, shell_model, solid_model
+from supple.fem import HomogeneousSection, assemble, assembly, shell_model, solid_model
 from supple.fem.quadratic_strain import tangent
 from supple.mesh import CellType, Mesh, block, box_beam, strip
 
@@ -15,7 +15,7 @@ STEP = 1e-30
 def shell(material, distorted):
     mesh = distorted(box_beam(1.0, 0.6, 0.4, 3, 1, 1), 0.05)
     walls = {"z_min": 0.01, "y_max": 0.02, "z_max": 0.01, "y_min": 0.02}
-    return shell_model(mesh, {name: HomogeneousWall(material, t) for name, t in walls.items()})
+    return shell_model(mesh, {name: HomogeneousSection(material, t) for name, t in walls.items()})
 
 
 def solid(material, distorted):
@@ -150,7 +150,7 @@ def test_pattern_data_aligns_the_mass_with_the_tangent(model, rigid_end):
 
 
 def test_pattern_data_refuses_what_does_not_fit(material):
-    reduced = assemble(shell_model(strip(3.0, 1.0, 3, 2), HomogeneousWall(material, 0.01)))
+    reduced = assemble(shell_model(strip(3.0, 1.0, 3, 2), HomogeneousSection(material, 0.01)))
     with pytest.raises(ModelError, match=r"matrix has shape \(3, 3\); the assembly has"):
         reduced.pattern_data(eye_array(3))
     far = coo_array(([1.0], ([0], [reduced.n - 1])), shape=(reduced.n, reduced.n))

@@ -10,7 +10,7 @@ from supple.body import mesh_mass_properties, rigid_mass_properties
 from supple.errors import MeshError, ModelError
 from supple.fem import (
     BeamSection,
-    HomogeneousWall,
+    HomogeneousSection,
     Isotropic,
     assemble,
     lumped_mass,
@@ -148,7 +148,7 @@ def test_a_shell_stiffened_by_a_beam_is_the_sum_of_both():
             "rib": {CellType.LINE2: np.arange(len(lines))},
         },
     )
-    wall, of = HomogeneousWall(STEEL, 0.01), section(orientation=(0, 0, 1))
+    wall, of = HomogeneousSection(STEEL, 0.01), section(orientation=(0, 0, 1))
     model = shell_model(both, {"skin": wall, "rib": of})
     alone = shell_model(plate, wall)
     beams = shell_model(
@@ -179,8 +179,8 @@ def test_sections_that_cannot_be(changes, message):
 def test_beams_that_cannot_be():
     with pytest.raises(ModelError, match="beam 0 of its section lies along the section's orientation"):
         shell_model(beam(2), section(orientation=TURN[:, 0]))
-    with pytest.raises(ModelError, match="lines need a BeamSection, not HomogeneousWall"):
-        shell_model(beam(2), HomogeneousWall(STEEL, 0.01))
+    with pytest.raises(ModelError, match="lines need a BeamSection, not HomogeneousSection"):
+        shell_model(beam(2), HomogeneousSection(STEEL, 0.01))
     with pytest.raises(ModelError, match="a shell needs a wall, not BeamSection"):
         shell_model(strip(1.0, 0.2, 4, 2), section())
     with pytest.raises(ModelError, match="no stress recovery for beams"):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.fem.kirchhoff_bending import CENTRE, MIDSIDES, curvature
 from supple.mesh import plate
 
@@ -47,7 +47,7 @@ def clamped_square(flexural_rigidity, pressure, side):
     ("exact", "edge_freedoms"), [(supported_square, [0, 1, 2, 5]), (clamped_square, [0, 1, 2, 3, 4, 5])]
 )
 def test_plate_deflection_converges_at_second_order(exact, edge_freedoms, held, solve_linear):
-    wall = HomogeneousWall(Isotropic(1e7, 0.3, 1.0), 0.01)
+    wall = HomogeneousSection(Isotropic(1e7, 0.3, 1.0), 0.01)
     target = exact(wall.bending[0, 0], 2.0, 1.0)
 
     def error(n):

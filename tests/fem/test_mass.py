@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from supple.fem import HomogeneousWall, lumped_mass, shell_model, solid_model
+from supple.fem import HomogeneousSection, lumped_mass, shell_model, solid_model
 from supple.mesh import CellType, Mesh, block, box_beam, plate
 
 SOLIDS = (CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20)
@@ -46,7 +46,7 @@ def test_shell(material, rigid_modes):
     inner = np.setdiff1d(np.arange(len(nodes)), flat.nodes_of("boundary"))
     nodes[inner, :2] += 0.05
     shift, t = np.array([0.2, -0.3, 1.0]), 0.06
-    model = shell_model(Mesh(nodes + shift, flat.cells), HomogeneousWall(material, t))
+    model = shell_model(Mesh(nodes + shift, flat.cells), HomogeneousSection(material, t))
     R = rigid_modes(model)
     mass = material.density * 1.4 * 0.9 * t
     centre = shift + np.array([0.7, 0.45, 0])
@@ -59,7 +59,7 @@ def test_shell(material, rigid_modes):
 def test_mass_of_a_closed_shell_is_the_same_in_all_directions(material, rigid_modes):
     """Translations carry the total mass; the first moments are those of the areas."""
     mesh = box_beam(2.0, 0.4, 0.3, 4, 2, 2)
-    model = shell_model(mesh, HomogeneousWall(material, 0.02))
+    model = shell_model(mesh, HomogeneousSection(material, 0.02))
     R = rigid_modes(model)
     mass = material.density * 0.02 * 2.0 * 2 * (0.4 + 0.3)
     G = R.T @ model.mass @ R
@@ -71,7 +71,7 @@ def test_mass_of_a_closed_shell_is_the_same_in_all_directions(material, rigid_mo
 def test_mass_is_positive_definite_and_lumping_keeps_the_total(build, material, distorted, rigid_modes):
     if build == "shell":
         model = shell_model(
-            distorted(box_beam(1.0, 0.6, 0.4, 2, 1, 1), 0.05), HomogeneousWall(material, 0.02)
+            distorted(box_beam(1.0, 0.6, 0.4, 2, 1, 1), 0.05), HomogeneousSection(material, 0.02)
         )
     else:
         model = solid_model(distorted(block(1, 0.8, 0.6, 1, 1, 1, build), 0.05), material)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from supple.errors import MeshError, ModelError, SuppleWarning
-from supple.fem import HomogeneousWall, shell_model, solid_model
+from supple.fem import HomogeneousSection, shell_model, solid_model
 from supple.mesh import CellType, Mesh, block, plate
 
 
@@ -20,7 +20,7 @@ def halves():
 
 def test_walls_of_cell_sets_add_up(halves, material):
     """Mass of the halves in proportion to their thickness; the same walls give the same model."""
-    thin, thick = HomogeneousWall(material, 0.01), HomogeneousWall(material, 0.03)
+    thin, thick = HomogeneousSection(material, 0.01), HomogeneousSection(material, 0.03)
     along_x = np.tile([1.0, 0, 0, 0, 0, 0], halves.n_nodes)
     mixed = shell_model(halves, {"left": thin, "right": thick})
     assert along_x @ mixed.mass @ along_x == pytest.approx(material.density * (0.01 + 0.03))
@@ -31,7 +31,7 @@ def test_walls_of_cell_sets_add_up(halves, material):
 
 
 def test_the_model_says_how_far_it_may_turn(material):
-    shell = shell_model(plate(1.0, 1.0, 1, 1), HomogeneousWall(material, 0.01))
+    shell = shell_model(plate(1.0, 1.0, 1, 1), HomogeneousSection(material, 0.01))
     solid = solid_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.TETRA4), material)
     assert (shell.rotation_limit, solid.rotation_limit) == (0.3, np.inf)
     assert (shell.n_dofs, solid.n_dofs) == (24, 24)
@@ -39,16 +39,16 @@ def test_the_model_says_how_far_it_may_turn(material):
 
 def test_unknown_cell_set(halves, material):
     with pytest.raises(MeshError, match="no cell set 'centre' in this mesh; it has 'left', 'right', 'most'"):
-        shell_model(halves, {"centre": HomogeneousWall(material, 0.01)})
+        shell_model(halves, {"centre": HomogeneousSection(material, 0.01)})
 
 
 def test_cells_without_a_wall(halves, material):
     with pytest.raises(ModelError, match="8 of 16 TRIANGLE3 cells, first 8, are in none of the cell sets"):
-        shell_model(halves, {"left": HomogeneousWall(material, 0.01)})
+        shell_model(halves, {"left": HomogeneousSection(material, 0.01)})
 
 
 def test_cells_with_two_walls(halves, material):
-    wall = HomogeneousWall(material, 0.01)
+    wall = HomogeneousSection(material, 0.01)
     with pytest.raises(
         ModelError, match="12 TRIANGLE3 cells, first 0, are in more than one of the cell sets"
     ):
@@ -57,7 +57,7 @@ def test_cells_with_two_walls(halves, material):
 
 def test_a_shell_of_solid_cells(material):
     with pytest.raises(ModelError, match="a shell model takes TRIANGLE3 cells; the mesh has HEXA8"):
-        shell_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8), HomogeneousWall(material, 0.01))
+        shell_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8), HomogeneousSection(material, 0.01))
 
 
 def test_a_solid_of_triangles(material):
@@ -71,18 +71,18 @@ def test_a_shell_of_a_bare_material(material):
 
 
 def test_a_solid_of_a_wall(material):
-    with pytest.raises(ModelError, match="a solid needs an Isotropic material, not HomogeneousWall"):
-        solid_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.TETRA4), HomogeneousWall(material, 0.01))
+    with pytest.raises(ModelError, match="a solid needs an Isotropic material, not HomogeneousSection"):
+        solid_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.TETRA4), HomogeneousSection(material, 0.01))
 
 
 def test_a_wall_thicker_than_the_mesh(material):
     """20 mm given as 20 on a plate of 1 m."""
     with pytest.raises(ModelError, match=r"wall thickness 20 exceeds the size of the whole mesh, 1\.41421"):
-        shell_model(plate(1.0, 1.0, 2, 2), HomogeneousWall(material, 20.0))
+        shell_model(plate(1.0, 1.0, 2, 2), HomogeneousSection(material, 20.0))
 
 
 def test_a_wall_thicker_than_its_elements(material):
     with pytest.warns(
         SuppleWarning, match=r"wall thickness 0\.5 is 10 times the size of its elements, 0\.05"
     ):
-        shell_model(plate(1.0, 1.0, 20, 20), HomogeneousWall(material, 0.5))
+        shell_model(plate(1.0, 1.0, 20, 20), HomogeneousSection(material, 0.5))

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from supple.fem import HomogeneousWall, nodal_rotation_operator, shell_model, solid_model
+from supple.fem import HomogeneousSection, nodal_rotation_operator, shell_model, solid_model
 from supple.mesh import CellType, block, box_beam
 
 
 def test_shell_rotations_are_the_rotational_freedoms(material, rigid_modes, rng):
-    model = shell_model(box_beam(1.0, 0.6, 0.4, 2, 1, 1), HomogeneousWall(material, 0.02))
+    model = shell_model(box_beam(1.0, 0.6, 0.4, 2, 1, 1), HomogeneousSection(material, 0.02))
     operator = nodal_rotation_operator(model)
     omega = rng.normal(size=6)
     rotation = (operator @ rigid_modes(model) @ omega).reshape(-1, 3)

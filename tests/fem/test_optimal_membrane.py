@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.fem.optimal_membrane import (
     higher_order_stiffness,
     higher_order_weight,
@@ -85,7 +85,7 @@ def test_pure_bending_of_a_rectangle_is_exact_at_any_aspect_ratio(aspect):
     """
     E, t = 3.0, 0.01
     mesh = plate(aspect, 1.0, 1, 1)
-    model = shell_model(mesh, HomogeneousWall(Isotropic(E, 0.3, 1.0), t))
+    model = shell_model(mesh, HomogeneousSection(Isotropic(E, 0.3, 1.0), t))
     x, y, _ = (mesh.nodes - mesh.nodes.mean(axis=0)).T
     q = np.zeros((4, 6))
     q[:, 0], q[:, 1], q[:, 5] = x * y, -(x**2) / 2, -x
@@ -99,7 +99,7 @@ def cooks_tip(n, held, solve_linear):
     s, t, _ = grid.nodes.T
     nodes = np.column_stack([48 * s, 44 * s + t * (44 - 28 * s), 0 * s])
     mesh = Mesh(nodes, {CellType.TRIANGLE3: grid.cells[CellType.TRIANGLE3]}, grid.node_sets)
-    model = shell_model(mesh, HomogeneousWall(Isotropic(1.0, 1 / 3, 1.0), 1.0))
+    model = shell_model(mesh, HomogeneousSection(Isotropic(1.0, 1 / 3, 1.0), 1.0))
     T = held(model, (mesh.nodes_of("x_min"), range(6)), (np.arange(mesh.n_nodes), [2, 3, 4]))
     load = np.zeros((mesh.n_nodes, 6))
     edge = mesh.nodes_of("x_max")

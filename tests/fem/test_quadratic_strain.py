@@ -8,8 +8,8 @@ import pytest
 from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
-    HomogeneousWall,
-    LaminateWall,
+    HomogeneousSection,
+    LaminateSection,
     shell_model,
     solid_model,
 )
@@ -29,13 +29,13 @@ STEP = 1e-30
 
 def coupled_wall(material):
     A, D = 0.02 * material.plane_stress, 0.02**3 / 12 * material.plane_stress
-    return LaminateWall(A, 0.3 * np.sqrt(A * D), D, 156.0, 0.005, (0.3, 1.0, 0.2))
+    return LaminateSection(A, 0.3 * np.sqrt(A * D), D, 156.0, 0.005, (0.3, 1.0, 0.2))
 
 
 def shell(kinematics, coupled):
     def build(material, distorted):
         mesh = distorted(box_beam(1.0, 0.6, 0.4, 2, 1, 1), 0.05)
-        wall = coupled_wall(material) if coupled else HomogeneousWall(material, 0.02)
+        wall = coupled_wall(material) if coupled else HomogeneousSection(material, 0.02)
         return shell_model(mesh, wall, kinematics=kinematics)
 
     return build

@@ -9,9 +9,9 @@ from supple.errors import ModelError
 from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
-    HomogeneousWall,
+    HomogeneousSection,
     Isotropic,
-    LaminateWall,
+    LaminateSection,
     assemble,
     shell_model,
 )
@@ -37,12 +37,12 @@ def coupled(material):
     orthotropic = C * np.array([[3.0, 1, 1], [1, 0.5, 1], [1, 1, 0.7]])
     layers = ((C, -h, 0.0), (orthotropic, 0.0, h))
     A, B, D = (sum((top**p - low**p) / p * Q for Q, low, top in layers) for p in (1, 2, 3))
-    return LaminateWall(A, B, D, 780.0, 0.65)
+    return LaminateSection(A, B, D, 780.0, 0.65)
 
 
 @pytest.fixture(params=["homogeneous", "coupled"])
 def wall(request, material, coupled):
-    return HomogeneousWall(material, 0.03) if request.param == "homogeneous" else coupled
+    return HomogeneousSection(material, 0.03) if request.param == "homogeneous" else coupled
 
 
 @pytest.mark.parametrize("kinematics", [GREEN_LAGRANGE, VON_KARMAN])
@@ -62,7 +62,7 @@ def test_six_zero_modes_and_no_more(mesh, kinematics, wall, distorted, rigid_mod
 @pytest.mark.parametrize("axis", [[0, 0, 1], [1, 0, 0], [0, 1, 0], [1, -2, 3]])
 def test_a_rigid_rotation_of_02_rad_stores_no_membrane_energy(axis, material, distorted):
     """Green-Lagrange strain of u = (R - 1) x is zero, whatever common rotation the nodes have."""
-    model = shell_model(distorted(box_beam(1.0, 0.6, 0.4, 2, 1, 1), 0.06), HomogeneousWall(material, 0.03))
+    model = shell_model(distorted(box_beam(1.0, 0.6, 0.4, 2, 1, 1), 0.06), HomogeneousSection(material, 0.03))
     (block,) = model.blocks
     R = rotation(axis, 0.2)
     q = np.zeros((model.mesh.n_nodes, 6))
@@ -80,7 +80,7 @@ def test_a_rigid_rotation_of_a_flat_shell_stores_no_energy_at_all(axis, material
     """For the rotations that the linear slopes call for: rx = w,y, ry = -w,x, rz = (v,x - u,y)/2."""
     flat = distorted(plate(1.3, 1.0, 2, 3), 0.06)
     mesh = Mesh(flat.nodes * [1, 1, 0], flat.cells)
-    assembly = assemble(shell_model(mesh, HomogeneousWall(material, 0.03)))
+    assembly = assemble(shell_model(mesh, HomogeneousSection(material, 0.03)))
     H = rotation(axis, 0.2) - np.eye(3)
     q = np.zeros((mesh.n_nodes, 6))
     q[:, :3] = mesh.nodes @ H.T
@@ -92,7 +92,7 @@ def test_a_rigid_rotation_of_a_flat_shell_stores_no_energy_at_all(axis, material
 def test_drilling_energy_of_a_rigid_rotation_in_the_plane_is_of_sixth_order(material):
     """Nodes turned by theta where the plane turns by sin(theta) = (v,x - u,y)/2: energy ~ (theta^3/6)^2."""
     mesh = plate(1.3, 1.0, 2, 3)
-    assembly = assemble(shell_model(mesh, HomogeneousWall(material, 0.03)))
+    assembly = assemble(shell_model(mesh, HomogeneousSection(material, 0.03)))
 
     def stored(angle):
         q = np.zeros((mesh.n_nodes, 6))
@@ -148,7 +148,7 @@ def test_laminate_axes_follow_the_reference_direction(coupled, material):
     mesh = plate(1.3, 1.0, 2, 3)
     R = rotation([1, 2, 3], 0.8)
     along, across = (
-        LaminateWall(coupled.membrane, coupled.coupling, coupled.bending, 1.0, 1.0, direction)
+        LaminateSection(coupled.membrane, coupled.coupling, coupled.bending, 1.0, 1.0, direction)
         for direction in (R[:, 0], R[:, 1])
     )
 
@@ -167,7 +167,7 @@ def test_laminate_axes_follow_the_reference_direction(coupled, material):
 
 
 def test_an_element_normal_to_the_laminate_direction_is_refused(coupled):
-    wall = LaminateWall(coupled.membrane, coupled.coupling, coupled.bending, 1.0, 1.0, (0, 0, 1))
+    wall = LaminateSection(coupled.membrane, coupled.coupling, coupled.bending, 1.0, 1.0, (0, 0, 1))
     with pytest.raises(
         ModelError, match=r"triangle 0, centred at .* is normal to the laminate's reference_direction"
     ):
@@ -178,7 +178,7 @@ def scordelis_lo(n, held, solve_linear):
     """Sag of the free edge of the Scordelis-Lo roof, a quarter of it, n x n cells."""
     radius, length, thickness = 25.0, 25.0, 0.25
     mesh = cylinder_shell(radius, length, n, n, end_angle=np.radians(40))
-    model = shell_model(mesh, HomogeneousWall(Isotropic(4.32e8, 0.0, 1.0), thickness))
+    model = shell_model(mesh, HomogeneousSection(Isotropic(4.32e8, 0.0, 1.0), thickness))
     T = held(
         model,
         (mesh.nodes_of("x_min"), [1, 2]),
@@ -204,7 +204,7 @@ def test_pinched_cylinder_converges(held, solve_linear):
 
     def deflection(n):
         mesh = cylinder_shell(300.0, 300.0, n, n, end_angle=np.pi / 2)
-        model = shell_model(mesh, HomogeneousWall(Isotropic(3e6, 0.3, 1.0), 3.0))
+        model = shell_model(mesh, HomogeneousSection(Isotropic(3e6, 0.3, 1.0), 3.0))
         T = held(
             model,
             (mesh.nodes_of("x_min"), [1, 2]),
@@ -273,7 +273,7 @@ def von_karman_disc(wall, pressure, radius):
 def test_clamped_disc_at_large_deflection(kinematics, held, solve_nonlinear):
     """To w/t = 1.9, where linear theory has 6; errors of second order in the mesh."""
     thickness, modulus = 0.01, 1e7
-    wall = HomogeneousWall(Isotropic(modulus, 0.3, 1.0), thickness)
+    wall = HomogeneousSection(Isotropic(modulus, 0.3, 1.0), thickness)
     pressure = 35 * modulus * thickness**4
     exact = von_karman_disc(wall, pressure, 1.0)
     assert 1.85 < exact / thickness < 1.95
@@ -330,7 +330,7 @@ def box_tip(held, solve_nonlinear):
     force = 0.1 * LENGTH * 3 * EI / LENGTH**3
 
     def tip(kinematics):
-        wall = HomogeneousWall(Isotropic(modulus, 0.0, 1.0), WALL)
+        wall = HomogeneousSection(Isotropic(modulus, 0.0, 1.0), WALL)
         model = shell_model(mesh, wall, kinematics=kinematics)
         T = held(model, (mesh.nodes_of("root"), range(6)))
         load = np.zeros((mesh.n_nodes, 6))
@@ -360,7 +360,7 @@ def test_foreshortening_of_a_strip_converges_at_second_order(held):
 
     def shortening(n):
         mesh = strip(1.0, 0.2, n, 2)
-        model = shell_model(mesh, HomogeneousWall(Isotropic(1.0, 0.0, 1.0), 1e-3))
+        model = shell_model(mesh, HomogeneousSection(Isotropic(1.0, 0.0, 1.0), 1e-3))
         (block,) = model.blocks
         q = np.zeros((mesh.n_nodes, 6))
         q[:, 2] = 0.05 * mesh.nodes[:, 0] ** 2
@@ -375,5 +375,5 @@ def test_foreshortening_of_a_strip_converges_at_second_order(held):
 def test_one_triangle_of_any_shape_is_a_patch(material):
     """A needle of aspect ratio 50 still has six zero modes."""
     mesh = Mesh([[0, 0, 0], [50, 0, 0], [20, 1, 0]], {CellType.TRIANGLE3: np.array([[0, 1, 2]])})
-    values = np.linalg.eigvalsh(shell_model(mesh, HomogeneousWall(material, 0.1)).stiffness.toarray())
+    values = np.linalg.eigvalsh(shell_model(mesh, HomogeneousSection(material, 0.1)).stiffness.toarray())
     assert values[5] < 1e-3 * values[6]

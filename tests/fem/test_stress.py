@@ -5,8 +5,8 @@ import pytest
 
 from supple.errors import ModelError
 from supple.fem import (
-    HomogeneousWall,
-    LaminateWall,
+    HomogeneousSection,
+    LaminateSection,
     shell_model,
     solid_model,
     strain_recovery,
@@ -96,7 +96,7 @@ def test_stretch_and_bending_of_a_shell_in_any_attitude(material, rng):
     q[:, 3], q[:, 4], q[:, 5] = (x @ C)[:, 1], -(x @ C)[:, 0], 0.5 * (H[1, 0] - H[0, 1])
     Q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     Q = Q * np.linalg.det(Q)
-    model = shell_model(Mesh(flat.nodes @ Q.T, flat.cells), HomogeneousWall(material, t))
+    model = shell_model(Mesh(flat.nodes @ Q.T, flat.cells), HomogeneousSection(material, t))
     u = (q.reshape(-1, 3) @ Q.T).ravel()
 
     recovery = stress_recovery(model)
@@ -114,6 +114,6 @@ def test_stretch_and_bending_of_a_shell_in_any_attitude(material, rng):
 
 
 def test_a_laminate_has_no_stress_of_its_own():
-    wall = LaminateWall(np.eye(3), np.zeros((3, 3)), np.eye(3), 1.0, 1.0)
-    with pytest.raises(ModelError, match="stress needs a HomogeneousWall"):
+    wall = LaminateSection(np.eye(3), np.zeros((3, 3)), np.eye(3), 1.0, 1.0)
+    with pytest.raises(ModelError, match="stress needs a HomogeneousSection"):
         stress_recovery(shell_model(plate(1.0, 1.0, 1, 1), wall))

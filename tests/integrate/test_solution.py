@@ -7,7 +7,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from supple.integrate import BodyMotion, Solution, Statistics, concatenate
+from supple.integrate import FloatingMotion, Solution, Statistics, concatenate
 
 
 def chunk(times):
@@ -18,12 +18,16 @@ def chunk(times):
         "coordinate_rates": (2,),
         "coordinate_accelerations": (2,),
     }
-    motion = {f.name: np.multiply.outer(times, np.ones(shapes.get(f.name, (3,)))) for f in fields(BodyMotion)}
+    motion = {
+        f.name: np.multiply.outer(times, np.ones(shapes.get(f.name, (3,)))) for f in fields(FloatingMotion)
+    }
     return Solution(
         np.asarray(times),
-        {"link": BodyMotion(**motion)},
+        {"link": FloatingMotion(**motion)},
         {"hinge": np.asarray(times)[:, None]},
-        Statistics(steps=len(times), iterations=2 * len(times), cuts=1, seconds=0.5, compile_seconds=0.25),
+        Statistics(
+            steps=len(times), iterations=2 * len(times), rejected_steps=1, seconds=0.5, compile_seconds=0.25
+        ),
     )
 
 
@@ -32,7 +36,7 @@ def test_parts_are_joined_in_time():
     np.testing.assert_array_equal(whole.times, [0, 1, 2, 3])
     motion = whole.bodies["link"]
     assert motion.rotation.shape == (4, 3, 3)
-    for f in fields(BodyMotion):
+    for f in fields(FloatingMotion):
         array = getattr(motion, f.name)
         np.testing.assert_array_equal(array.reshape(4, -1)[:, 0], whole.times)
     np.testing.assert_array_equal(whole.joint_forces["hinge"][:, 0], whole.times)
@@ -40,7 +44,7 @@ def test_parts_are_joined_in_time():
 
 def test_costs_add_up():
     total = concatenate([chunk([0.0]), chunk([1.0, 2.0])]).statistics
-    assert total == Statistics(steps=3, iterations=6, cuts=2, seconds=1.0, compile_seconds=0.5)
+    assert total == Statistics(steps=3, iterations=6, rejected_steps=2, seconds=1.0, compile_seconds=0.5)
 
 
 def test_nothing_cannot_be_joined():
@@ -50,8 +54,10 @@ def test_nothing_cannot_be_joined():
 
 def test_motion_at_some_instants_keeps_all_its_fields():
     """By a slice or by numbers: every array loses the same rows, and no other."""
-    values = {f.name: np.random.default_rng(i).normal(size=(5, 3)) for i, f in enumerate(fields(BodyMotion))}
-    motion = BodyMotion(**values)
+    values = {
+        f.name: np.random.default_rng(i).normal(size=(5, 3)) for i, f in enumerate(fields(FloatingMotion))
+    }
+    motion = FloatingMotion(**values)
     for rows in (slice(1, 4, 2), np.array([1, 3])):
         for name, value in values.items():
             np.testing.assert_array_equal(getattr(motion.at(rows), name), value[[1, 3]])
@@ -65,7 +71,7 @@ def test_solution_at_some_instants_is_that_of_its_parts():
         some = whole.at(rows)
         np.testing.assert_array_equal(some.times, parts[1].times)
         np.testing.assert_array_equal(some.joint_forces["hinge"], parts[1].joint_forces["hinge"])
-        for f in fields(BodyMotion):
+        for f in fields(FloatingMotion):
             expected = getattr(parts[1].bodies["link"], f.name)
             np.testing.assert_array_equal(getattr(some.bodies["link"], f.name), expected)
         assert some.statistics == whole.statistics

@@ -17,7 +17,7 @@ from supple.body import (
     RigidInterface,
     flexible_body,
 )
-from supple.fem import HomogeneousWall, Isotropic, shell_model, solid_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.mesh import CellType, block, strip
 from supple.reduction.bases.interface_columns import motion_rows
 
@@ -29,7 +29,7 @@ def _strip_body(n_length: int, *interfaces: str) -> FlexibleBody:
     thickness = 0.006**0.5
     width = 0.4
     material = Isotropic(2.8e7 / (thickness * width), 0.0, 1.2 / (thickness * width))
-    model = shell_model(strip(LENGTH, width, n_length, 2), HomogeneousWall(material, thickness))
+    model = shell_model(strip(LENGTH, width, n_length, 2), HomogeneousSection(material, thickness))
     return flexible_body("strip", model, tuple(RigidInterface(name, name) for name in interfaces))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from supple.algebra.rotation import rotation_exp
-from supple.integrate import BodyMotion
+from supple.integrate import FloatingMotion
 from supple.results import node_motion, node_positions
 
 RNG = np.random.default_rng(4)
@@ -28,7 +28,7 @@ def motion(times):
     axis = SPIN / np.linalg.norm(SPIN)
     start = np.asarray(rotation_exp(TURN))
     rotation = np.array([start @ np.asarray(rotation_exp(a * axis)) for a in angle])
-    return BodyMotion(
+    return FloatingMotion(
         position=np.hstack([t**2, np.sin(t), t]),
         rotation=rotation,
         coordinates=np.hstack([0.3 * t**3, np.cos(2 * t)]),

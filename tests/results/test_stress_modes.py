@@ -10,9 +10,9 @@ from supple.body import MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible
 from supple.errors import ModelError
 from supple.fem import (
     VON_KARMAN,
-    HomogeneousWall,
+    HomogeneousSection,
     Isotropic,
-    LaminateWall,
+    LaminateSection,
     shell_model,
     solid_model,
     strain_recovery,
@@ -40,11 +40,11 @@ def solid(cell_type=CellType.TETRA10):
 
 
 def shell():
-    return shell_model(box_beam(1.0, 0.2, 0.1, 4, 2, 2), HomogeneousWall(STEEL, 0.004))
+    return shell_model(box_beam(1.0, 0.2, 0.1, 4, 2, 2), HomogeneousSection(STEEL, 0.004))
 
 
 def flat():
-    return shell_model(strip(1.0, 0.1, 6, 2), HomogeneousWall(STEEL, 0.004), kinematics=VON_KARMAN)
+    return shell_model(strip(1.0, 0.1, 6, 2), HomogeneousSection(STEEL, 0.004), kinematics=VON_KARMAN)
 
 
 def two_walls():
@@ -54,7 +54,7 @@ def two_walls():
     left = mesh.nodes[cells][:, :, 0].mean(axis=1) < 0.5
     parts = {"left": np.flatnonzero(left), "right": np.flatnonzero(~left)}
     sets = {name: {CellType.TRIANGLE3: part} for name, part in parts.items()}
-    walls = {"left": HomogeneousWall(STEEL, 0.004), "right": HomogeneousWall(ALLOY, 0.006)}
+    walls = {"left": HomogeneousSection(STEEL, 0.004), "right": HomogeneousSection(ALLOY, 0.006)}
     return shell_model(Mesh(mesh.nodes, mesh.cells, mesh.node_sets, sets), walls)
 
 
@@ -184,7 +184,7 @@ def test_tension_and_shear_of_a_bar():
 
 def test_a_shell_also_thins():
     """Plane stress: the strain across the wall is -nu/(1 - nu) (eps_x + eps_y)."""
-    model = shell_model(strip(1.0, 0.1, 6, 2), HomogeneousWall(STEEL, 0.004))
+    model = shell_model(strip(1.0, 0.1, 6, 2), HomogeneousSection(STEEL, 0.004))
     body, stretch = affine(model), 1e-9 * np.diag([1.0, 0.5, 0.0]).ravel()
     nu = STEEL.poissons_ratio
     strain = strain_modes(body, model).at(stretch)
@@ -229,7 +229,7 @@ def test_other_models_and_coordinates_are_refused():
         stress_modes(body, model, [2, 999])
     with pytest.raises(ModelError, match=r"coordinates of shape \(3,\): these modes are of a body with"):
         stress_modes(body, model, [0]).at(np.zeros(3))
-    laminate = LaminateWall(1e7 * np.eye(3), np.zeros((3, 3)), 1e2 * np.eye(3), 10.0, 1e-4)
+    laminate = LaminateSection(1e7 * np.eye(3), np.zeros((3, 3)), 1e2 * np.eye(3), 10.0, 1e-4)
     layered = shell_model(strip(1.0, 0.1, 6, 2), laminate)
-    with pytest.raises(ModelError, match="stress needs a HomogeneousWall"):
+    with pytest.raises(ModelError, match="stress needs a HomogeneousSection"):
         stress_modes(reduced(layered), layered)

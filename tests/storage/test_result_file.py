@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from supple.errors import ResultFileError
-from supple.integrate.solution import BodyMotion, Statistics, concatenate
+from supple.integrate.solution import FloatingMotion, Statistics, concatenate
 from supple.storage.result_file import ResultFile, write_solution
 from supple.storage.result_reader import read_header, read_last_instant, read_solution
 
@@ -27,7 +27,7 @@ def assert_bit_equal(left, right):
     assert left.times.tobytes() == right.times.tobytes()
     assert left.bodies.keys() == right.bodies.keys()
     for name in left.bodies:
-        for field in fields(BodyMotion):
+        for field in fields(FloatingMotion):
             one, other = getattr(left.bodies[name], field.name), getattr(right.bodies[name], field.name)
             assert one.shape == other.shape
             assert one.tobytes() == other.tobytes()

@@ -94,7 +94,7 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
     section = _Sections(rotor, operation, radius, polars)
 
     found = find_root(
-        section.imbalance,
+        section.relative_residual,
         (np.full(wind.shape, SMALLEST_INFLOW_ANGLE), np.full(wind.shape, np.pi / 2)),
         args=(np.broadcast_to(np.arange(radius.size), wind.shape), wind),
         tolerances={"xatol": INFLOW_TOLERANCE, "xrtol": 0.0, "fatol": 0.0, "frtol": 0.0},
@@ -142,7 +142,7 @@ class _Sections:
         turbulent = (np.sqrt(b**2 + 4 * np.maximum(k, 0) * d**2) + b) / (2 * d**2)
         return np.where(k <= CRITICAL_INDUCTION / d, 1 + k, turbulent), cos - share * C_t
 
-    def imbalance(self, phi: FloatArray, place: NDArray[np.int64], wind: FloatArray) -> FloatArray:
+    def relative_residual(self, phi: FloatArray, place: NDArray[np.int64], wind: FloatArray) -> FloatArray:
         axial, tangential = self.slowing(phi, place)
         return np.sin(phi) * axial * self.operation.angular_speed * self.radius[place] - tangential * wind
 

@@ -136,8 +136,8 @@ class ConstrainedFactor:
             return x, mu
         # The second pass removes the drift that round-off leaves where K is nearly singular and x a small
         # difference of large parts.
-        for imbalance in (R.T @ b, np.zeros((R.shape[1], b.shape[1]))):
-            right = self._scale[:, None] * np.vstack([D @ x - c, imbalance])
+        for relative_residual in (R.T @ b, np.zeros((R.shape[1], b.shape[1]))):
+            right = self._scale[:, None] * np.vstack([D @ x - c, relative_residual])
             forces, rigid = np.split(self._scale[:, None] * linalg.lu_solve(self._border, right), [len(D)])
             x -= self._response @ forces
             x -= R @ rigid

@@ -179,7 +179,7 @@ def _comparisons(
     loaded = lowest_modes(body.stiffness, mass, n_modes, constraint=(mass @ body.rigid_modes).T)
     return [
         _Comparison("free", free.values[:n_modes], 6, lambda model: model.interfaces_free()),
-        _Comparison("held", fixed.values[:n_modes], 0, lambda model: model.interfaces_held()),
+        _Comparison("held", fixed.values[:n_modes], 0, lambda model: model.interfaces_fixed()),
         _Comparison("loaded", loaded.values, 6, lambda model: model.interfaces_loaded(added)),
     ]
 

@@ -142,7 +142,7 @@ def fly_beam(
 
 @dataclass(frozen=True)
 class _Free:
-    n_held = 0
+    n_fixed = 0
 
     def configuration(self, i: int) -> Array:
         del i
@@ -156,7 +156,7 @@ class _Clamp:
     """The root's three freedoms follow a hub turning about the origin."""
 
     drive: AngleHistory
-    n_held = NODE_SIZE
+    n_fixed = NODE_SIZE
 
     def configuration(self, i: int) -> Array:
         return np.array([0.0, 0.0, self.drive.angle[i]])
@@ -198,7 +198,7 @@ def _integrate(
     beta = 0.25 * (gamma + 0.5) ** 2
     rate_factor = gamma / (h * beta)
     mass_factor = (1.0 - alpha_m) / (h**2 * beta * (1.0 - alpha_f))
-    held = root.n_held
+    held = root.n_fixed
 
     shape = (elements.n_nodes, NODE_SIZE)
     q, v = configuration.reshape(-1).copy(), velocity.reshape(-1).copy()
@@ -242,7 +242,7 @@ def _integrate(
 
 
 def _initial_acceleration(elements: BeamElements, configuration: Array, root: _Free | _Clamp) -> Array:
-    held = root.n_held
+    held = root.n_fixed
     acceleration = np.zeros(NODE_SIZE * elements.n_nodes)
     acceleration[:held] = root.acceleration(0)
     known = elements.momentum(acceleration.reshape(configuration.shape)).reshape(-1)

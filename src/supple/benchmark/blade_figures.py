@@ -10,7 +10,7 @@ import numpy as np
 from supple.benchmark.blade import BODY, FRAMES, ROOT, TipMotion
 from supple.benchmark.blade_benchmark import BladeRun
 from supple.benchmark.blade_full import FullRun
-from supple.reduction import CraigBampton, modal_derivatives, vibrating_basis
+from supple.reduction import CraigBampton, modal_derivatives, rayleigh_ritz
 from supple.results import node_positions, stress_modes
 from supple.viz import (
     REFERENCE,
@@ -76,7 +76,7 @@ def _draw_mesh(run: BladeRun, folder: Path) -> Path:
 def _draw_shapes(run: BladeRun, folder: Path) -> list[Path]:
     """Modes of the blade held at its root, and the derivatives of the first three."""
     body, mesh, frame = run.body, run.benchmark.blade.mesh, FRAMES["nodal-fixed"]
-    basis = vibrating_basis(body, frame, CraigBampton(n_modes=N_MODES).build(body, frame))
+    basis = rayleigh_ritz(body, frame, CraigBampton(n_modes=N_MODES).build(body, frame))
     derivatives = modal_derivatives(body, frame, basis)
     first = np.flatnonzero((derivatives.pairs < 3).all(axis=1))
 

@@ -24,12 +24,12 @@ from supple.mesh import CellType, RodCells, connecting_rod, cylinder
 from supple.reduction import (
     Bisection,
     CraigBamptonFamily,
-    EarlierEstimate,
     ErrorControlled,
     ErrorEstimator,
+    FirstOrderEstimate,
+    Han2020Bound,
     KnownEigenvalues,
     OneByOne,
-    PublishedBound,
     SearchStep,
     SharperBound,
     TwoTermEstimate,
@@ -51,8 +51,8 @@ Array = np.ndarray
 Progress = Callable[[float], None]
 
 ESTIMATORS: Mapping[str, ErrorEstimator] = {
-    "lower": EarlierEstimate(),
-    "paper": PublishedBound(),
+    "lower": FirstOrderEstimate(),
+    "paper": Han2020Bound(),
     "sharp": SharperBound(),
     "two_term": TwoTermEstimate(),
 }

@@ -14,7 +14,7 @@ from supple.body import FullBody
 from supple.fem import Isotropic
 from supple.integrate import Solution
 from supple.machine import System
-from supple.multibody import balances, joint_gaps
+from supple.multibody import balances, joint_residuals
 from supple.reduction import ReducedBody
 from supple.results import von_mises_history
 from supple.results.node_motion import node_motion
@@ -92,7 +92,7 @@ def drift(machine: FlexibleMachine, system: System, solution: Solution) -> Drift
     excess = energies.total - machine.work(solution)
     return Drift(
         float(np.abs(excess - excess[0]).max() / energies.kinetic.max()),
-        float(np.abs(joint_gaps(system, solution)).max()),
+        float(np.abs(joint_residuals(system, solution)).max()),
     )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from supple.benchmark.eigenvalue_error import EigenvalueErrors
 from supple.benchmark.mode_selection import SelectionQuality, compare_selections, draw_transfer_errors
 from supple.body import FlexibleBody, RigidInterface, flexible_body
-from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.mesh import box_beam
 
 __all__ = ["SelectionStudy", "draw_studies", "selection_studies", "selection_table", "thin_box"]
@@ -38,7 +38,7 @@ class SelectionStudy:
 
 def thin_box() -> FlexibleBody:
     """An aluminium box beam of 1 mm walls, 1 x 0.1 x 0.06 m, both ends rigid: a beam whose panels vibrate."""
-    wall = HomogeneousWall(Isotropic(70e9, 0.33, 2700.0), 0.001)
+    wall = HomogeneousSection(Isotropic(70e9, 0.33, 2700.0), 0.001)
     model = shell_model(box_beam(1.0, 0.1, 0.06, 30, 6, 4), wall)
     return flexible_body("box", model, [RigidInterface("root", "root"), RigidInterface("tip", "tip")])
 

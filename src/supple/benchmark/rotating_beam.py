@@ -30,7 +30,7 @@ from supple.body import (
 from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
-    HomogeneousWall,
+    HomogeneousSection,
     Isotropic,
     MembraneKinematics,
     shell_model,
@@ -108,7 +108,7 @@ class RotatingBeam:
         thickness = float(np.sqrt(12 * beam.bending_stiffness / beam.axial_stiffness))
         area = self.width * thickness
         material = Isotropic(beam.axial_stiffness / area, 0.0, beam.mass_per_length / area)
-        model = shell_model(self.mesh(), HomogeneousWall(material, thickness), kinematics=kinematics)
+        model = shell_model(self.mesh(), HomogeneousSection(material, thickness), kinematics=kinematics)
         return flexible_body(BODY, model, [RigidInterface(ROOT, ROOT)])
 
 

@@ -106,7 +106,7 @@ def _reduced_numbers(rom: ReducedRun) -> dict[str, Any]:
         "seconds": statistics.seconds,
         "compile_seconds": statistics.compile_seconds,
         "offline_seconds": rom.offline_seconds,
-        "cuts": statistics.cuts,
+        "cuts": statistics.rejected_steps,
         "failed_at": rom.failed_at,
     }
 

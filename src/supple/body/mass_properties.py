@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body.rigid_motion import nodal_rigid_modes
-from supple.fem import BeamSection, FiniteElementModel, Isotropic, ShellWall
+from supple.fem import BeamSection, FiniteElementModel, Isotropic, ShellSection
 from supple.fem.beam2 import beam_axes
 from supple.mesh import CellType
 
@@ -88,7 +88,7 @@ def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
     return MassProperties(float(total), middle + arm, np.trace(central) * np.eye(3) - central + rotary)
 
 
-def _density(made_of: Isotropic | ShellWall | BeamSection) -> float:
+def _density(made_of: Isotropic | ShellSection | BeamSection) -> float:
     """Mass per volume, area or length."""
     if isinstance(made_of, Isotropic):
         return made_of.density
@@ -98,7 +98,7 @@ def _density(made_of: Isotropic | ShellWall | BeamSection) -> float:
     return made_of.mass_per_area
 
 
-def _rotary_inertia(made_of: Isotropic | ShellWall | BeamSection, x: FloatArray) -> FloatArray:
+def _rotary_inertia(made_of: Isotropic | ShellSection | BeamSection, x: FloatArray) -> FloatArray:
     """Inertia (3, 3) of walls and sections about their own middle, summed over simplices x."""
     if isinstance(made_of, Isotropic):
         return np.zeros((3, 3))

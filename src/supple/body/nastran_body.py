@@ -12,7 +12,7 @@ from supple.fem import (
     GREEN_LAGRANGE,
     BeamSection,
     FiniteElementModel,
-    HomogeneousWall,
+    HomogeneousSection,
     Isotropic,
     MembraneKinematics,
     shell_model,
@@ -56,12 +56,12 @@ def nastran_model(
     ------
     ModelError   shells or beams and solids in one file; a wall thicker than the mesh
     """
-    walls: dict[str, HomogeneousWall | BeamSection] = {}
+    walls: dict[str, HomogeneousSection | BeamSection] = {}
     materials: dict[str, Isotropic] = {}
     for name, given in model.properties.items():
         match given:
             case ShellProperty():
-                walls[name] = HomogeneousWall(_isotropic(given.material), given.thickness)
+                walls[name] = HomogeneousSection(_isotropic(given.material), given.thickness)
             case BeamProperty():
                 walls[name] = BeamSection(
                     _isotropic(given.material),

@@ -44,7 +44,7 @@ from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
     FiniteElementModel,
-    HomogeneousWall,
+    HomogeneousSection,
     Isotropic,
     shell_model,
     solid_model,
@@ -241,7 +241,7 @@ def build_model(case_file: CaseFile, table: schema.Body, mesh: Mesh) -> FiniteEl
     shell = table.shell
     assert shell is not None  # a rule of the case file
     material = Isotropic(shell.youngs_modulus, shell.poissons_ratio, shell.density)
-    wall = HomogeneousWall(material, shell.thickness)
+    wall = HomogeneousSection(material, shell.thickness)
     return shell_model(mesh, wall, kinematics=_KINEMATICS[shell.kinematics])
 
 

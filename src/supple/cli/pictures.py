@@ -11,9 +11,9 @@ from supple.body import FullBody
 from supple.cli.build_bodies import build_model
 from supple.cli.build_system import BuiltCase, with_faces
 from supple.cli.tracked_motion import TrackedMotion, deflections
-from supple.integrate import BodyMotion, Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.mesh import Mesh
-from supple.reduction import ReducedBody, held_modes
+from supple.reduction import ReducedBody, clamped_modes
 from supple.results import node_positions, von_mises_history
 from supple.viz import (
     Camera,
@@ -81,7 +81,7 @@ def draw_pictures(
     return pictures
 
 
-def draw_film(
+def draw_animation(
     built: BuiltCase, solution: Solution, path: Path, progress: Callable[[float], None]
 ) -> Path | None:
     """Film all bodies that have a mesh, coloured by deflection or stress; None when there is none."""
@@ -143,7 +143,7 @@ def _elastic_bodies(built: BuiltCase) -> list[tuple[ElasticBody, Mesh]]:
     ]
 
 
-def _stress(built: BuiltCase, body: ElasticBody, motion: BodyMotion) -> np.ndarray:
+def _stress(built: BuiltCase, body: ElasticBody, motion: FloatingMotion) -> np.ndarray:
     """Von Mises stress (t, N) of all nodes, Pa."""
     (table,) = (table for table in built.case_file.case.body if table.name == body.name)
     model = build_model(built.case_file, table, built.meshes[body.name])
@@ -157,7 +157,7 @@ def _shows_stress(built: BuiltCase) -> bool:
 def _draw_modes(path: Path, body: ReducedBody, surface: Skin) -> Path:
     """Modes of the body clamped at its first interface, or in its frame when it has none."""
     if body.interfaces:
-        modes = held_modes(body, body.interfaces[0].name, n_modes=N_MODES)
+        modes = clamped_modes(body, body.interfaces[0].name, n_modes=N_MODES)
         return plot_mode_shapes(
             path, body.nodes, surface, modes.shapes, mode_titles(modes.frequencies / (2 * np.pi))
         )
@@ -169,7 +169,7 @@ def _draw_modes(path: Path, body: ReducedBody, surface: Skin) -> Path:
 
 
 def _draw_deformed(
-    path: Path, body: ElasticBody, motion: BodyMotion, times: np.ndarray, surface: Skin
+    path: Path, body: ElasticBody, motion: FloatingMotion, times: np.ndarray, surface: Skin
 ) -> Path:
     """The body when it is bent most, enlarged if that were too little to see."""
     instants = _instants(times, N_INSTANTS)

@@ -120,7 +120,7 @@ def _draw(
     if not (output.pictures or output.animation):
         return
     # Imported here: a run without pictures does not wait for the drawing library.
-    from supple.cli.pictures import draw_film, draw_pictures
+    from supple.cli.pictures import draw_animation, draw_pictures
 
     if output.pictures:
         sizes = {
@@ -132,8 +132,10 @@ def _draw(
             steps.show("drawing pictures")
             draw_pictures(built, solution, tracked, sizes, folder)
     if output.animation:
-        task = bars.add_task("drawing the film", total=1.0)
-        draw_film(built, solution, folder / "motion.gif", lambda share: bars.update(task, completed=share))
+        task = bars.add_task("drawing the animation", total=1.0)
+        draw_animation(
+            built, solution, folder / "motion.gif", lambda share: bars.update(task, completed=share)
+        )
 
 
 class _Steps:

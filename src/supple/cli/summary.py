@@ -10,9 +10,9 @@ from rich.table import Table
 
 from supple.body import FullBody, RigidBody
 from supple.cli.tracked_motion import TrackedMotion
-from supple.integrate import Solution
+from supple.integrate import Solution, Statistics
 from supple.machine import System
-from supple.reduction import held_modes
+from supple.reduction import clamped_modes
 
 N_FREQUENCIES = 5
 
@@ -26,7 +26,7 @@ def summarize(system: System, tracked: Sequence[TrackedMotion], solution: Soluti
             name: _joint_numbers(loads, solution.times)
             for name, loads in joint_loads(system, solution).items()
         },
-        "statistics": solution.statistics,
+        "statistics": cost_numbers(solution.statistics),
     }
 
 
@@ -37,7 +37,8 @@ def body_numbers(body: Any) -> dict[str, Any]:
     if isinstance(body, FullBody):
         return {"kind": "full", "nodes": len(body.nodes), "coordinates": body.r}
     held = {
-        i.name: _hertz(held_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies) for i in body.interfaces
+        i.name: _hertz(clamped_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies)
+        for i in body.interfaces
     }
     proven = body.report.certificate
     return {
@@ -150,11 +151,22 @@ def joint_table(numbers: Mapping[str, Any]) -> Table:
     return table
 
 
+def cost_numbers(cost: Statistics) -> dict[str, float]:
+    """The cost of a run under the names that scripts read."""
+    return {
+        "steps": cost.steps,
+        "iterations": cost.iterations,
+        "cuts": cost.rejected_steps,
+        "seconds": cost.seconds,
+        "compile_seconds": cost.compile_seconds,
+    }
+
+
 def cost_line(solution: Solution) -> str:
     """Steps, iterations and seconds in one line."""
     cost = solution.statistics
     return (
-        f"{cost.steps} steps, {cost.iterations} Newton iterations, {cost.cuts} cuts; "
+        f"{cost.steps} steps, {cost.iterations} Newton iterations, {cost.rejected_steps} cuts; "
         f"{cost.seconds:.2f} s of simulation after {cost.compile_seconds:.1f} s of compilation"
     )
 

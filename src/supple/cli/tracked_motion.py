@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from supple.body import FullBody, RigidBody
-from supple.integrate import BodyMotion, Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.machine import System
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody
@@ -54,7 +54,7 @@ def track(place: str, system: System, meshes: Mapping[str, Mesh], solution: Solu
     return TrackedMotion(place, position, base.name, deflection)
 
 
-def deflections(body: ReducedBody | FullBody, motion: BodyMotion) -> np.ndarray:
+def deflections(body: ReducedBody | FullBody, motion: FloatingMotion) -> np.ndarray:
     """Displacements (t, N, 3) of all nodes seen from the body's first interface, or else from its frame."""
     if not body.interfaces:
         return node_displacements(body, motion.coordinates)
@@ -63,7 +63,7 @@ def deflections(body: ReducedBody | FullBody, motion: BodyMotion) -> np.ndarray:
     return seen - (body.nodes - body.interfaces[0].position)
 
 
-def _base_axes(body: ReducedBody | FullBody, motion: BodyMotion) -> tuple[np.ndarray, np.ndarray]:
+def _base_axes(body: ReducedBody | FullBody, motion: FloatingMotion) -> tuple[np.ndarray, np.ndarray]:
     """Position (t, 3) and axes (t, 3, 3) in space of the first interface."""
     base = body.interfaces[0]
     base_motion = motion.coordinates @ base.motion.T
@@ -71,12 +71,12 @@ def _base_axes(body: ReducedBody | FullBody, motion: BodyMotion) -> tuple[np.nda
     return origin, motion.rotation @ Rotation.from_rotvec(base_motion[:, 3:]).as_matrix()
 
 
-def _in_space(motion: BodyMotion, local: np.ndarray) -> np.ndarray:
+def _in_space(motion: FloatingMotion, local: np.ndarray) -> np.ndarray:
     return motion.position + np.einsum("tij,tj->ti", motion.rotation, local)
 
 
 def _relative(
-    body: ReducedBody | FullBody, where: str, motion: BodyMotion, meshes: Mapping[str, Mesh]
+    body: ReducedBody | FullBody, where: str, motion: FloatingMotion, meshes: Mapping[str, Mesh]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rest position (3,) and displacement (t, 3) in the floating frame."""
     for interface in body.interfaces:

@@ -13,7 +13,7 @@ from supple.machine.system import System
 from supple.reduction import ReductionBasis
 from supple.simulation.simulate import simulate
 
-__all__ = ["Forgotten", "MissedMotion", "RoundArchive", "RoundBases"]
+__all__ = ["InMemoryArchive", "MissedMotion", "RoundArchive", "RoundBases"]
 
 
 class MissedMotion(NamedTuple):
@@ -56,7 +56,7 @@ class RoundArchive(Protocol):
         ...
 
 
-class Forgotten:
+class InMemoryArchive:
     """Keeps nothing: all there is of the rounds is in memory."""
 
     def read_bases(self, number: int, fulls: Mapping[str, FullBody]) -> RoundBases | None:  # noqa: ARG002

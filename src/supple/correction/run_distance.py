@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from supple.integrate import BodyMotion
+from supple.integrate import FloatingMotion
 from supple.reduction import ReducedBody
 
 __all__ = ["largest_displacement", "largest_distance"]
@@ -14,7 +14,7 @@ _ROWS = 64
 
 
 def largest_distance(
-    body: ReducedBody, motion: BodyMotion, other_body: ReducedBody, other_motion: BodyMotion
+    body: ReducedBody, motion: FloatingMotion, other_body: ReducedBody, other_motion: FloatingMotion
 ) -> float:
     """Largest RMS distance of the nodes over time, between two motions at the same output times."""
     largest = 0.0
@@ -24,7 +24,7 @@ def largest_distance(
     return float(np.sqrt(largest / len(body.nodes)))
 
 
-def largest_displacement(body: ReducedBody, motion: BodyMotion) -> float:
+def largest_displacement(body: ReducedBody, motion: FloatingMotion) -> float:
     """Largest displacement of a node over time, seen from the body's first interface, or in its frame.
 
     The turn of the interface against the frame is taken as small.
@@ -41,11 +41,11 @@ def largest_displacement(body: ReducedBody, motion: BodyMotion) -> float:
     return float(max(sizes))
 
 
-def _positions(body: ReducedBody, motion: BodyMotion, rows: slice) -> np.ndarray:
+def _positions(body: ReducedBody, motion: FloatingMotion, rows: slice) -> np.ndarray:
     """In space, (t, N, 3)."""
     local = body.nodes + body.expand(motion.coordinates[rows])
     return motion.position[rows, None] + np.einsum("tij,tnj->tni", motion.rotation[rows], local)
 
 
-def _blocks(motion: BodyMotion) -> list[slice]:
+def _blocks(motion: FloatingMotion) -> list[slice]:
     return [slice(start, start + _ROWS) for start in range(0, len(motion.position), _ROWS)]

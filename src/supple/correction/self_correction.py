@@ -13,7 +13,7 @@ from supple.correction.correction_rounds import (
     SelfCorrection,
     SelfCorrectionError,
 )
-from supple.correction.round_archive import Forgotten, RoundArchive
+from supple.correction.round_archive import InMemoryArchive, RoundArchive
 from supple.correction.system_correction import Announce, CorrectionProgress, Problem, RunOptions, correct
 from supple.integrate import StepControl, TimeIntegrator, Tolerances
 from supple.machine.system import System
@@ -96,7 +96,7 @@ def self_correct(
             options=RunOptions(duration, output_step, step, method, tolerances, validity),
             announce=announce,
             progress=progress,
-            archive=archive or Forgotten(),
+            archive=archive or InMemoryArchive(),
         )
     )
     return corrected.bodies[body.name]

@@ -18,7 +18,7 @@ from supple.correction.correction_rounds import (
     SelfCorrectionError,
 )
 from supple.correction.residual_correction import system_corrections
-from supple.correction.round_archive import Forgotten, MissedMotion, RoundArchive, RoundBases
+from supple.correction.round_archive import InMemoryArchive, MissedMotion, RoundArchive, RoundBases
 from supple.correction.run_distance import largest_displacement, largest_distance
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import Solution, StepControl, TimeIntegrator, Tolerances, concatenate
@@ -88,7 +88,7 @@ def self_correct_system(
         options=RunOptions(duration, output_step, step, method, tolerances, validity),
         announce=announce,
         progress=progress,
-        archive=archive or Forgotten(),
+        archive=archive or InMemoryArchive(),
     )
     return correct(problem)
 

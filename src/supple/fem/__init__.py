@@ -8,7 +8,7 @@ from supple.fem.model import FiniteElementModel, lumped_mass, shell_model, solid
 from supple.fem.nodal_rotation import nodal_rotation_operator
 from supple.fem.quadratic_strain import QuadraticStrain
 from supple.fem.section import Section
-from supple.fem.shell_wall import HomogeneousWall, LaminateWall, ShellWall
+from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
 from supple.fem.stress import (
     StressRecovery,
     strain_recovery,
@@ -23,13 +23,13 @@ __all__ = [
     "Assembly",
     "BeamSection",
     "FiniteElementModel",
-    "HomogeneousWall",
+    "HomogeneousSection",
     "Isotropic",
-    "LaminateWall",
+    "LaminateSection",
     "MembraneKinematics",
     "QuadraticStrain",
     "Section",
-    "ShellWall",
+    "ShellSection",
     "StressRecovery",
     "assemble",
     "lumped_mass",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, kron
 
-from supple.fem.shell_wall import ShellWall
+from supple.fem.shell_section import ShellSection
 
 FloatArray = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class CellMass:
         return CellMass(self.nodes, _scaled_diagonal(self.translational), rotary, self.rotary_inertia)
 
 
-def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], wall: ShellWall) -> CellMass:
+def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], wall: ShellSection) -> CellMass:
     """Consistent mass of shell triangles, with linear shape functions.
 
         m_ab = (mass per area) A/12 (1 + delta_ab),   and the same with the rotary inertia on all rotations

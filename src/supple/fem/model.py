@@ -21,8 +21,8 @@ from supple.fem.material import Isotropic
 from supple.fem.node_sparsity import node_sparsity
 from supple.fem.quadratic_strain import QuadraticStrain, stiffness
 from supple.fem.section import Section, sections
+from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
 from supple.fem.shell_triangle import ROTATION_LIMIT, shell_triangle
-from supple.fem.shell_wall import HomogeneousWall, LaminateWall, ShellWall
 from supple.fem.solid_element import solid_mass, solid_strain
 from supple.fem.tetra4 import TETRA4_ELEMENT
 from supple.fem.tetra10 import TETRA10_ELEMENT
@@ -64,7 +64,7 @@ class FiniteElementModel:
 
 def shell_model(
     mesh: Mesh,
-    wall: ShellWall | BeamSection | Mapping[str, ShellWall | BeamSection],
+    wall: ShellSection | BeamSection | Mapping[str, ShellSection | BeamSection],
     *,
     kinematics: MembraneKinematics = GREEN_LAGRANGE,
 ) -> FiniteElementModel:
@@ -73,7 +73,7 @@ def shell_model(
     Parameters
     ----------
     mesh : Mesh                         of TRIANGLE3 and LINE2 cells
-    wall : ShellWall (triangles) or BeamSection (lines), or {cell set name: either} with every cell in one set
+    wall : ShellSection (triangles) or BeamSection (lines), or {cell set: either} with every cell in one set
     kinematics : MembraneKinematics     GREEN_LAGRANGE, or VON_KARMAN for flat structures
 
     Raises
@@ -125,11 +125,11 @@ def _shell_block(mesh: Mesh, section: Section, kinematics: MembraneKinematics) -
             f"a shell model takes TRIANGLE3 cells; the mesh has {section.cell_type.name}. "
             "Use solid_model for solid cells"
         )
-    if not isinstance(wall, HomogeneousWall | LaminateWall):
+    if not isinstance(wall, HomogeneousSection | LaminateSection):
         raise ModelError(
-            f"a shell needs a wall, not {type(wall).__name__}: HomogeneousWall(material, thickness)"
+            f"a shell needs a wall, not {type(wall).__name__}: HomogeneousSection(material, thickness)"
         )
-    if isinstance(wall, HomogeneousWall):
+    if isinstance(wall, HomogeneousSection):
         _check_thickness(mesh, section, wall.thickness)
     return shell_triangle(section.corners(mesh), _dofs(section.nodes(mesh), 6), wall, kinematics)
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from supple.errors import ModelError
 from supple.fem.beam_section import BeamSection
 from supple.fem.material import Isotropic
-from supple.fem.shell_wall import ShellWall
+from supple.fem.shell_section import ShellSection
 from supple.mesh import CellType, Mesh
 
 IntArray = NDArray[np.int64]
-Property = ShellWall | BeamSection | Isotropic
+Property = ShellSection | BeamSection | Isotropic
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class Section:
     ----------
     cell_type : CellType
     cells : int array (E,)                      numbers of the cells within their type
-    property : ShellWall (shells), BeamSection (beams) or Isotropic (solids)
+    property : ShellSection (shells), BeamSection (beams) or Isotropic (solids)
     """
 
     cell_type: CellType

@@ -24,7 +24,7 @@ from supple.fem.optimal_membrane import (
     triangle_area,
 )
 from supple.fem.quadratic_strain import QuadraticStrain
-from supple.fem.shell_wall import HomogeneousWall, ShellWall
+from supple.fem.shell_section import HomogeneousSection, ShellSection
 
 FloatArray = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ BENDING = np.array([[2, 3, 4]]) + 6 * np.arange(3)[:, None]
 
 
 def shell_triangle(
-    corners: FloatArray, dofs: NDArray[np.int64], wall: ShellWall, kinematics: MembraneKinematics
+    corners: FloatArray, dofs: NDArray[np.int64], wall: ShellSection, kinematics: MembraneKinematics
 ) -> QuadraticStrain:
     """Quadratic-strain arrays of shell triangles with one wall.
 
@@ -49,7 +49,7 @@ def shell_triangle(
     ----------
     corners : float array (E, 3, 3)     positions, m
     dofs : int array (E, 18)            nodal freedoms
-    wall : HomogeneousWall or LaminateWall
+    wall : HomogeneousSection or LaminateSection
     kinematics : MembraneKinematics
 
     Raises
@@ -88,7 +88,7 @@ def shell_triangle(
 
 
 def layer_strain(
-    corners: FloatArray, block: QuadraticStrain, wall: HomogeneousWall, heights: tuple[float, ...]
+    corners: FloatArray, block: QuadraticStrain, wall: HomogeneousSection, heights: tuple[float, ...]
 ) -> QuadraticStrain:
     """Strain arrays at the centroid of shell triangles, at heights z = h t/2: B_m + z B_k, plane stress.
 
@@ -116,7 +116,7 @@ def layer_strain(
     )
 
 
-def element_axes(corners: FloatArray, wall: ShellWall) -> FloatArray:
+def element_axes(corners: FloatArray, wall: ShellSection) -> FloatArray:
     """Axes (E, 3, 3) of each element, rows x y z in global components; z the normal.
 
     x is the wall's reference direction projected onto the element, or the first side of an isotropic wall.

@@ -19,8 +19,8 @@ from supple.fem.material import Isotropic
 from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel
 from supple.fem.quadratic_strain import QuadraticStrain, strain
 from supple.fem.section import Section
+from supple.fem.shell_section import HomogeneousSection
 from supple.fem.shell_triangle import element_axes, layer_strain
-from supple.fem.shell_wall import HomogeneousWall
 from supple.fem.solid_element import extrapolation
 
 FloatArray = NDArray[np.float64]
@@ -166,7 +166,7 @@ def _material(section: Section) -> Isotropic:
     given = section.property
     if isinstance(given, Isotropic):
         return given
-    assert isinstance(given, HomogeneousWall)  # stress_recovery has refused the others
+    assert isinstance(given, HomogeneousSection)  # stress_recovery has refused the others
     return given.material
 
 
@@ -178,9 +178,9 @@ def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain
     wall = section.property
     if isinstance(wall, BeamSection):
         raise ModelError("no stress recovery for beams: their sections do not say where the stress acts")
-    if not isinstance(wall, HomogeneousWall):
+    if not isinstance(wall, HomogeneousSection):
         raise ModelError(
-            "stress needs a HomogeneousWall; an A-B-D matrix does not say the stress of each ply"
+            "stress needs a HomogeneousSection; an A-B-D matrix does not say the stress of each ply"
         )
     to_nodes = np.broadcast_to(np.eye(len(LAYERS)), (3, len(LAYERS), len(LAYERS)))
     arrays = layer_strain(corners, block, wall, LAYERS)

@@ -8,14 +8,14 @@ from supple.integrate.generalized_alpha import (
     StepRule,
     TimeIntegrator,
 )
-from supple.integrate.solution import BodyMotion, Solution, Statistics, concatenate
+from supple.integrate.solution import FloatingMotion, Solution, Statistics, concatenate
 from supple.integrate.step_control import AdaptiveStep, FixedStep, StepControl, Tolerances
 
 __all__ = [
     "AdaptiveStep",
-    "BodyMotion",
     "Coefficients",
     "FixedStep",
+    "FloatingMotion",
     "GeneralizedAlpha",
     "HilberHughesTaylor",
     "Newmark",

@@ -7,11 +7,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-__all__ = ["BodyMotion", "Solution", "Statistics", "concatenate"]
+__all__ = ["FloatingMotion", "Solution", "Statistics", "concatenate"]
 
 
 @dataclass(frozen=True)
-class BodyMotion:
+class FloatingMotion:
     """Motion of one body's floating frame and of its deformation coordinates, one row per output time."""
 
     position: np.ndarray
@@ -33,9 +33,9 @@ class BodyMotion:
     coordinate_accelerations: np.ndarray
     """(t, r)."""
 
-    def at(self, rows: slice | np.ndarray) -> BodyMotion:
+    def at(self, rows: slice | np.ndarray) -> FloatingMotion:
         """The motion at some of its output times, by their numbers."""
-        return BodyMotion(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
+        return FloatingMotion(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Statistics:
 
     steps: int = 0
     iterations: int = 0
-    cuts: int = 0
+    rejected_steps: int = 0
     seconds: float = 0.0
     compile_seconds: float = 0.0
 
@@ -58,7 +58,7 @@ class Solution:
 
     times: np.ndarray
     """(t,) output times."""
-    bodies: Mapping[str, BodyMotion]
+    bodies: Mapping[str, FloatingMotion]
     joint_forces: Mapping[str, np.ndarray]
     """Joint name to (t, m) Lagrange multipliers, in the order of the joint's constraint equations: forces and
     moments of the joint on its first end, along the first end's joint axes (z is the joint's axis)."""
@@ -86,7 +86,7 @@ def concatenate(parts: Sequence[Solution]) -> Solution:
     return Solution(
         times=np.concatenate([part.times for part in parts]),
         bodies={
-            name: BodyMotion(**{f.name: join(f.name, name) for f in fields(BodyMotion)})
+            name: FloatingMotion(**{f.name: join(f.name, name) for f in fields(FloatingMotion)})
             for name in first.bodies
         },
         joint_forces={

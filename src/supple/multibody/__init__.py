@@ -4,8 +4,8 @@ from supple.multibody.checks.energy import (
     Balances,
     balances,
 )
-from supple.multibody.checks.joint_gaps import (
-    joint_gaps,
+from supple.multibody.checks.joint_residuals import (
+    joint_residuals,
 )
 from supple.multibody.checks.load_spectrum import (
     BandCoverage,
@@ -29,7 +29,7 @@ __all__ = [
     "Validity",
     "balances",
     "band_coverage",
-    "joint_gaps",
+    "joint_residuals",
     "load_spectra",
     "warn_of_missing_modes",
 ]

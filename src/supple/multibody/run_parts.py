@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from supple.errors import ModelError
-from supple.integrate import BodyMotion, Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.machine.system import System
 from supple.multibody.equations.balance import Configuration
 from supple.multibody.equations.model import Model
@@ -52,12 +52,12 @@ def body_motions(
     configuration: Configuration,
     velocity: np.ndarray,
     acceleration: np.ndarray,
-) -> dict[str, BodyMotion]:
+) -> dict[str, FloatingMotion]:
     """Split stacked states (leading axis: time) by body."""
     motions = {}
     for index, (placed, part) in enumerate(zip(system.bodies, slices, strict=True)):
         own, rate = velocity[..., part], acceleration[..., part]
-        motions[placed.body.name] = BodyMotion(
+        motions[placed.body.name] = FloatingMotion(
             position=configuration.origins[..., index, :],
             rotation=configuration.rotations[..., index, :, :],
             coordinates=configuration.coordinates[index],
@@ -118,13 +118,13 @@ def last_instant(system: System, model: Model, done: Solution) -> LastInstant:
     )
 
 
-def failure_message(time: float, imbalance: np.ndarray) -> str:
-    """Why and where a run stopped; `imbalance` is the relative residual of the four kinds of equations."""
+def failure_message(time: float, relative_residual: np.ndarray) -> str:
+    """Why and where a run stopped; `relative_residual` is that of the four kinds of equations."""
     kinds = ("forces", "moments", "deformation", "constraints")
-    worst = int(np.argmax(np.where(np.isfinite(imbalance), imbalance, np.inf)))
+    worst = int(np.argmax(np.where(np.isfinite(relative_residual), relative_residual, np.inf)))
     return (
         f"no convergence at t = {time:.6g} with the smallest step allowed: relative residual "
-        f"{imbalance[worst]:.2g} in the {kinds[worst]}. A singular position (a mechanism stretched out), a "
-        "motion prescribed with a jump, loads far beyond the body's stiffness, or a basis without the "
-        "nonlinear terms it needs are the usual causes; what was computed until then is kept"
+        f"{relative_residual[worst]:.2g} in the {kinds[worst]}. A singular position (a mechanism stretched "
+        "out), a motion prescribed with a jump, loads far beyond the body's stiffness, or a basis without "
+        "the nonlinear terms it needs are the usual causes; what was computed until then is kept"
     )

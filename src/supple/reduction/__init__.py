@@ -18,12 +18,13 @@ from supple.reduction.bases.error_controlled import (
 )
 from supple.reduction.bases.guyan import Guyan, constraint_modes, interface_shapes
 from supple.reduction.bases.herting import Herting, inertia_relief_modes
-from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe, vibrating_basis
+from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe, rayleigh_ritz
 from supple.reduction.bases.macneal import MacNealComponent
 from supple.reduction.bases.mode_selection import ChosenModes, LowestFrequency, ModeSelection
 from supple.reduction.bases.normal_modes import CompleteBasis, NormalModes
 from supple.reduction.bases.rubin import Rubin
 from supple.reduction.bases.static_correction import StaticCorrection
+from supple.reduction.clamped_modes import ClampedModes, clamped_modes
 from supple.reduction.components.component_model import ComponentModel, ReducedMatrices, RitzComponent
 from supple.reduction.components.fixed_interface_component import (
     FixedInterfaceComponent,
@@ -57,18 +58,17 @@ from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertif
 from supple.reduction.eigenvalues.eigenvalue_count import CountedGroup, count_eigenvalues
 from supple.reduction.eigenvalues.eigenvalue_enclosure import EigenvalueEnclosure, enclose_eigenvalues
 from supple.reduction.eigenvalues.eigenvalue_error import (
-    EarlierEstimate,
     ErrorEstimator,
     ErrorTerms,
+    FirstOrderEstimate,
+    Han2020Bound,
     KnownEigenvalues,
-    PublishedBound,
     SharperBound,
     TwoTermEstimate,
     error_terms,
 )
 from supple.reduction.eigenvalues.mode_search import Bisection, ModeSearch, OneByOne, SearchStep
 from supple.reduction.enrichment import Enrichment, enrich
-from supple.reduction.held_modes import HeldModes, held_modes
 from supple.reduction.projection import project
 from supple.reduction.reduce import reduce
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface, ReductionReport
@@ -80,6 +80,7 @@ __all__ = [
     "AttachmentModes",
     "Bisection",
     "ChosenModes",
+    "ClampedModes",
     "CompleteBasis",
     "ComponentModel",
     "CompressedDerivatives",
@@ -91,7 +92,6 @@ __all__ = [
     "DerivativeChoice",
     "DerivativeColumns",
     "DualCraigBampton",
-    "EarlierEstimate",
     "EffectiveInterfaceMass",
     "EigenvalueCertificate",
     "EigenvalueEnclosure",
@@ -100,11 +100,12 @@ __all__ = [
     "ErrorControlledModes",
     "ErrorEstimator",
     "ErrorTerms",
+    "FirstOrderEstimate",
     "FixedInterfaceComponent",
     "FreeInterfaceComponent",
     "FreeVibrations",
     "Guyan",
-    "HeldModes",
+    "Han2020Bound",
     "Herting",
     "InternalForceTensors",
     "KnownEigenvalues",
@@ -123,7 +124,6 @@ __all__ = [
     "OneByOne",
     "PairCriterion",
     "PickedDerivatives",
-    "PublishedBound",
     "ReducedBody",
     "ReducedInterface",
     "ReducedMatrices",
@@ -137,6 +137,7 @@ __all__ = [
     "StaticLoad",
     "TwoTermEstimate",
     "UnitLoad",
+    "clamped_modes",
     "compress",
     "constraint_modes",
     "count_eigenvalues",
@@ -153,7 +154,6 @@ __all__ = [
     "free_interface_component",
     "free_interface_modes",
     "free_vibrations",
-    "held_modes",
     "inertia_relief_modes",
     "interface_shapes",
     "interior_interface_mass",
@@ -162,10 +162,10 @@ __all__ = [
     "modal_derivatives",
     "pick",
     "project",
+    "rayleigh_ritz",
     "reduce",
     "reduction_basis",
     "residual_component",
     "rubin_component",
     "unpack_symmetric",
-    "vibrating_basis",
 ]

@@ -9,7 +9,7 @@ import numpy as np
 from supple.algebra import mass_orthonormalize, read_only
 from supple.body import FlexibleBody, Frame
 from supple.errors import AccuracyError
-from supple.reduction.bases.linear_basis import LinearBasisRecipe, vibrating_basis
+from supple.reduction.bases.linear_basis import LinearBasisRecipe, rayleigh_ritz
 from supple.reduction.derivatives.compression import CompressedDerivatives
 from supple.reduction.derivatives.derivative_columns import DerivativeChoice
 from supple.reduction.reduced_body import ReductionReport
@@ -50,7 +50,7 @@ def reduction_basis(
     """The basis that `reduce` projects on: linear columns, then derivatives; all as there."""
     seconds: dict[str, float] = {}
     with timed(seconds, "linear basis"):
-        linear = vibrating_basis(body, frame, basis.build(body, frame))
+        linear = rayleigh_ritz(body, frame, basis.build(body, frame))
     with timed(seconds, "derivatives"):
         added = derivatives.columns(body, frame, linear)
         V, _, _ = mass_orthonormalize(np.hstack([linear.vectors, added.vectors]), body.mass)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.integrate.solution import BodyMotion, Solution
+from supple.integrate.solution import FloatingMotion, Solution
 from supple.results.recovery import ElasticBody, node_positions, time_slices
 
 Array = NDArray[np.float64]
@@ -119,7 +119,7 @@ def _percent(squared_distance: float, squared_size: float) -> float:
     return 100.0 * float(np.sqrt(squared_distance / squared_size))
 
 
-def _motion_of(solution: Solution, body: str) -> BodyMotion:
+def _motion_of(solution: Solution, body: str) -> FloatingMotion:
     if body not in solution.bodies:
         raise ModelError(f"no body '{body}' in the solution; it has {', '.join(solution.bodies) or 'none'}")
     return solution.bodies[body]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.integrate.solution import BodyMotion
+from supple.integrate.solution import FloatingMotion
 from supple.results.recovery import ElasticBody, node_displacements, node_positions
 
 Array = NDArray[np.float64]
@@ -21,7 +21,7 @@ class NodeMotion(NamedTuple):
     acceleration: Array
 
 
-def node_motion(body: ElasticBody, motion: BodyMotion, nodes: ArrayLike) -> NodeMotion:
+def node_motion(body: ElasticBody, motion: FloatingMotion, nodes: ArrayLike) -> NodeMotion:
     """Motion of some nodes of a body in its floating frame:
 
         r = R + A (x + u),   dr = dR + A (w x (x + u) + du)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
-from supple.integrate.solution import BodyMotion
+from supple.integrate.solution import FloatingMotion
 
 Array = NDArray[np.float64]
 
@@ -54,7 +54,9 @@ def node_displacements(
     )
 
 
-def node_positions(body: ElasticBody, motion: BodyMotion, nodes: ArrayLike | slice = slice(None)) -> Array:
+def node_positions(
+    body: ElasticBody, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)
+) -> Array:
     """Positions r = R + A (x + u) of some nodes, or all, in space.
 
     Parameters and errors as for node_displacements, the coordinates being those of the motion.

@@ -180,13 +180,13 @@ def _marched_together(
         cost = Statistics(
             steps=int(final.steps[own]),
             iterations=int(final.iterations[own]),
-            cuts=int(final.cuts[own]),
+            rejected_steps=int(final.rejected_steps[own]),
             seconds=seconds / len(cases),
         )
         of_case = jax.tree.map(lambda array, own=own: array[own], history)
         solutions.append(_case_solution(system, model, first, of_case, cost))
     failures = {
-        int(own): failure_message(float(final.time[own]), final.imbalance[own])
+        int(own): failure_message(float(final.time[own]), final.relative_residual[own])
         for own in np.flatnonzero(final.failed)
     }
     return _Part(solutions, failures, seconds, ready - began)

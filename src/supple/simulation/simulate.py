@@ -119,7 +119,7 @@ def simulate(
     full = any(isinstance(placed.body, FullBody) for placed in system.bodies)
     engine = simulate_full_order if full else simulate_compiled
     solution = engine(system, times, step, method, tolerances, resume, progress or _silent, observed)
-    report_cuts(solution.statistics, step)
+    report_rejected_steps(solution.statistics, step)
     limits.report(peaks)
     return solution
 
@@ -127,12 +127,12 @@ def simulate(
 def _silent(fraction: float) -> None: ...
 
 
-def report_cuts(statistics: Statistics, step: StepControl) -> None:
+def report_rejected_steps(statistics: Statistics, step: StepControl) -> None:
     """Warn when steps of a fixed size had to be cut: the answer is good, the step was too long."""
-    if statistics.cuts and isinstance(step, FixedStep):
+    if statistics.rejected_steps and isinstance(step, FixedStep):
         warnings.warn(
-            f"{statistics.cuts} steps did not converge and were cut ({statistics.steps} steps were taken); "
-            f"a fixed step below {step.size:g} avoids this",
+            f"{statistics.rejected_steps} steps did not converge and were cut "
+            f"({statistics.steps} steps were taken); a fixed step below {step.size:g} avoids this",
             StepCutWarning,
             stacklevel=3,
         )

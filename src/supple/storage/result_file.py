@@ -8,7 +8,7 @@ Format "supple-result", version 1, an HDF5 file (any HDF5 reader opens it):
                  metadata      JSON object of further names and values
     complete     scalar        1 once the run has ended, 0 while it runs or where it was cut off
     times        (t,)          output times
-    bodies/<name>/<field>      (t, ...) the fields of BodyMotion: position, rotation, coordinates, ...
+    bodies/<name>/<field>      (t, ...) the fields of FloatingMotion: position, rotation, coordinates, ...
     joint_forces/<name>        (t, m) Lagrange multipliers of each joint
     commits      (k, 6)        one row per chunk written: its number of times, then its steps, iterations,
                                cuts, seconds and seconds of compilation

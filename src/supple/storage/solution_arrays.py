@@ -9,11 +9,11 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.integrate.solution import BodyMotion, Solution, Statistics
+from supple.integrate.solution import FloatingMotion, Solution, Statistics
 
 Array = NDArray[np.float64]
 
-MOTION_FIELDS = tuple(field.name for field in fields(BodyMotion))
+MOTION_FIELDS = tuple(field.name for field in fields(FloatingMotion))
 _COUNTS = tuple(field.name for field in fields(Statistics) if "seconds" not in field.name)
 
 
@@ -37,7 +37,7 @@ def from_arrays(arrays: Mapping[str, Array], statistics: Statistics) -> Solution
                 motions.setdefault(unquote(name), {})[field] = array
             case ["joint_forces", name]:
                 joint_forces[unquote(name)] = array
-    bodies = {name: BodyMotion(**motion) for name, motion in motions.items()}
+    bodies = {name: FloatingMotion(**motion) for name, motion in motions.items()}
     return Solution(arrays["times"], bodies, joint_forces, statistics)
 
 

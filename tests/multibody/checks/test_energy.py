@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from supple.integrate import BodyMotion, Solution, Statistics
+from supple.integrate import FloatingMotion, Solution, Statistics
 from supple.machine import Placed, System
 from supple.multibody.checks.energy import balances
 
@@ -17,7 +17,7 @@ def motion(floating_blade, turned):
     """One instant of a random motion."""
     rng = np.random.default_rng(9)
     r = floating_blade.r
-    return BodyMotion(
+    return FloatingMotion(
         position=rng.standard_normal((1, 3)),
         rotation=(turned(0, 0.4) @ turned(2, -1.1))[None],
         coordinates=0.05 * rng.standard_normal((1, r)),

@@ -16,11 +16,11 @@ from supple.body import (
     RigidInterface,
     flexible_body,
 )
-from supple.fem import HomogeneousWall, Isotropic, shell_model, solid_model
-from supple.integrate import BodyMotion, FixedStep, Newmark, Solution, Statistics, Tolerances
+from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
+from supple.integrate import FixedStep, FloatingMotion, Newmark, Solution, Statistics, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, Revolute, System
 from supple.mesh import CellType, block, strip
-from supple.multibody import balances, joint_gaps
+from supple.multibody import balances, joint_residuals
 from supple.multibody.checks import energy
 from supple.multibody.full.full_inertia import cross_matrix
 from supple.reduction import CompleteBasis, NoDerivatives, NormalModes, project, reduction_basis
@@ -38,7 +38,7 @@ def solid():
 
 
 def shell():
-    return shell_model(strip(1.0, 0.1, 2, 2), HomogeneousWall(Isotropic(1e7, 0.3, 1000.0), 0.02))
+    return shell_model(strip(1.0, 0.1, 2, 2), HomogeneousSection(Isotropic(1e7, 0.3, 1000.0), 0.02))
 
 
 MODELS = {"solid": solid, "shell": shell}
@@ -64,7 +64,7 @@ def motion_of(basis, turned):
     """Four instants of a random motion, in the coordinates of the basis."""
     rng = np.random.default_rng(4)
     r, t = basis.vectors.shape[1], 4
-    return BodyMotion(
+    return FloatingMotion(
         position=rng.standard_normal((t, 3)),
         rotation=np.array([turned(0, 0.4 * k) @ turned(2, -1.1 * k) for k in range(t)]),
         coordinates=0.1 * rng.standard_normal((t, r)),
@@ -83,7 +83,7 @@ def in_all_freedoms(basis, motion):
         name: getattr(motion, name) @ basis.vectors.T
         for name in ("coordinates", "coordinate_rates", "coordinate_accelerations")
     }
-    return BodyMotion(**(vars(motion) | nodal))
+    return FloatingMotion(**(vars(motion) | nodal))
 
 
 def kept_by(body, motion):
@@ -233,7 +233,7 @@ def test_full_and_rigid_bodies_in_one_system(arm, complete):
         swung = Placed(body, angular_velocity=[0.5, -1.0, 2.0])
         system = System((swung, Placed(lump, position=[1.2, 0, 0])), (shoulder(), elbow), gravity=GRAVITY)
         solution = run(system, 0.1, 2e-3)
-        return balances(system, solution), joint_gaps(system, solution)
+        return balances(system, solution), joint_residuals(system, solution)
 
     (full, gaps), (reduced, same_gaps) = kept(arm), kept(project(soft_arm(), complete))
     assert_equal(full, reduced, rtol=1e-9)

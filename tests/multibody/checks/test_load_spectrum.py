@@ -17,7 +17,7 @@ from supple.aero import (
 from supple.body import FlexibleBody, NodalFixedFrame, RigidInterface, flexible_body
 from supple.correction import SelfCorrection, self_correct
 from supple.errors import LoadSpectrumWarning, ModelError
-from supple.fem import HomogeneousWall, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.importers import nrel5mw_rotor
 from supple.machine import (
     GROUND,
@@ -42,7 +42,7 @@ ROOT = NodalFixedFrame("root")
 @pytest.fixture(scope="module")
 def beam() -> FlexibleBody:
     """A strip of shells along x, held at its root; lowest frequencies 1.6, 10, 15 and 29 Hz."""
-    wall = HomogeneousWall(Isotropic(1e9, 0.3, 1000.0), 0.01)
+    wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
     return flexible_body("beam", shell_model(strip(1.0, 0.1, 6, 2), wall), (RigidInterface("root", "root"),))
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame
 from supple.errors import ValidityError, ValidityWarning
-from supple.integrate import BodyMotion, Solution, Statistics
+from supple.integrate import FloatingMotion, Solution, Statistics
 from supple.machine import Placed, System
 from supple.multibody import Validity
 from supple.multibody.checks.validity import Peaks, watch
@@ -21,7 +21,7 @@ def still(body, spin=0.0, coordinates=None):
     zero, shape = np.zeros((3, 3)), np.zeros((3, body.r))
     if coordinates is not None:
         shape[1] = coordinates
-    motion = BodyMotion(
+    motion = FloatingMotion(
         zero,
         np.tile(np.eye(3), (3, 1, 1)),
         shape,

@@ -9,7 +9,7 @@ import pytest
 
 from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, skew
 from supple.multibody.equations.floating_inertia import (
-    FloatingMotion,
+    FloatingState,
     floating_mass,
     inertia_arrays,
     inertia_tangent,
@@ -25,7 +25,7 @@ ROTATION = np.array(rotation_exp(jnp.array([0.4, -0.3, 0.9])))
 def motion(floating_blade):
     rng = np.random.default_rng(6)
     r = floating_blade.r
-    return FloatingMotion(
+    return FloatingState(
         coordinates=0.1 * rng.standard_normal(r),
         spin=rng.standard_normal(3),
         rates=rng.standard_normal(r),
@@ -73,7 +73,7 @@ def test_inertia_force_is_lagranges(floating_blade, motion):
 
     def energy(q, rate):
         rotation = ROTATION @ rotation_exp(q[3:6])
-        moving = FloatingMotion(
+        moving = FloatingState(
             q[6:],
             rotation_right_jacobian(q[3:6]) @ rate[3:6],
             rate[6:],
@@ -103,7 +103,7 @@ def test_tangent_is_the_derivative_of_the_force(floating_blade, motion):
     velocity, position = 0.3, 0.07
 
     def force(change):
-        moved = FloatingMotion(
+        moved = FloatingState(
             motion.coordinates + position * change[6:],
             motion.spin + velocity * change[3:6],
             motion.rates + velocity * change[6:],
@@ -122,7 +122,7 @@ def test_steady_spin_pulls_the_frame_origin_outwards(floating_blade):
     """A body turning about a far point: force `m w x (w x c)` as seen from the frame at its origin."""
     r = floating_blade.r
     spin = np.array([0.2, -0.4, 1.5])
-    still = FloatingMotion(np.zeros(r), spin, np.zeros(r), np.zeros(3), np.zeros(3), np.zeros(r))
+    still = FloatingState(np.zeros(r), spin, np.zeros(r), np.zeros(3), np.zeros(3), np.zeros(r))
     mass, centre = 1.0 * 0.1 * 0.02 * 1000.0, np.array([0.5, 0.0, 0.0])
     force = np.asarray(inertia_terms(inertia_arrays(floating_blade.gram), still).force)[:3]
     np.testing.assert_allclose(force, mass * np.cross(spin, np.cross(spin, centre)), atol=1e-12)

@@ -22,7 +22,7 @@ def component(solid_body):
 
 def test_every_interface_force_makes_one_eigenvalue_negative(component, added_mass):
     dual = DualCraigBampton(component.leading(10))
-    held, loaded = dual.interfaces_held(), dual.interfaces_loaded(added_mass)
+    held, loaded = dual.interfaces_fixed(), dual.interfaces_loaded(added_mass)
     assert held.n_forces == loaded.n_forces == 12
     assert np.sum(np.linalg.eigvalsh(held.stiffness) < 0.0) == 12
     assert (held.spectrum > 0.0).all()
@@ -38,7 +38,7 @@ def test_eigenvalues_converge_with_the_number_of_modes(solid_body, component, ex
     for n_modes in (10, 20, 40):
         dual = DualCraigBampton(component.leading(n_modes))
         errors = [
-            dual.interfaces_held().eigenvalues(5) / held - 1.0,
+            dual.interfaces_fixed().eigenvalues(5) / held - 1.0,
             dual.interfaces_loaded(added_mass).eigenvalues(11)[6:] / loaded - 1.0,
         ]
         worst.append([np.abs(error).max() for error in errors])
@@ -55,7 +55,7 @@ def test_exact_rubin_dual_and_macneal_come_in_this_order(
     parts = component.leading(n_modes)
     methods = (rubin_component(parts), DualCraigBampton(parts), MacNealComponent(parts))
     for n_rigid, matrices, exact in (
-        (0, lambda m: m.interfaces_held(), {"held": True}),
+        (0, lambda m: m.interfaces_fixed(), {"held": True}),
         (6, lambda m: m.interfaces_loaded(added_mass), {"added_mass": added_mass}),
     ):
         spectra = [matrices(method).spectrum[n_rigid:] for method in methods]
@@ -67,7 +67,7 @@ def test_exact_rubin_dual_and_macneal_come_in_this_order(
 
 def test_eigenvalues_only_fall_with_the_number_of_modes(component, added_mass):
     """Matrices for fewer modes are a principal part of those for more: eigenvalues interlace."""
-    for matrices in (lambda m: m.interfaces_held(), lambda m: m.interfaces_loaded(added_mass)):
+    for matrices in (lambda m: m.interfaces_fixed(), lambda m: m.interfaces_loaded(added_mass)):
         spectra = np.array(
             [matrices(DualCraigBampton(component.leading(n))).eigenvalues(12)[6:] for n in range(6, 41, 2)]
         )
@@ -80,7 +80,7 @@ def test_it_is_better_than_macneals_method_from_the_same_ingredients(
     exact = exact_eigenvalues(solid_body, 5, held=True)
     parts = component.leading(20)
     dual, macneal = (
-        method(parts).interfaces_held().eigenvalues(5) / exact - 1.0
+        method(parts).interfaces_fixed().eigenvalues(5) / exact - 1.0
         for method in (DualCraigBampton, MacNealComponent)
     )
     assert np.abs(dual).max() < np.abs(macneal).max()
@@ -89,10 +89,10 @@ def test_it_is_better_than_macneals_method_from_the_same_ingredients(
 def test_without_residual_mass_the_forces_can_be_eliminated_into_macneals_matrices(component):
     """Second row: B Phi eta = F f. So Lambda eta + (B Phi)^T F^-1 B Phi eta = omega^2 eta."""
     parts = component.leading(15)
-    K = DualCraigBampton(parts).interfaces_held().stiffness
+    K = DualCraigBampton(parts).interfaces_fixed().stiffness
     n = parts.eigenvalues.size
     condensed = K[:n, :n] - K[:n, n:] @ np.linalg.solve(K[n:, n:], K[n:, :n])
-    expected = MacNealComponent(parts).interfaces_held().stiffness
+    expected = MacNealComponent(parts).interfaces_fixed().stiffness
     np.testing.assert_allclose(condensed, expected, rtol=1e-7, atol=1e-9 * expected.max())
 
 

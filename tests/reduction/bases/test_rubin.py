@@ -7,13 +7,13 @@ import pytest
 
 from supple.errors import ModelError
 from supple.reduction import NoDerivatives, Rubin, reduce
-from supple.reduction.bases.interface_columns import held_interfaces, motion_rows
+from supple.reduction.bases.interface_columns import fixed_interfaces, motion_rows
 
 
 def test_attachment_modes_balance_unit_interface_loads(strip_body, frame):
     """K Psi + D^T mu = B^T, D Psi = 0; in a mean-axis frame D^T mu are inertia forces: inertia relief."""
     basis = Rubin(n_modes=2).build(strip_body, frame)
-    loaded = [i for i in strip_body.interfaces if i not in held_interfaces(strip_body, frame)]
+    loaded = [i for i in strip_body.interfaces if i not in fixed_interfaces(strip_body, frame)]
     loads = motion_rows(loaded).T
     Psi = basis.vectors[:, : loads.shape[1]]
     D = frame.constraint(strip_body)

@@ -14,13 +14,13 @@ from supple.reduction import (
     NormalModes,
     compress,
     modal_derivatives,
-    vibrating_basis,
+    rayleigh_ritz,
 )
 
 
 @pytest.fixture(scope="module")
 def case(solid_body, root_frame):
-    basis = vibrating_basis(solid_body, root_frame, NormalModes(4).build(solid_body, root_frame))
+    basis = rayleigh_ritz(solid_body, root_frame, NormalModes(4).build(solid_body, root_frame))
     return solid_body, root_frame, basis, modal_derivatives(solid_body, root_frame, basis)
 
 

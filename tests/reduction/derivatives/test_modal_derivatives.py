@@ -9,12 +9,12 @@ import pytest
 
 from supple.body import frame_projector
 from supple.errors import ModelError
-from supple.reduction import CraigBampton, NormalModes, Rubin, modal_derivatives, vibrating_basis
+from supple.reduction import CraigBampton, NormalModes, Rubin, modal_derivatives, rayleigh_ritz
 from supple.reduction.bases.interface_columns import motion_rows
 
 
 def linear_basis(body, frame, recipe):
-    return vibrating_basis(body, frame, recipe.build(body, frame))
+    return rayleigh_ritz(body, frame, recipe.build(body, frame))
 
 
 @pytest.mark.parametrize("body_name", ["cantilever", "solid_body"])

@@ -13,13 +13,13 @@ from supple.reduction import (
     StaticLoad,
     UnitLoad,
     modal_derivatives,
-    vibrating_basis,
+    rayleigh_ritz,
 )
 
 
 @pytest.fixture(scope="module")
 def case(cantilever, root_frame):
-    basis = vibrating_basis(cantilever, root_frame, NormalModes(3).build(cantilever, root_frame))
+    basis = rayleigh_ritz(cantilever, root_frame, NormalModes(3).build(cantilever, root_frame))
     return cantilever, basis, modal_derivatives(cantilever, root_frame, basis)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from supple.body import RigidInterface, flexible_body
 from supple.errors import ModelError
-from supple.fem import VON_KARMAN, HomogeneousWall, Isotropic, shell_model
+from supple.fem import VON_KARMAN, HomogeneousSection, Isotropic, shell_model
 from supple.mesh import strip
 from supple.reduction import (
     AmplitudeProduct,
@@ -17,13 +17,13 @@ from supple.reduction import (
     PickedDerivatives,
     modal_derivatives,
     pick,
-    vibrating_basis,
+    rayleigh_ritz,
 )
 
 
 @pytest.fixture(scope="module")
 def case(cantilever, root_frame):
-    basis = vibrating_basis(cantilever, root_frame, NormalModes(3).build(cantilever, root_frame))
+    basis = rayleigh_ritz(cantilever, root_frame, NormalModes(3).build(cantilever, root_frame))
     return cantilever, root_frame, basis, modal_derivatives(cantilever, root_frame, basis)
 
 
@@ -56,9 +56,9 @@ def test_dependent_candidates_are_passed_over_and_reported(case):
 def test_derivative_that_vanishes_is_passed_over_though_the_solve_leaves_round_off(root_frame):
     """Von Karman strains see no rotation in the plane: the second mode of the strip bends there, w = 0."""
     material = Isotropic(1e9, 0.0, 1000.0)
-    model = shell_model(strip(10.0, 0.4, 24, 2), HomogeneousWall(material, 0.08), kinematics=VON_KARMAN)
+    model = shell_model(strip(10.0, 0.4, 24, 2), HomogeneousSection(material, 0.08), kinematics=VON_KARMAN)
     body = flexible_body("flat", model, (RigidInterface("root", "root"),))
-    basis = vibrating_basis(body, root_frame, NormalModes(3).build(body, root_frame))
+    basis = rayleigh_ritz(body, root_frame, NormalModes(3).build(body, root_frame))
     picked = PickedDerivatives(6).columns(body, root_frame, basis)
     assert "derivative 2-2" in picked.dropped
     assert "derivative 1-1" in picked.labels

@@ -9,7 +9,7 @@ from scipy import sparse
 from supple.algebra import count_below
 from supple.body import MeanAxisFrame, RigidInterface, flexible_body, superelement
 from supple.errors import AccuracyError
-from supple.fem import HomogeneousWall, Isotropic, shell_model, solid_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.mesh import CellType, block, cylinder, strip
 from supple.reduction import CraigBamptonFamily, enclose_eigenvalues
 
@@ -105,7 +105,7 @@ def test_a_cluster_larger_than_the_trial_motions(rotor, lowest_squares):
 
 def test_motions_so_stiff_that_they_are_round_off_do_no_harm(lowest_squares):
     """A foil's drilling and membrane motions have inverse eigenvalues 10^-16 of its lowest bending one."""
-    model = shell_model(strip(10.0, 0.4, 8, 2), HomogeneousWall(Isotropic(7e10, 0.3, 2700.0), 1e-3))
+    model = shell_model(strip(10.0, 0.4, 8, 2), HomogeneousSection(Isotropic(7e10, 0.3, 2700.0), 1e-3))
     foil = flexible_body("foil", model, [RigidInterface("root", "root")])
     trial = np.random.default_rng(0).standard_normal((foil.n, 120))
     enclosure = enclose_eigenvalues(foil, trial, 6, 1e-5)

@@ -62,8 +62,8 @@ _REMEDIES = {
     "NSML1": "write it as NSM of the property",
     "CQUAD8": "mesh with CQUAD4",
     "CTRIA6": "mesh with CTRIA3",
-    "PCOMP": "import the matrices (DMIG, OP4), or build a LaminateWall in Python",
-    "MAT8": "import the matrices (DMIG, OP4), or build a LaminateWall in Python",
+    "PCOMP": "import the matrices (DMIG, OP4), or build a LaminateSection in Python",
+    "MAT8": "import the matrices (DMIG, OP4), or build a LaminateSection in Python",
 }
 
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from supple.body import FlexibleBody
 from supple.body.full_body import FullBody
-from supple.integrate import BodyMotion, Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.machine.system import System
 from supple.multibody.equations.balance import AnyArray
-from supple.multibody.equations.floating_inertia import FloatingMotion, frame_momenta, kinetic_energy
+from supple.multibody.equations.floating_inertia import FloatingState, frame_momenta, kinetic_energy
 from supple.multibody.equations.model import BodyArrays, build_model
 from supple.multibody.equations.polynomial_force import polynomial_energy
 from supple.multibody.full.full_inertia import FullInertia
@@ -61,7 +61,7 @@ def balances(system: System, solution: Solution) -> Balances:
 
 
 class _Motion(NamedTuple):
-    """The parts of a `BodyMotion` that energies need, as a pytree."""
+    """The parts of a `FloatingMotion` that energies need, as a pytree."""
 
     position: jax.Array
     rotation: jax.Array
@@ -77,7 +77,7 @@ def _of_reduced_body(body: BodyArrays, gravity: jax.Array, motion: _Motion) -> B
 
     def at_one_time(now: _Motion) -> Balances:
         position, rotation, coordinates = now.position, now.rotation, now.coordinates
-        floating = FloatingMotion(
+        floating = FloatingState(
             coordinates,
             now.angular_velocity,
             now.coordinate_rates,
@@ -107,7 +107,7 @@ def _first_moment(gram: jax.Array, coordinates: jax.Array) -> jax.Array:
     return rest + gram[:3, 6 + 3 * coordinates.shape[0] :] @ coordinates
 
 
-def _of_full_body(full: FullBody, gravity: np.ndarray, motion: BodyMotion) -> Balances:
+def _of_full_body(full: FullBody, gravity: np.ndarray, motion: FloatingMotion) -> Balances:
     inertia = FullInertia(full.body)
     size = max(1, _FIELD_NUMBERS // full.body.n_nodal)
     parts = [
@@ -117,7 +117,7 @@ def _of_full_body(full: FullBody, gravity: np.ndarray, motion: BodyMotion) -> Ba
     return Balances(*(np.concatenate(items) for items in zip(*parts, strict=True)))
 
 
-def _at_instants(inertia: FullInertia, gravity: np.ndarray, motion: BodyMotion) -> Balances:
+def _at_instants(inertia: FullInertia, gravity: np.ndarray, motion: FloatingMotion) -> Balances:
     """Of a full body, at instants whose nodal fields (N, d, t) fit in memory together."""
     body, rotation = inertia.body, motion.rotation
 

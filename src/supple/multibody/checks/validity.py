@@ -19,7 +19,7 @@ from supple.algebra import lowest_modes
 from supple.body import RigidBody
 from supple.body.full_body import FullBody
 from supple.errors import ValidityError, ValidityWarning
-from supple.integrate import BodyMotion, Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.machine.system import Body, System
 from supple.reduction import ReducedBody
 
@@ -134,7 +134,7 @@ class Watch:
             warnings.warn(excess.message, ValidityWarning, stacklevel=3)
 
 
-def _peaks(limits: _Limits, times: np.ndarray, motion: BodyMotion) -> Peaks:
+def _peaks(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Peaks:
     spins = np.linalg.norm(motion.angular_velocity, axis=1)
     fastest = int(np.argmax(spins))
     peaks = Peaks(spin=float(spins[fastest]), spin_time=float(times[fastest]))

@@ -98,7 +98,7 @@ def simulate_compiled(
             parts.append(as_solution(system, model, _leading(states, good), statistics))
             record(parts[-1])
         if last.failed:
-            raise ConvergenceError(failure_message(float(last.time), last.imbalance))
+            raise ConvergenceError(failure_message(float(last.time), last.relative_residual))
         n_done += len(chunk)
         progress(n_done / len(times))
     return concatenate(parts)
@@ -106,7 +106,7 @@ def simulate_compiled(
 
 def _counts(state: State) -> np.ndarray:
     """Steps, iterations and cuts so far."""
-    return np.array([state.steps, state.iterations, state.cuts])
+    return np.array([state.steps, state.iterations, state.rejected_steps])
 
 
 def _leading(states: State, count: int) -> State:

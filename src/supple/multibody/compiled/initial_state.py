@@ -215,9 +215,9 @@ def consistent_start(system: System, time: float, first_step: float) -> tuple[Mo
         multipliers=jnp.asarray(solution[len(mass) :]),
         steps=count,
         iterations=count,
-        cuts=count,
+        rejected_steps=count,
         failed=jnp.zeros((), dtype=bool),
-        imbalance=jnp.zeros(4),
+        relative_residual=jnp.zeros(4),
     )
 
 

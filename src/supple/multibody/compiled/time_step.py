@@ -63,10 +63,10 @@ class State(NamedTuple):
     multipliers: AnyArray
     steps: AnyArray
     iterations: AnyArray
-    cuts: AnyArray
+    rejected_steps: AnyArray
     failed: AnyArray
     """True when the smallest step did not converge: the state is that before the step."""
-    imbalance: AnyArray
+    relative_residual: AnyArray
     """Relative residual of the last iteration, by kind: force, moment, deformation, constraint."""
 
 
@@ -81,7 +81,7 @@ class _Trial(NamedTuple):
     increments: jax.Array
     residual: jax.Array
     gap: jax.Array
-    imbalance: jax.Array
+    relative_residual: jax.Array
     iterations: jax.Array
     converged: jax.Array
 
@@ -162,7 +162,7 @@ def _evaluate(
     time = start.time + rule.h
     terms = balance(model, Motion(time, configuration, velocity, acceleration, multipliers))
     rounding = position_rounding(model.length, configuration.origins)
-    imbalance = _imbalance(model, terms, acceleration, rule.position, rounding)
+    relative_residual = _imbalance(model, terms, acceleration, rule.position, rounding)
     trial = _Trial(
         acceleration,
         multipliers,
@@ -172,9 +172,9 @@ def _evaluate(
         increments,
         terms.residual,
         terms.gap,
-        imbalance,
+        relative_residual,
         iterations,
-        jnp.all(imbalance <= tolerance),
+        jnp.all(relative_residual <= tolerance),
     )
     return trial, terms.linearization
 
@@ -214,7 +214,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
 
     def unfinished(iteration: _Iteration) -> jax.Array:
         trial = iteration.trial
-        finite = jnp.all(jnp.isfinite(trial.imbalance))
+        finite = jnp.all(jnp.isfinite(trial.relative_residual))
         return ~trial.converged & finite & (trial.iterations < controls.max_iterations)
 
     def one_pass(iteration: _Iteration) -> _Iteration:
@@ -231,7 +231,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         # Below rounding error no residual can tell a better answer from a worse one.
         moved = rule.position * jnp.max(jnp.abs(iteration.change) / scale)
         rounding = position_rounding(model.length, trial.configuration.origins)
-        settled = (trial.iterations > 0) & (moved <= rounding) & (trial.imbalance[3] <= 1e-6)
+        settled = (trial.iterations > 0) & (moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
         trial = trial._replace(converged=trial.converged | settled)
         change, multiplier_change = jax.lax.cond(
             trial.converged,
@@ -249,7 +249,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         increments=jnp.zeros_like(start.velocity),
         residual=jnp.zeros_like(start.velocity),
         gap=jnp.zeros_like(start.multipliers),
-        imbalance=jnp.zeros(4),
+        relative_residual=jnp.zeros(4),
         iterations=jnp.asarray(-1),
         converged=jnp.zeros((), dtype=bool),
     )
@@ -307,16 +307,16 @@ def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> 
         multipliers=trial.multipliers,
         steps=start.steps + 1,
         iterations=start.iterations + trial.iterations,
-        cuts=start.cuts,
+        rejected_steps=start.rejected_steps,
         failed=failed,
-        imbalance=trial.imbalance,
+        relative_residual=trial.relative_residual,
     )
     before = start._replace(
         step=proposed,
         iterations=start.iterations + trial.iterations,
-        cuts=start.cuts + 1,
+        rejected_steps=start.rejected_steps + 1,
         failed=failed,
-        imbalance=trial.imbalance,
+        relative_residual=trial.relative_residual,
     )
     return jax.tree.map(lambda a, b: jnp.where(accepted, a, b), after, before)
 

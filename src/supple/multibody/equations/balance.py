@@ -19,7 +19,7 @@ from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, skew
 from supple.algebra.small_product import small_product
 from supple.machine.pose import N_LOCAL, Marker, displaced, generalized_force, with_rates
 from supple.multibody.equations.floating_inertia import (
-    FloatingMotion,
+    FloatingState,
     InertiaTerms,
     floating_mass,
     inertia_tangent,
@@ -112,11 +112,11 @@ def advance(model: Model, configuration: Configuration, increment: jax.Array) ->
     return Configuration(jnp.stack(origins), jnp.stack(rotations), tuple(coordinates))
 
 
-def _floating(model: Model, motion: Motion, index: int) -> FloatingMotion:
+def _floating(model: Model, motion: Motion, index: int) -> FloatingState:
     part = model.slices[index]
     velocity, acceleration = motion.velocity[part], motion.acceleration[part]
     rotation = motion.configuration.rotations[index]
-    return FloatingMotion(
+    return FloatingState(
         coordinates=motion.configuration.coordinates[index],
         spin=velocity[3:6],
         rates=velocity[6:],

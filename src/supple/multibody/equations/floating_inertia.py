@@ -28,7 +28,7 @@ from supple.algebra.rotation import skew
 from supple.algebra.small_product import small_product
 
 __all__ = [
-    "FloatingMotion",
+    "FloatingState",
     "InertiaArrays",
     "InertiaTerms",
     "floating_mass",
@@ -56,7 +56,7 @@ class InertiaArrays:
     """(r, r): of the deformation, the identity for orthonormal shapes"""
 
 
-class FloatingMotion(NamedTuple):
+class FloatingState(NamedTuple):
     """Motion of a floating frame and of its body's coordinates, all in body components."""
 
     coordinates: jax.Array
@@ -137,7 +137,7 @@ def inertia_arrays(gram: Any) -> InertiaArrays:
     )
 
 
-def inertia_terms(arrays: InertiaArrays, motion: FloatingMotion) -> InertiaTerms:
+def inertia_terms(arrays: InertiaArrays, motion: FloatingState) -> InertiaTerms:
     """Inertia force of a moving body, and what its tangent needs of the same evaluation."""
     r = motion.coordinates.shape[0]
     n = 6 + 4 * r
@@ -191,7 +191,7 @@ def floating_mass(gram: jax.Array, coordinates: jax.Array) -> jax.Array:
 
 def inertia_tangent(
     arrays: InertiaArrays,
-    motion: FloatingMotion,
+    motion: FloatingState,
     terms: InertiaTerms,
     velocity: jax.Array | float,
     position: jax.Array | float,
@@ -259,15 +259,13 @@ def inertia_tangent(
     return jnp.concatenate([force_rows, moment_rows, deformation_rows])
 
 
-def kinetic_energy(gram: jax.Array, motion: FloatingMotion, velocity: jax.Array) -> jax.Array:
+def kinetic_energy(gram: jax.Array, motion: FloatingState, velocity: jax.Array) -> jax.Array:
     """`T = z G z / 2` with the frame's velocity `v = A^T Rdot` (3,) in body components."""
     z = _join(velocity, motion.spin, motion.coordinates[:, None] * motion.spin, motion.rates)
     return z @ gram @ z / 2
 
 
-def frame_momenta(
-    gram: jax.Array, motion: FloatingMotion, velocity: jax.Array
-) -> tuple[jax.Array, jax.Array]:
+def frame_momenta(gram: jax.Array, motion: FloatingState, velocity: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Linear momentum, and angular momentum about the frame origin, body components, (3,) each."""
     z = _join(velocity, motion.spin, motion.coordinates[:, None] * motion.spin, motion.rates)
     h = _split(gram @ z)

@@ -121,7 +121,7 @@ class _Evaluation(NamedTuple):
     interior_residuals: tuple[np.ndarray, ...]
     """(6 + n,) of each full body, its interface forces included in the last n."""
     frame_gaps: tuple[np.ndarray, ...]
-    imbalance: np.ndarray
+    relative_residual: np.ndarray
 
 
 class FullOrderSystem:
@@ -185,7 +185,7 @@ class FullOrderSystem:
         )
 
     def evaluate(self, state: FullState, position: float) -> _Evaluation:
-        """All residuals at a state; `position` scales the constraints' imbalance."""
+        """All residuals at a state; `position` scales the constraints' relative_residual."""
         configuration = self.border_configuration(state.configuration)
         motion = Motion(
             np.float64(state.time),
@@ -436,7 +436,7 @@ class FullOrderSystem:
     def step(
         self, start: FullState, h: float, method: TimeIntegrator, tolerances: Tolerances
     ) -> tuple[FullState, np.ndarray, int, bool]:
-        """One time step: the new state, its imbalance, the iterations, and whether it converged."""
+        """One time step: the new state, its relative_residual, the iterations, and whether it converged."""
         rule = StepRule(method.coefficients, h)
         acceleration, multipliers = start.acceleration, start.multipliers
         frame_multipliers = start.frame_multipliers
@@ -455,13 +455,13 @@ class FullOrderSystem:
                 frame_multipliers,
             )
             evaluation = self.evaluate(state, rule.position)
-            imbalance = evaluation.imbalance
+            relative_residual = evaluation.relative_residual
             rounding = position_rounding(self.model.length, state.configuration.origins)
-            settled = moved <= rounding and imbalance[3] <= 1e-6
-            if np.all(imbalance <= tolerances.residual) or settled:
-                return state, imbalance, iteration, True
-            if not np.isfinite(imbalance).all() or iteration == tolerances.max_iterations:
-                return state, imbalance, iteration, False
+            settled = moved <= rounding and relative_residual[3] <= 1e-6
+            if np.all(relative_residual <= tolerances.residual) or settled:
+                return state, relative_residual, iteration, True
+            if not np.isfinite(relative_residual).all() or iteration == tolerances.max_iterations:
+                return state, relative_residual, iteration, False
             targets = (
                 -evaluation.gap / rule.position,
                 tuple(-gap / rule.position for gap in evaluation.frame_gaps),
@@ -533,7 +533,7 @@ def simulate_full_order(
         statistics = Statistics(
             steps=march.steps - before.steps,
             iterations=march.iterations - before.iterations,
-            cuts=march.cuts - before.cuts,
+            rejected_steps=march.rejected_steps - before.rejected_steps,
             seconds=clock.perf_counter() - mark,
         )
         if states:
@@ -551,7 +551,7 @@ class _March(NamedTuple):
     h: float
     steps: int = 0
     iterations: int = 0
-    cuts: int = 0
+    rejected_steps: int = 0
 
 
 def _to_output(
@@ -563,23 +563,27 @@ def _to_output(
     method: TimeIntegrator,
     tolerances: Tolerances,
 ) -> tuple[FullState, _March, np.ndarray | None]:
-    """Steps up to an output time; the imbalance instead of None when the smallest step fails."""
+    """Steps up to an output time; the relative_residual instead of None when the smallest step fails."""
     while state.time < end:
         remaining = end - state.time
         # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
         h = remaining / max(np.ceil(remaining / march.h * (1 - 1e-9)), 1.0)
-        new, imbalance, iterations, converged = prepared.step(state, h, method, tolerances)
+        new, relative_residual, iterations, converged = prepared.step(state, h, method, tolerances)
         error = prepared.local_error(state, new, h, method) if converged else np.inf
         proposed = next_step(h, march.h, error, control.tolerance, control.largest) if converged else h / 2
         if converged and error <= control.tolerance:
             if h >= remaining * (1 - 1e-9):
                 new = new._replace(time=end)
             state = new
-            march = _March(float(proposed), march.steps + 1, march.iterations + iterations, march.cuts)
+            march = _March(
+                float(proposed), march.steps + 1, march.iterations + iterations, march.rejected_steps
+            )
         else:
-            march = _March(float(proposed), march.steps, march.iterations + iterations, march.cuts + 1)
+            march = _March(
+                float(proposed), march.steps, march.iterations + iterations, march.rejected_steps + 1
+            )
             if march.h < control.smallest:
-                return state, march, imbalance
+                return state, march, relative_residual
     return state, march, None
 
 

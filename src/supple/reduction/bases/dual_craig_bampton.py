@@ -43,7 +43,7 @@ class DualCraigBampton:
         values = self.ingredients.eigenvalues
         return ReducedMatrices(np.diag(values), np.eye(values.size))
 
-    def interfaces_held(self) -> ReducedMatrices:
+    def interfaces_fixed(self) -> ReducedMatrices:
         """The matrices K and M above, in (eta, f)."""
         parts = self.ingredients
         motion, F = parts.interface_motion, parts.residual_flexibility

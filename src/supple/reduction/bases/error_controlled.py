@@ -40,7 +40,7 @@ class ErrorControlled:
     n_modes : how many, besides the six rigid motions, which are exact
     start : fixed-interface modes to try first
     most : fixed-interface modes allowed; None: all the body has
-    estimator : SharperBound(), TwoTermEstimate(), PublishedBound() or EarlierEstimate()
+    estimator : SharperBound(), TwoTermEstimate(), Han2020Bound() or FirstOrderEstimate()
     search : Bisection() or OneByOne()
     progress : called with each SearchStep
     Raises ModelError when a number makes no sense.

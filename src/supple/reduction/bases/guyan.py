@@ -9,7 +9,7 @@ import numpy as np
 from supple.body import FlexibleBody, Frame
 from supple.reduction.bases.interface_columns import (
     column_labels,
-    held_interfaces,
+    fixed_interfaces,
     motion_rows,
     require_interfaces,
 )
@@ -39,7 +39,7 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
     Source: [Guyan1965], [Han2020] (12).
     """
     require_interfaces(body, "a basis of constraint modes")
-    reference = (held_interfaces(body, frame) or body.interfaces)[0]
+    reference = (fixed_interfaces(body, frame) or body.interfaces)[0]
     moving = [interface for interface in body.interfaces if interface is not reference]
     held = motion_rows([reference, *moving])
     solver = body.constrained(held)

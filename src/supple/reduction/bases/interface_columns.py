@@ -12,7 +12,7 @@ from supple.errors import ModelError
 MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
 
-def held_interfaces(body: FlexibleBody, frame: Frame) -> tuple[BodyInterface, ...]:
+def fixed_interfaces(body: FlexibleBody, frame: Frame) -> tuple[BodyInterface, ...]:
     """Interfaces whose six motions vanish in the frame: their rows lie in the row space of D."""
     rows, _ = np.linalg.qr(frame.constraint(body).T)
     return tuple(i for i in body.interfaces if _lies_in(rows, motion_rows([i])))

@@ -46,7 +46,7 @@ class LinearBasisRecipe(Protocol):
         ...
 
 
-def vibrating_basis(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearBasis:
+def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearBasis:
     """Columns of the same span that vibrate at frequencies of their own (Rayleigh-Ritz).
 
         X = P raw Q,   X^T M X = I,   X^T K X = diag(omega^2),   D X = 0
@@ -108,11 +108,11 @@ class ModeCount:
         return self.n_columns - n_static
 
 
-def check_mode_count(body: FlexibleBody, n_modes: int, n_held: int) -> None:
-    """ModelError when a body with n_held motions held has fewer than n_modes modes."""
-    available = body.n - n_held
+def check_mode_count(body: FlexibleBody, n_modes: int, n_fixed: int) -> None:
+    """ModelError when a body with n_fixed motions held has fewer than n_modes modes."""
+    available = body.n - n_fixed
     if not 0 <= n_modes <= available:
         raise ModelError(
             f"n_modes = {n_modes}, but body '{body.name}' has {available} modes "
-            f"({body.n} freedoms, {n_held} of them held)"
+            f"({body.n} freedoms, {n_fixed} of them held)"
         )

@@ -40,7 +40,7 @@ class MacNealComponent:
         values = self.ingredients.eigenvalues
         return ReducedMatrices(np.diag(values), np.eye(values.size))
 
-    def interfaces_held(self) -> ReducedMatrices:
+    def interfaces_fixed(self) -> ReducedMatrices:
         """Lambda + (B Phi)^T F^-1 B Phi in the modes: q_v = 0."""
         n = self.ingredients.eigenvalues.size
         return ReducedMatrices(self._stiffness()[:n, :n], np.eye(n))

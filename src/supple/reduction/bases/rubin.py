@@ -9,7 +9,7 @@ import numpy as np
 from supple.body import FlexibleBody, Frame
 from supple.reduction.bases.interface_columns import (
     column_labels,
-    held_interfaces,
+    fixed_interfaces,
     motion_rows,
     require_interfaces,
 )
@@ -43,7 +43,7 @@ class Rubin:
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Attachment modes first, then free-interface modes; ModelError: no interface, too many modes."""
         require_interfaces(body, "a Rubin basis")
-        held = held_interfaces(body, frame)
+        held = fixed_interfaces(body, frame)
         loaded = [interface for interface in body.interfaces if interface not in held]
         n_static = 6 * len(loaded)
         n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(n_static)

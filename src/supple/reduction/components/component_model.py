@@ -96,7 +96,7 @@ class ComponentModel(Protocol):
         """Nothing at the interfaces."""
         ...
 
-    def interfaces_held(self) -> ReducedMatrices:
+    def interfaces_fixed(self) -> ReducedMatrices:
         """All interfaces held in space."""
         ...
 
@@ -125,7 +125,7 @@ class RitzComponent:
         """V^T K V and V^T M V."""
         return ReducedMatrices(self.stiffness, self.mass)
 
-    def interfaces_held(self) -> ReducedMatrices:
+    def interfaces_fixed(self) -> ReducedMatrices:
         """The same on the motions that leave the interfaces at rest, B V x = 0."""
         lengths = 1.0 / np.sqrt(np.diag(self.mass))
         motion = self.interface_motion * lengths

@@ -70,7 +70,7 @@ class FreeInterfaceComponent:
 
 def free_interface_modes(body: FlexibleBody, n_modes: int) -> RitzModes:
     """The lowest elastic vibrations of the free body, R^T M Phi = 0; ModelError when it has fewer."""
-    check_mode_count(body, n_modes, n_held=6)
+    check_mode_count(body, n_modes, n_fixed=6)
     mean_axis = MeanAxisFrame().constraint(body)
     return RitzModes.of(lowest_modes(body.stiffness, body.mass, n_modes, constraint=mean_axis))
 

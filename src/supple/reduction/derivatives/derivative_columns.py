@@ -38,7 +38,7 @@ class DerivativeChoice(Protocol):
     """Which derivatives to add: PickedDerivatives, CompressedDerivatives or NoDerivatives."""
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
-        """Columns to append to a basis made by vibrating_basis."""
+        """Columns to append to a basis made by rayleigh_ritz."""
         ...
 
 

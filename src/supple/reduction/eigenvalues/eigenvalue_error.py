@@ -65,7 +65,7 @@ class ErrorEstimator(Protocol):
 
 
 @dataclass(frozen=True)
-class EarlierEstimate:
+class FirstOrderEstimate:
     """The first term alone, eta_n = chi-bar xi^T X xi: to first order below the truth. [Han2020] (45)"""
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
@@ -74,7 +74,7 @@ class EarlierEstimate:
 
 
 @dataclass(frozen=True)
-class PublishedBound:
+class Han2020Bound:
     """(chi-bar + chi-bar^2 / kappa_n) xi^T X xi, n the number of the elastic vibration. [Han2020] (42)
 
     With n modes or more kept, every mode left out vibrates faster than the n-th one held, so its share is

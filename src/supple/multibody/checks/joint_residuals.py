@@ -12,7 +12,7 @@ from supple.machine.system import Body, System
 from supple.multibody.equations.balance import Configuration, constraints
 from supple.multibody.equations.model import Model, build_model
 
-__all__ = ["joint_gaps"]
+__all__ = ["joint_residuals"]
 
 
 @jax.jit
@@ -20,7 +20,7 @@ def _gaps(model: Model, times: jax.Array, configurations: Configuration) -> jax.
     return jax.vmap(lambda time, at: constraints(model, time, at))(times, configurations)
 
 
-def joint_gaps(system: System, solution: Solution) -> np.ndarray:
+def joint_residuals(system: System, solution: Solution) -> np.ndarray:
     """Constraint equations g (t, m) of all joints at the output times: m and rad, zero where exact."""
     motions = [solution.bodies[placed.body.name] for placed in system.bodies]
     configurations = Configuration(

@@ -15,7 +15,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class HomogeneousWall:
+class HomogeneousSection:
     """A wall of one isotropic material.
 
         A = t C,  B = 0,  D = t^3/12 C,   C the plane-stress stiffness
@@ -69,7 +69,7 @@ class HomogeneousWall:
 
 
 @dataclass(frozen=True, eq=False)
-class LaminateWall:
+class LaminateSection:
     """A wall given by its laminate stiffness: forces N and moments M per length from strain and curvature.
 
         [N; M] = [A B; B D] [eps; kappa],   order xx, yy, xy (engineering shear, twice the twist)
@@ -126,7 +126,7 @@ class LaminateWall:
         object.__setattr__(self, "reference_direction", direction)
 
 
-ShellWall = HomogeneousWall | LaminateWall
+ShellSection = HomogeneousSection | LaminateSection
 """What a shell is made of: its stiffnesses, and its mass and rotary inertia per area."""
 
 

@@ -12,7 +12,7 @@ from supple.reduction.reduced_body import ReducedBody
 
 
 @dataclass(frozen=True, eq=False)
-class HeldModes:
+class ClampedModes:
     """Modes with unit modal mass.
 
     frequencies : (m,)      rad/s, ascending
@@ -23,7 +23,7 @@ class HeldModes:
     shapes: np.ndarray
 
 
-def held_modes(body: ReducedBody, interface: str, *, n_modes: int | None = None) -> HeldModes:
+def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = None) -> ClampedModes:
     """The lowest modes of a reduced body with one interface clamped and the rest free.
 
         q = R a + V gamma,   [ R_p  B_p V ] (a, gamma) = 0,   R_p the rigid motions at the interface p
@@ -45,7 +45,7 @@ def held_modes(body: ReducedBody, interface: str, *, n_modes: int | None = None)
     motion = (free @ vectors[:, :n_modes]).T
     translations, rotations, gammas = motion[:, :3], motion[:, 3:6], motion[:, 6:]
     rigid_shapes = translations[:, None] + np.cross(rotations[:, None], body.nodes)
-    return HeldModes(
+    return ClampedModes(
         frequencies=read_only(np.sqrt(np.maximum(values[:n_modes], 0.0))),
         shapes=read_only(rigid_shapes + body.expand(gammas)),
     )

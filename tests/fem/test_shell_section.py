@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from supple.errors import ModelError
-from supple.fem import HomogeneousWall, LaminateWall
+from supple.fem import HomogeneousSection, LaminateSection
 
 A, B, D = np.diag([4.0, 3.0, 1.0]), np.diag([0.5, -0.5, 0.0]), np.diag([1.0, 1.0, 0.4])
 
@@ -15,12 +15,12 @@ def laminate(**changes):
         "mass_per_area": 1.0,
         "rotary_inertia_per_area": 0.01,
     }
-    return LaminateWall(**(arguments | changes))
+    return LaminateSection(**(arguments | changes))
 
 
 def test_homogeneous_wall_is_the_integral_through_the_thickness(material):
     """A, B, D = integral of (1, z, z^2) C, and the inertia that of (1, z^2) rho."""
-    wall = HomogeneousWall(material, 0.2)
+    wall = HomogeneousSection(material, 0.2)
     z, w = np.polynomial.legendre.leggauss(3)
     z, w = 0.1 * z, 0.1 * w
     C = material.plane_stress
@@ -34,7 +34,7 @@ def test_homogeneous_wall_is_the_integral_through_the_thickness(material):
 @pytest.mark.parametrize("thickness", [0.0, -1.0, np.nan, np.inf])
 def test_impossible_thickness_is_refused(material, thickness):
     with pytest.raises(ModelError, match="wall thickness is"):
-        HomogeneousWall(material, thickness)
+        HomogeneousSection(material, thickness)
 
 
 def test_laminate_keeps_its_own_read_only_copy():

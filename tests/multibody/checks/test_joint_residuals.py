@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from supple.body import FullBody, MeanAxisFrame
-from supple.integrate import BodyMotion, FixedStep, Solution, Statistics
+from supple.integrate import FixedStep, FloatingMotion, Solution, Statistics
 from supple.machine import GROUND, At, Ball, Placed, System
-from supple.multibody import joint_gaps
+from supple.multibody import joint_residuals
 from supple.simulation import simulate
 
 LIFT = np.array([0.0, 0.0, 0.25])
@@ -28,14 +28,14 @@ def swing(pendulum):
 
 
 def test_a_run_keeps_its_joints_closed(pendulum, swing):
-    gaps = joint_gaps(pendulum, swing)
+    gaps = joint_residuals(pendulum, swing)
     assert gaps.shape == (6, 3)
     assert np.abs(gaps).max() < 1e-9
 
 
 def test_a_body_moved_away_opens_its_joint_by_as_much(pendulum, swing):
     moved = replace(swing.bodies["rod"], position=swing.bodies["rod"].position + LIFT)
-    gaps = joint_gaps(pendulum, replace(swing, bodies={"rod": moved}))
+    gaps = joint_residuals(pendulum, replace(swing, bodies={"rod": moved}))
     np.testing.assert_allclose(gaps - LIFT, 0.0, atol=1e-9)
 
 
@@ -46,7 +46,7 @@ def test_joints_see_the_interfaces_of_a_full_body(blade):
     q = 0.01 * np.random.default_rng(2).standard_normal((3, full.r))
     rest = np.zeros_like(q)
     frame = np.zeros((3, 3))
-    motion = BodyMotion(frame, np.tile(np.eye(3), (3, 1, 1)), q, frame, frame, rest, frame, frame, rest)
+    motion = FloatingMotion(frame, np.tile(np.eye(3), (3, 1, 1)), q, frame, frame, rest, frame, frame, rest)
     solution = Solution(np.arange(3.0), {"blade": motion}, {}, Statistics())
-    gaps = joint_gaps(System(bodies=(Placed(full),), joints=(hinge,)), solution)
+    gaps = joint_residuals(System(bodies=(Placed(full),), joints=(hinge,)), solution)
     np.testing.assert_allclose(gaps, q @ blade.interface("tip").motion[:3].T, atol=1e-15)
