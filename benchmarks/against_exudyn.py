@@ -15,13 +15,13 @@ from __future__ import annotations
 from importlib.metadata import version
 
 import numpy as np
-from exudyn_run import Outcome, Run, best_of, exudyn, timed_run
+from exudyn_run import Outcome, TimedRun, best_of, exudyn, timed_run
 from measure import keep
 from scipy.sparse import csr_matrix
 
 from supple.body import AveragingInterface, FlexibleBody, MeanAxisFrame, flexible_body
 from supple.fem import Isotropic, solid_model
-from supple.integrate import FixedStep, GeneralizedAlpha, Tolerances
+from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, Mesh, block
 from supple.reduction import NoDerivatives, NormalModes, reduce
@@ -40,7 +40,7 @@ def bar() -> tuple[Mesh, FlexibleBody]:
     return mesh, body
 
 
-def in_supple(mesh: Mesh, body: FlexibleBody) -> Run:
+def in_supple(mesh: Mesh, body: FlexibleBody) -> TimedRun:
     small = reduce(body.linearized(), MeanAxisFrame(), NormalModes(N_MODES), derivatives=NoDerivatives())
     system = System(
         bodies=(Placed(small),),
@@ -51,11 +51,13 @@ def in_supple(mesh: Mesh, body: FlexibleBody) -> Run:
     def run() -> Outcome:
         solution = simulate(
             system,
-            duration=DURATION,
-            output_step=OUTPUT_STEP,
-            step=FixedStep(STEP),
-            method=GeneralizedAlpha(0.8),
-            tolerances=Tolerances(TOLERANCE),
+            Run(
+                duration=DURATION,
+                output_step=OUTPUT_STEP,
+                step=FixedStep(STEP),
+                method=GeneralizedAlpha(0.8),
+                tolerances=Tolerances(TOLERANCE),
+            ),
         )
         cost = solution.statistics
         tip = node_positions(small, solution.bodies["bar"], mesh.nodes_of("tip")).mean(axis=1)
@@ -64,7 +66,7 @@ def in_supple(mesh: Mesh, body: FlexibleBody) -> Run:
     return run
 
 
-def in_exudyn(mesh: Mesh, body: FlexibleBody, *, modified_newton: bool) -> Run:
+def in_exudyn(mesh: Mesh, body: FlexibleBody, *, modified_newton: bool) -> TimedRun:
     exu = exudyn()
     from exudyn import itemInterface as items  # noqa: N813
     from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface

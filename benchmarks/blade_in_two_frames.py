@@ -26,6 +26,7 @@ from supple.benchmark.blade import (
 from supple.benchmark.blade_full import OUTPUT_STEP, STEP, TOLERANCES
 from supple.benchmark.blade_reduced import FixedBasis, bases_of
 from supple.body import FlexibleBody, ModalDamping, RayleighDamping
+from supple.integrate import Run
 from supple.reduction import reduce
 from supple.simulation import simulate
 
@@ -63,10 +64,7 @@ def run(
     reduced = reduce(body, FRAMES[basis.frame], basis.recipe, derivatives=basis.derivatives, damping=damping)
     motion = simulate(
         blade.system(reduced, RATED, blade.loads(RATED, SECONDS)),
-        duration=SECONDS,
-        output_step=OUTPUT_STEP,
-        step=STEP,
-        tolerances=TOLERANCES,
+        Run(duration=SECONDS, output_step=OUTPUT_STEP, step=STEP, tolerances=TOLERANCES),
     )
     return tip_motion(blade, RATED, reduced, motion)
 

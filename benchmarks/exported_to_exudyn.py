@@ -28,7 +28,7 @@ from measure import keep
 from supple.body import AveragingInterface, MeanAxisFrame, flexible_body
 from supple.export import interface_nodes, write_exudyn
 from supple.fem import Isotropic, solid_model
-from supple.integrate import FixedStep, GeneralizedAlpha, Tolerances
+from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Joint, Placed, Revolute, System
 from supple.mesh import CellType, cylinder
 from supple.reduction import NoDerivatives, ReducedBody, Rubin, reduce
@@ -91,11 +91,13 @@ def in_supple(given: Pendulum, hold: Hold, step: float) -> Swing:
     link = given.link
     motion = simulate(
         System(bodies=(Placed(link),), joints=(hold.joint,), gravity=GRAVITY),
-        duration=DURATION,
-        output_step=OUTPUT_STEP,
-        step=FixedStep(step),
-        method=GeneralizedAlpha(0.8),
-        tolerances=Tolerances(TOLERANCE),
+        Run(
+            duration=DURATION,
+            output_step=OUTPUT_STEP,
+            step=FixedStep(step),
+            method=GeneralizedAlpha(0.8),
+            tolerances=Tolerances(TOLERANCE),
+        ),
     ).bodies["link"]
     tip = link.interface("tip")
     local = tip.position + motion.coordinates @ tip.motion[:3].T

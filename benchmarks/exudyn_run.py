@@ -11,7 +11,7 @@ import numpy as np
 
 Outcome = tuple[int, int, float, np.ndarray]
 """Steps, Newton iterations, wall seconds, and the positions (t, 3) of a point at the output times."""
-Run = Callable[[], Outcome]
+TimedRun = Callable[[], Outcome]
 
 
 def exudyn() -> Any:
@@ -32,7 +32,7 @@ def timed_run(
     output_step: float,
     tolerance: float,
     modified_newton: bool,
-) -> Run:
+) -> TimedRun:
     """Run an assembled system by generalized-alpha, rho_inf = 0.8, as often as called."""
     exu = exudyn()
     settings = exu.SimulationSettings()
@@ -61,7 +61,7 @@ def timed_run(
     return run
 
 
-def best_of(runs: Mapping[str, Run], repeats: int) -> dict[str, Outcome]:
+def best_of(runs: Mapping[str, TimedRun], repeats: int) -> dict[str, Outcome]:
     """The fastest outcome of each code; the codes take turns, so that all see the same machine."""
     for run in runs.values():
         run()  # compiles, warms the caches

@@ -18,7 +18,7 @@ from measure import keep
 from supple.benchmark.rotating_beam import BODY, ROOT, RotatingBeam
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.fem import GREEN_LAGRANGE
-from supple.integrate import FixedStep, GeneralizedAlpha, Tolerances
+from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import (
     GROUND,
     At,
@@ -105,7 +105,7 @@ def batch_cost(body: ReducedBody, n: int) -> dict[str, Any]:
     cases = [case() for _ in range(n)]
     done = min(
         (
-            simulate_batch(cases, duration=duration, output_step=0.05, step=FixedStep(STEP)).check()
+            simulate_batch(cases, Run(duration=duration, output_step=0.05, step=FixedStep(STEP))).check()
             for _ in range(3)
         ),
         key=lambda batch: batch.seconds,

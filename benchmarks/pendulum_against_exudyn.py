@@ -19,13 +19,13 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from exudyn_run import Outcome, Run, best_of, exudyn, timed_run
+from exudyn_run import Outcome, TimedRun, best_of, exudyn, timed_run
 from measure import keep
 
 from supple.benchmark.quadruple_pendulum import GRAVITY, QuadruplePendulum
 from supple.body import RigidBody
 from supple.export import interface_nodes, write_exudyn
-from supple.integrate import FixedStep, GeneralizedAlpha, Tolerances
+from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import System
 from supple.mesh import CellType
 from supple.reduction import ErrorControlled, NoDerivatives, ReducedBody, reduce
@@ -35,15 +35,17 @@ from supple.simulation import simulate
 DURATION, OUTPUT_STEP, STEPS, TOLERANCE, REPEATS = 1.0, 0.02, (1e-3, 5e-4), 1e-6, 5
 
 
-def in_supple(system: System, link: ReducedBody, end: int, step: float) -> Run:
+def in_supple(system: System, link: ReducedBody, end: int, step: float) -> TimedRun:
     def run() -> Outcome:
         solution = simulate(
             system,
-            duration=DURATION,
-            output_step=OUTPUT_STEP,
-            step=FixedStep(step),
-            method=GeneralizedAlpha(0.8),
-            tolerances=Tolerances(TOLERANCE),
+            Run(
+                duration=DURATION,
+                output_step=OUTPUT_STEP,
+                step=FixedStep(step),
+                method=GeneralizedAlpha(0.8),
+                tolerances=Tolerances(TOLERANCE),
+            ),
         )
         cost = solution.statistics
         return (
@@ -56,7 +58,7 @@ def in_supple(system: System, link: ReducedBody, end: int, step: float) -> Run:
     return run
 
 
-def in_exudyn(system: System, file: Path, end: int, step: float, *, modified_newton: bool) -> Run:
+def in_exudyn(system: System, file: Path, end: int, step: float, *, modified_newton: bool) -> TimedRun:
     exu = exudyn()
     from exudyn import itemInterface as items  # noqa: N813
 

@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 
 from supple.body import FullBody, MeanAxisFrame, RigidInterface, flexible_body
-from supple.correction import SelfCorrected, SelfCorrection, self_correct
+from supple.correction import ReductionStart, SelfCorrected, SelfCorrection, self_correct
 from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.machine.laws.spin_up import SpinUp
 from supple.mesh import strip
@@ -31,12 +31,12 @@ from supple.simulation import simulate
 from supple.viz import plot_error_over_parameter
 
 ALLOWED = 3e-6
-RUN = {
-    "duration": 8.0,
-    "output_step": 0.02,
-    "step": FixedStep(0.02),
-    "tolerances": Tolerances(residual=1e-9),
-}
+RUN = Run(
+    duration=8.0,
+    output_step=0.02,
+    step=FixedStep(0.02),
+    tolerances=Tolerances(residual=1e-9),
+)
 
 length, width, thickness = 10.0, 1.0, np.sqrt(12 * 1.4e4 / 2.8e7)
 area = width * thickness
@@ -60,20 +60,16 @@ def spun_up(body) -> System:
 def solve() -> SelfCorrected:
     """The reduced beam that meets the error asked for."""
     return self_correct(
-        spun_up,
-        beam,
-        MeanAxisFrame(),
-        CraigBampton(n_modes=5),
-        derivatives=CompressedDerivatives(5),
-        target=SelfCorrection(absolute=ALLOWED),
-        **RUN,
-    )
+        spun_up(FullBody(beam, MeanAxisFrame())),
+        RUN,
+        ReductionStart(SelfCorrection(absolute=ALLOWED), CraigBampton(n_modes=5), CompressedDerivatives(5)),
+    ).bodies["beam"]
 
 
 def true_errors(result: SelfCorrected) -> np.ndarray:
     """Error of every round against the full run."""
     full = FullBody(beam, MeanAxisFrame())
-    reference = simulate(spun_up(full), **RUN)
+    reference = simulate(spun_up(full), RUN)
     return np.array(
         [
             motion_error(reference, full, each.solution, each.body, body="beam").max_rms

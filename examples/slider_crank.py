@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from supple.benchmark.slider_crank import SliderCrank, slider_position
-from supple.integrate import FixedStep, Solution
+from supple.integrate import FixedStep, Run, Solution
 from supple.mesh import CellType, RodCells
 from supple.multibody import balances
 from supple.reduction import (
@@ -49,7 +49,7 @@ def reduced(basis) -> ReducedBody:
 
 def run(rod: ReducedBody) -> Solution:
     """A quarter of a second of the machine with this rod."""
-    return simulate(machine.system(rod), duration=0.25, output_step=0.001, step=FixedStep(2.5e-4))
+    return simulate(machine.system(rod), Run(duration=0.25, output_step=0.001, step=FixedStep(2.5e-4)))
 
 
 def stress(rod: ReducedBody, solution: Solution) -> np.ndarray:

@@ -15,7 +15,7 @@ from supple.benchmark.quadruple_pendulum import (
     QuadruplePendulum,
     rigid_link,
 )
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType
 from supple.multibody import balances, joint_residuals
@@ -32,7 +32,7 @@ def system(pendulum):
 @pytest.fixture(scope="module")
 def fall(system):
     return simulate(
-        system, duration=0.3, output_step=0.002, step=FixedStep(0.001), tolerances=Tolerances(1e-10)
+        system, Run(duration=0.3, output_step=0.002, step=FixedStep(0.001), tolerances=Tolerances(1e-10))
     )
 
 
@@ -86,9 +86,7 @@ def test_a_stiff_link_swings_with_the_period_of_a_compound_pendulum(pendulum):
             joints=(Ball(first=GROUND, second=At(link.name, "near")),),
             gravity=GRAVITY,
         ),
-        duration=2.0,
-        output_step=0.005,
-        step=FixedStep(0.005),
+        Run(duration=2.0, output_step=0.005, step=FixedStep(0.005)),
     )
     mass_matrix = stiff.body.rigid_modes.T @ (stiff.body.mass @ stiff.body.rigid_modes)
     mass, moment = mass_matrix[0, 0], mass_matrix[1, 5]

@@ -7,9 +7,9 @@ import pytest
 
 from supple.benchmark.rotating_beam import RotatingBeam, spin_up_load
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame
-from supple.correction import SelfCorrection, self_correct
+from supple.correction import ReductionStart, SelfCorrection, self_correct
 from supple.fem import GREEN_LAGRANGE
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.machine.laws.spin_up import SpinUp
 from supple.reduction import (
@@ -22,12 +22,12 @@ from supple.reduction import (
 from supple.results import motion_error
 from supple.simulation import simulate
 
-RUN = {
-    "duration": 20.0,
-    "output_step": 0.02,
-    "step": FixedStep(0.02),
-    "tolerances": Tolerances(residual=1e-9),
-}
+RUN = Run(
+    duration=20.0,
+    output_step=0.02,
+    step=FixedStep(0.02),
+    tolerances=Tolerances(residual=1e-9),
+)
 
 
 def spun_up(body):
@@ -45,17 +45,17 @@ def test_few_coordinates_reach_micrometres_and_say_so(frame):
     """From 5 modes and 5 derivatives: at most 14 coordinates for 3e-6 m and 18 for 3e-7 m (tip: 0.6 m)."""
     beam = RotatingBeam.quick().body(GREEN_LAGRANGE)
     full = FullBody(beam, frame)
-    reference = simulate(spun_up(full), **RUN)
+    reference = simulate(spun_up(full), RUN)
     for expected in (UnitLoad(), StaticLoad(spin_up_load(beam))):
         result = self_correct(
-            spun_up,
-            beam,
-            frame,
-            CraigBampton(n_modes=5),
-            derivatives=CompressedDerivatives(5, weights=AmplitudeProduct(expected)),
-            target=SelfCorrection(absolute=3e-7),
-            **RUN,
-        )
+            spun_up(FullBody(beam, frame)),
+            RUN,
+            ReductionStart(
+                SelfCorrection(absolute=3e-7),
+                CraigBampton(n_modes=5),
+                CompressedDerivatives(5, weights=AmplitudeProduct(expected)),
+            ),
+        ).bodies["beam"]
         sizes = np.array([each.size for each in result.rounds])
         true = np.array(
             [

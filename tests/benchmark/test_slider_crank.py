@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from supple.benchmark.slider_crank import CRANK_RADIUS, ROD, TOTAL_MASS, SliderCrank, slider_position
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.multibody import balances, joint_residuals
 from supple.reduction import CraigBampton, NoDerivatives, reduce
 from supple.simulation import simulate
@@ -21,7 +21,7 @@ def run(stiffness):
     rod = reduce(machine.body, machine.frame, CraigBampton(n_modes=3), derivatives=NoDerivatives())
     system = machine.system(rod)
     solution = simulate(
-        system, duration=0.2, output_step=0.001, step=FixedStep(5e-4), tolerances=Tolerances(1e-10)
+        system, Run(duration=0.2, output_step=0.001, step=FixedStep(5e-4), tolerances=Tolerances(1e-10))
     )
     return machine, system, solution
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from supple.body import FullBody, NodalFixedFrame, RigidInterface, flexible_body
-from supple.correction import CorrectionFolder, ReductionStart, SelfCorrection, self_correct_system
+from supple.correction import CorrectionFolder, ReductionStart, SelfCorrection, self_correct
 from supple.errors import ResultFileError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.mesh import strip
 from supple.reduction import CompressedDerivatives, CraigBampton
@@ -17,12 +17,12 @@ from supple.simulation import simulate
 from supple.storage import read_header, read_solution
 
 CASE = "a strip that is turned"
-RUN = {
-    "duration": 1.0,
-    "output_step": 0.02,
-    "step": FixedStep(0.02, smallest=1e-3),
-    "tolerances": Tolerances(residual=1e-9),
-}
+RUN = Run(
+    duration=1.0,
+    output_step=0.02,
+    step=FixedStep(0.02, smallest=1e-3),
+    tolerances=Tolerances(residual=1e-9),
+)
 START = ReductionStart(
     SelfCorrection(absolute=1e-5, instants=10), CraigBampton(n_modes=3), CompressedDerivatives(3)
 )
@@ -46,9 +46,7 @@ def system():
 def kept(system, tmp_path_factory):
     """A self-correction that ran to its end, and its folder."""
     folder = tmp_path_factory.mktemp("rounds")
-    result = self_correct_system(
-        system, {"beam": START}, archive=CorrectionFolder.create(folder, case=CASE), **RUN
-    )
+    result = self_correct(system, RUN, {"beam": START}, archive=CorrectionFolder.create(folder, case=CASE))
     return result.bodies["beam"], folder
 
 
@@ -68,9 +66,9 @@ def simulated(monkeypatch):
     """Sizes of the runs that are simulated."""
     sizes = []
 
-    def counting(system, **options):
+    def counting(system, run, **options):
         sizes.append(system.bodies[0].body.r)
-        return simulate(system, **options)
+        return simulate(system, run, **options)
 
     monkeypatch.setattr("supple.correction.correction_folder.simulate", counting)
     return sizes
@@ -78,7 +76,7 @@ def simulated(monkeypatch):
 
 def repeated(system, folder):
     archive = CorrectionFolder.resume(folder, case=CASE)
-    return self_correct_system(system, {"beam": START}, archive=archive, **RUN).bodies["beam"]
+    return self_correct(system, RUN, {"beam": START}, archive=archive).bodies["beam"]
 
 
 def test_a_finished_correction_is_read_and_not_run(system, kept, simulated, monkeypatch):
@@ -114,7 +112,7 @@ def test_a_correction_that_was_killed_goes_on_with_the_run_that_was_cut_off(
             raise KilledError
 
     with pytest.raises(KilledError):
-        archive.simulate(1, with_body(system, result.body), record=lambda _: None, progress=stop, **RUN)
+        archive.simulate(1, with_body(system, result.body), RUN, record=lambda _: None, progress=stop)
     assert not read_header(archive.motion(1)).complete
     assert read_solution(archive.motion(1)).times[-1] == pytest.approx(0.5)
     simulated.clear()

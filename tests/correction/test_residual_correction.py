@@ -20,7 +20,7 @@ from supple.body import (
 from supple.correction import residual_corrections
 from supple.errors import ModelError
 from supple.fem import Isotropic, solid_model
-from supple.integrate import FixedStep, FloatingMotion, Solution, Statistics, Tolerances
+from supple.integrate import FixedStep, FloatingMotion, Run, Solution, Statistics, Tolerances
 from supple.machine import (
     GROUND,
     At,
@@ -82,7 +82,8 @@ def test_a_complete_basis_misses_nothing(beam, name):
     basis = reduction_basis(beam, FRAMES[name], CompleteBasis(), derivatives=NoDerivatives())
     system = hanging(project(beam, basis, damping=DAMPING))
     solution = simulate(
-        system, duration=0.2, output_step=0.02, step=FixedStep(0.01), tolerances=Tolerances(residual=1e-11)
+        system,
+        Run(duration=0.2, output_step=0.02, step=FixedStep(0.01), tolerances=Tolerances(residual=1e-11)),
     )
     full = FullBody(beam, FRAMES[name], DAMPING)
     missed = residual_corrections(system, full, basis, solution, np.array([3, 10]))

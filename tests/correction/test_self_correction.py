@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
-from supple.correction import SelfCorrection, SelfCorrectionError, self_correct
+from supple.correction import ReductionStart, SelfCorrection, SelfCorrectionError, self_correct
 from supple.correction.system_correction import _evenly_spread, _extrapolated
 from supple.errors import AccuracyError, ConvergenceError, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.mesh import strip
-from supple.reduction import CompressedDerivatives, CraigBampton
+from supple.reduction import CompressedDerivatives, CraigBampton, reduce
 from supple.simulation import simulate
 
 FRAMES = {"nodal-fixed": NodalFixedFrame("root"), "mean-axis": MeanAxisFrame()}
-RUN = {
-    "duration": 2.0,
-    "output_step": 0.02,
-    "step": FixedStep(0.02, smallest=1e-3),
-    "tolerances": Tolerances(residual=1e-9),
-}
+RUN = Run(
+    duration=2.0,
+    output_step=0.02,
+    step=FixedStep(0.02, smallest=1e-3),
+    tolerances=Tolerances(residual=1e-9),
+)
 ALLOWED = 1e-5
 
 
@@ -55,15 +53,11 @@ def corrected(beam, frame, **target):
     target = {"absolute": ALLOWED, "instants": 20} | target
     rounds = []
     result = self_correct(
-        turned(spin_up),
-        beam,
-        frame,
-        CraigBampton(n_modes=4),
-        derivatives=CompressedDerivatives(4),
-        target=SelfCorrection(**target),
+        turned(spin_up)(FullBody(beam, frame)),
+        RUN,
+        ReductionStart(SelfCorrection(**target), CraigBampton(n_modes=4), CompressedDerivatives(4)),
         announce=rounds.append,
-        **RUN,
-    )
+    ).bodies["beam"]
     return result, rounds
 
 
@@ -85,7 +79,7 @@ def test_estimates_are_the_true_errors(beam, name):
     frame = FRAMES[name]
     result, announced = corrected(beam, frame)
     full = FullBody(beam, frame)
-    reference = simulate(turned(spin_up)(full), **RUN)
+    reference = simulate(turned(spin_up)(full), RUN)
     true = np.array([largest_rms(full, reference, each.body, each.solution) for each in result.rounds])
     estimated = np.array([each.estimated_error for each in result.rounds])
     indicators = np.array([each.indicator for each in result.rounds])
@@ -155,20 +149,12 @@ def test_a_run_that_breaks_off_at_once_is_an_error(beam, breaking_off):
         corrected(beam, FRAMES["nodal-fixed"])
 
 
-def test_the_system_must_hold_the_body_it_is_given(beam):
-    def another(body):
-        return turned(spin_up)(replace(body))
-
-    with pytest.raises(ModelError, match="does not hold the reduced body 'beam' it was given"):
-        self_correct(
-            another,
-            beam,
-            FRAMES["nodal-fixed"],
-            CraigBampton(n_modes=4),
-            derivatives=CompressedDerivatives(4),
-            target=SelfCorrection(absolute=ALLOWED),
-            **RUN,
-        )
+def test_a_body_to_reduce_stands_in_the_system_in_full(beam):
+    small = reduce(beam, FRAMES["nodal-fixed"], CraigBampton(n_modes=4))
+    with pytest.raises(ModelError, match="body 'beam' is in the system as a ReducedBody; place it as a Full"):
+        self_correct(turned(spin_up)(small), RUN, {"beam": ReductionStart()})
+    with pytest.raises(ModelError, match="name at least one body"):
+        self_correct(turned(spin_up)(small), RUN, SelfCorrection(relative=1e-3))
 
 
 def test_rounds_that_shrink_by_one_rate_add_up():

@@ -13,12 +13,12 @@ from supple.correction import (
     RoundBases,
     SelfCorrection,
     SelfCorrectionError,
-    self_correct_system,
+    self_correct,
 )
 from supple.correction.system_correction import _with_reduced
 from supple.errors import ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, Revolute, System
 from supple.mesh import strip
 from supple.reduction import (
@@ -32,12 +32,12 @@ from supple.reduction import (
 from supple.simulation import simulate
 
 FRAMES = {"nodal-fixed": NodalFixedFrame("root"), "mean-axis": MeanAxisFrame()}
-RUN = {
-    "duration": 1.0,
-    "output_step": 0.02,
-    "step": FixedStep(0.02, smallest=1e-3),
-    "tolerances": Tolerances(residual=1e-9),
-}
+RUN = Run(
+    duration=1.0,
+    output_step=0.02,
+    step=FixedStep(0.02, smallest=1e-3),
+    tolerances=Tolerances(residual=1e-9),
+)
 ALLOWED = {"upper": 1e-5, "lower": 1e-7}
 NAMES = tuple(ALLOWED)
 
@@ -97,7 +97,7 @@ def largest_rms(full, reference, body, solution):
 def corrected(request):
     """The system with full bodies, its full run, and its self-correction."""
     system = double_pendulum(FRAMES[request.param])
-    return system, simulate(system, **RUN), self_correct_system(system, starts(), **RUN)
+    return system, simulate(system, RUN), self_correct(system, RUN, starts())
 
 
 def test_both_bodies_meet_their_error_and_know_it(corrected):
@@ -138,17 +138,17 @@ def test_one_body_that_is_never_met_is_named(two_strips):
     never = SelfCorrection(absolute=1e-15, instants=5, max_rounds=1)
     strict["lower"] = replace(strict["lower"], target=never)
     with pytest.raises(SelfCorrectionError, match="body 'lower' did not reach the error 1e-15") as caught:
-        self_correct_system(two_strips, strict, **RUN)
+        self_correct(two_strips, RUN, strict)
     assert "'upper'" not in str(caught.value)
     assert [each.body.name for each in caught.value.rounds] == ["upper", "upper", "lower", "lower"]
 
 
 def test_refuses_bodies_that_it_cannot_reduce(two_strips):
     with pytest.raises(ModelError, match="name at least one body of the system"):
-        self_correct_system(two_strips, {}, **RUN)
+        self_correct(two_strips, RUN, {})
     with pytest.raises(ModelError, match="there is no body 'middle'"):
-        self_correct_system(two_strips, {"middle": ReductionStart()}, **RUN)
+        self_correct(two_strips, RUN, {"middle": ReductionStart()})
     small = {"upper": reduce(two_strips.bodies[0].body.body, MeanAxisFrame(), CraigBampton(n_modes=2))}
     system = replace(two_strips, bodies=(Placed(small["upper"]), two_strips.bodies[1]))
     with pytest.raises(ModelError, match="body 'upper' is in the system as a ReducedBody; place it as a"):
-        self_correct_system(system, {"upper": ReductionStart()}, **RUN)
+        self_correct(system, RUN, {"upper": ReductionStart()})

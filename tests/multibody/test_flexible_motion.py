@@ -11,7 +11,7 @@ import pytest
 from supple.body import NodalFixedFrame, RigidInterface, flexible_body
 from supple.errors import ValidityWarning
 from supple.fem import Isotropic, solid_model
-from supple.integrate import FixedStep, Newmark, Tolerances
+from supple.integrate import FixedStep, Newmark, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, PrescribedRotation, Revolute, System
 from supple.mesh import CellType, block
 from supple.multibody.checks.energy import balances
@@ -36,7 +36,8 @@ def test_free_body_keeps_energy_and_momenta_at_order_two(tumbling):
 
     def drifts(h):
         solution = simulate(
-            tumbling, duration=1.0, output_step=0.02, step=FixedStep(h), method=Newmark(), tolerances=TIGHT
+            tumbling,
+            Run(duration=1.0, output_step=0.02, step=FixedStep(h), method=Newmark(), tolerances=TIGHT),
         )
         kept = balances(tumbling, solution)
         assert np.ptp(kept.strain) > 0.02 * kept.total[0]
@@ -67,7 +68,7 @@ def chain(floating_blade, rod):
 
 @pytest.fixture(scope="module")
 def fall(chain):
-    return simulate(chain, duration=2.0, output_step=0.05, step=FixedStep(1e-3), tolerances=TIGHT)
+    return simulate(chain, Run(duration=2.0, output_step=0.05, step=FixedStep(1e-3), tolerances=TIGHT))
 
 
 def test_joints_of_a_flexible_body_stay_closed_over_thousands_of_steps(fall, floating_blade):
@@ -111,7 +112,7 @@ def test_steady_spin_stretches_a_bar():
     bar = flexible_body("bar", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
     body = reduce(bar, NodalFixedFrame("root"), CompleteBasis(), derivatives=NoDerivatives())
     damped = replace(body, damping=15.0 * np.eye(body.r))
-    solution = simulate(spun(damped, speed, 2.0), duration=2.0, output_step=0.04, step=FixedStep(2e-3))
+    solution = simulate(spun(damped, speed, 2.0), Run(duration=2.0, output_step=0.04, step=FixedStep(2e-3)))
     tip = solution.bodies["bar"].coordinates @ body.interface("tip").motion[:3].T
     k = np.sqrt(density * speed**2 / modulus)
     np.testing.assert_allclose(tip[-1], [np.tan(k * length) / k - length, 0, 0], rtol=5e-3, atol=1e-6)
@@ -126,7 +127,7 @@ def test_nonlinear_body_stiffens_where_the_linear_one_diverges(clamped_blade):
     """The same strip, basis and motion, with and without the quadratic and cubic forces."""
 
     def sway(body):
-        solution = simulate(spun(body, SPEED, 2.0), duration=2.0, output_step=0.04, step=FixedStep(2e-3))
+        solution = simulate(spun(body, SPEED, 2.0), Run(duration=2.0, output_step=0.04, step=FixedStep(2e-3)))
         return np.abs(body.expand(solution.bodies["blade"].coordinates)[:, :, 1]).max()
 
     assert sway(clamped_blade) < 0.2

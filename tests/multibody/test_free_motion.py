@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ellipj
 
 from supple.body import RigidBody
-from supple.integrate import FixedStep, GeneralizedAlpha, HilberHughesTaylor, Newmark, Tolerances
+from supple.integrate import FixedStep, GeneralizedAlpha, HilberHughesTaylor, Newmark, Run, Tolerances
 from supple.machine import Placed, System
 from supple.multibody.checks.energy import balances
 from supple.simulation import simulate
@@ -44,9 +44,9 @@ def tumbling():
 def run(tumbling):
     tight = Tolerances(residual=1e-12)
 
-    def at_step(h, method=None):
+    def at_step(h, method=GeneralizedAlpha()):  # noqa: B008 (it is immutable)
         return simulate(
-            tumbling, duration=4.0, output_step=0.1, step=FixedStep(h), method=method, tolerances=tight
+            tumbling, Run(duration=4.0, output_step=0.1, step=FixedStep(h), method=method, tolerances=tight)
         )
 
     return at_step

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from supple.errors import RedundantConstraintWarning
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import (
     GROUND,
     At,
@@ -72,10 +72,7 @@ def crank_rocker(rod):
     with pytest.warns(RedundantConstraintWarning) as warned:
         solution = simulate(
             four_bar(rod),
-            duration=duration,
-            output_step=duration / 200,
-            step=FixedStep(5e-3),
-            tolerances=TIGHT,
+            Run(duration=duration, output_step=duration / 200, step=FixedStep(5e-3), tolerances=TIGHT),
         )
     return solution, str(warned[0].message)
 
@@ -154,7 +151,8 @@ def shafts(rod, turned):
     )
     with pytest.warns(RedundantConstraintWarning, match="2 redundant .*'bearing'"):
         return simulate(
-            System(bodies, joints), duration=1.8, output_step=0.05, step=FixedStep(2e-3), tolerances=TIGHT
+            System(bodies, joints),
+            Run(duration=1.8, output_step=0.05, step=FixedStep(2e-3), tolerances=TIGHT),
         )
 
 

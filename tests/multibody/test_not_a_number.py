@@ -6,6 +6,7 @@ import pytest
 
 from supple.body import RigidBody
 from supple.errors import ConvergenceError
+from supple.integrate import Run
 from supple.machine import GROUND, DeadForce, Placed, PrescribedRotation, System
 from supple.simulation import simulate
 
@@ -35,6 +36,6 @@ def test_nan_in_a_law_is_an_error(cause):
     )
     recorded = []
     with pytest.raises(ConvergenceError, match=r"no convergence at t = 0\.(4|5)"):
-        simulate(system, duration=1.0, output_step=0.05, record=recorded.append)
+        simulate(system, Run(duration=1.0, output_step=0.05), record=recorded.append)
     assert all(np.isfinite(part.bodies["rod"].position).all() for part in recorded)
     assert recorded[-1].times[-1] == pytest.approx(0.45)

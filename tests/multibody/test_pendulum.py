@@ -11,7 +11,7 @@ from scipy.special import ellipj, ellipk
 
 from supple.body import RigidBody
 from supple.errors import StepCutWarning
-from supple.integrate import AdaptiveStep, FixedStep, Tolerances
+from supple.integrate import AdaptiveStep, FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, Revolute, System
 from supple.machine.joints.joint import axes_along
 from supple.simulation import simulate
@@ -56,7 +56,7 @@ def angle_error(solution):
 
 def run(system, h=0.01, duration=2.0, output_step=0.1, **options):
     step = options.pop("step", FixedStep(h))
-    return simulate(system, duration=duration, output_step=output_step, step=step, **options)
+    return simulate(system, Run(duration=duration, output_step=output_step, step=step), **options)
 
 
 def test_swing_follows_the_elliptic_integral_at_order_two(pendulum):

@@ -9,7 +9,7 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame, RigidBody
 from supple.errors import ConvergenceError, ModelError
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, DeadForce, Placed, Revolute, System, Table
 from supple.simulation import simulate, simulate_batch
 
@@ -30,13 +30,13 @@ def cases(turned):
     return [pendulum(turned, angle, gravity) for angle, gravity in ((2.0, 9.81), (1.0, 9.81), (0.5, 1.62))]
 
 
-OPTIONS = {"duration": 1.0, "output_step": 0.1, "step": FixedStep(0.02)}
+RUN = Run(1.0, 0.1, step=FixedStep(0.02))
 
 
 def test_batch_is_the_same_as_one_by_one(cases):
-    batch = simulate_batch(cases, **OPTIONS).check()
+    batch = simulate_batch(cases, RUN).check()
     for system, own in zip(cases, batch.solutions, strict=True):
-        alone = simulate(system, **OPTIONS)
+        alone = simulate(system, RUN)
         np.testing.assert_array_equal(own.times, alone.times)
         np.testing.assert_allclose(own.bodies["bob"].position, alone.bodies["bob"].position, atol=1e-12)
         np.testing.assert_allclose(own.joint_forces["hinge"], alone.joint_forces["hinge"], atol=1e-8)
@@ -45,7 +45,7 @@ def test_batch_is_the_same_as_one_by_one(cases):
 
 def test_cases_may_go_in_chunks(cases):
     seen = []
-    batch = simulate_batch([*cases, *reversed(cases)], **OPTIONS, chunk=3, progress=seen.append)
+    batch = simulate_batch([*cases, *reversed(cases)], RUN, chunk=3, progress=seen.append)
     assert seen == [0.5, 1.0]
     for own, other in zip(batch.solutions, reversed(batch.solutions), strict=True):
         np.testing.assert_allclose(own.bodies["bob"].position, other.bodies["bob"].position, atol=1e-12)
@@ -53,11 +53,10 @@ def test_cases_may_go_in_chunks(cases):
 
 def test_failing_case_does_not_stop_the_others(cases):
     """Too few iterations for wide swings, enough for the smallest."""
-    options = OPTIONS | {
-        "step": FixedStep(0.02, smallest=0.015),
-        "tolerances": Tolerances(residual=1e-4, max_iterations=1),
-    }
-    batch = simulate_batch(cases, **options)
+    hasty = replace(
+        RUN, step=FixedStep(0.02, smallest=0.015), tolerances=Tolerances(residual=1e-4, max_iterations=1)
+    )
+    batch = simulate_batch(cases, hasty)
     assert list(batch.failures) == [0, 1]
     assert batch.solutions[0].times[-1] < 1.0
     assert batch.solutions[2].times[-1] == 1.0
@@ -69,7 +68,7 @@ def test_failing_case_does_not_stop_the_others(cases):
 
 def test_a_batch_needs_a_case():
     with pytest.raises(ModelError, match="a batch needs at least one case"):
-        simulate_batch([], duration=1.0, output_step=0.1)
+        simulate_batch([], Run(duration=1.0, output_step=0.1))
 
 
 def test_full_bodies_do_not_go_in_batches(blade):
@@ -77,21 +76,21 @@ def test_full_bodies_do_not_go_in_batches(blade):
     with pytest.raises(
         ModelError, match="a batch takes rigid and reduced bodies: reduce the full ones first"
     ):
-        simulate_batch([system], duration=1.0, output_step=0.1)
+        simulate_batch([system], Run(duration=1.0, output_step=0.1))
 
 
 def test_chunks_hold_a_case(cases):
     with pytest.raises(ValueError, match="chunk must be at least 1, got 0"):
-        simulate_batch(cases, **OPTIONS, chunk=0)
+        simulate_batch(cases, RUN, chunk=0)
 
 
 def test_cases_differ_in_numbers_only(cases):
     with pytest.raises(ModelError, match="the cases of a batch must differ in numbers only"):
-        simulate_batch([cases[0], replace(cases[0], loads=())], **OPTIONS)
+        simulate_batch([cases[0], replace(cases[0], loads=())], RUN)
 
 
 def test_tables_have_one_size(cases, turned):
     with pytest.raises(
         ModelError, match="the cases of a batch must have tables and bodies of the same sizes"
     ):
-        simulate_batch([cases[0], pendulum(turned, rows=3)], **OPTIONS)
+        simulate_batch([cases[0], pendulum(turned, rows=3)], RUN)

@@ -10,7 +10,7 @@ import pytest
 from supple.body import MeanAxisFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import ConvergenceError, ModelError, ResultFileError
 from supple.fem import Isotropic, solid_model
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, Revolute, System, Table
 from supple.mesh import CellType, block
 from supple.reduction import NoDerivatives, NormalModes, reduce
@@ -29,16 +29,16 @@ def pendulum():
 
 def test_the_run_is_that_of_simulate_and_is_on_disk(tmp_path, pendulum):
     path = tmp_path / "new folder" / "run.h5"
-    kept = simulate_recorded(pendulum, path, case="pendulum", **RUN)
-    direct = simulate(pendulum, **RUN)
+    kept = simulate_recorded(pendulum, RUN, path, case="pendulum")
+    direct = simulate(pendulum, RUN)
     np.testing.assert_array_equal(kept.bodies["bar"].rotation, direct.bodies["bar"].rotation)
     assert read_header(path).complete
 
 
 def test_a_complete_run_is_read_not_repeated(tmp_path, pendulum):
     shares = []
-    first = simulate_recorded(pendulum, tmp_path / "run.h5", case="pendulum", **RUN)
-    again = simulate_recorded(pendulum, tmp_path / "run.h5", case="pendulum", progress=shares.append, **RUN)
+    first = simulate_recorded(pendulum, RUN, tmp_path / "run.h5", case="pendulum")
+    again = simulate_recorded(pendulum, RUN, tmp_path / "run.h5", case="pendulum", progress=shares.append)
     assert again.statistics == first.statistics  # its wall time among them
     assert shares == [1.0]
 
@@ -55,11 +55,11 @@ def test_a_run_cut_off_is_continued(tmp_path, pendulum):
 
     path = tmp_path / "run.h5"
     with pytest.raises(KilledError):
-        simulate_recorded(pendulum, path, case="pendulum", progress=kill, **RUN)
+        simulate_recorded(pendulum, RUN, path, case="pendulum", progress=kill)
     n_kept = read_header(path).n_times
     assert 5 < n_kept < 21
-    whole = simulate_recorded(pendulum, path, case="pendulum", **RUN)
-    direct = simulate(pendulum, **RUN)
+    whole = simulate_recorded(pendulum, RUN, path, case="pendulum")
+    direct = simulate(pendulum, RUN)
     np.testing.assert_array_equal(whole.times, direct.times)
     ours, theirs = whole.bodies["bar"].rotation, direct.bodies["bar"].rotation
     np.testing.assert_array_equal(ours[:n_kept], theirs[:n_kept])
@@ -67,16 +67,16 @@ def test_a_run_cut_off_is_continued(tmp_path, pendulum):
 
 
 def test_another_run_is_not_overwritten(tmp_path, pendulum):
-    simulate_recorded(pendulum, tmp_path / "run.h5", case="pendulum", **RUN)
+    simulate_recorded(pendulum, RUN, tmp_path / "run.h5", case="pendulum")
     with pytest.raises(ResultFileError, match=r"another run than .*There: pendulum. Here: x"):
-        simulate_recorded(pendulum, tmp_path / "run.h5", case="x", **RUN)
+        simulate_recorded(pendulum, RUN, tmp_path / "run.h5", case="x")
 
 
 def test_a_run_begun_anew_replaces_the_one_that_is_there(tmp_path, pendulum):
     path = tmp_path / "run.h5"
-    begin_recorded(pendulum, path, case="long", **RUN)
+    begin_recorded(pendulum, RUN, path, case="long")
     short = begin_recorded(
-        pendulum, path, case="short", metadata={"title": "b"}, duration=0.2, output_step=0.1
+        pendulum, Run(duration=0.2, output_step=0.1), path, case="short", metadata={"title": "b"}
     )
     np.testing.assert_allclose(short.times, [0.0, 0.1, 0.2])
     header = read_header(path)
@@ -86,10 +86,10 @@ def test_a_run_begun_anew_replaces_the_one_that_is_there(tmp_path, pendulum):
 def test_only_what_was_cut_off_can_be_continued(tmp_path, pendulum):
     path = tmp_path / "run.h5"
     with pytest.raises(ResultFileError, match=r"run\.h5"):
-        continue_recorded(pendulum, path, case="pendulum", **RUN)
-    begin_recorded(pendulum, path, case="pendulum", **RUN)
+        continue_recorded(pendulum, RUN, path, case="pendulum")
+    begin_recorded(pendulum, RUN, path, case="pendulum")
     with pytest.raises(ResultFileError, match="its run is complete"):
-        continue_recorded(pendulum, path, case="pendulum", **RUN)
+        continue_recorded(pendulum, RUN, path, case="pendulum")
 
 
 def test_a_load_table_shorter_than_the_run_is_refused_at_its_start(tmp_path):
@@ -99,7 +99,7 @@ def test_a_load_table_shorter_than_the_run_is_refused_at_its_start(tmp_path):
         name="motor", first=GROUND, second=At("bar", "pin"), axis=(0.0, 0.0, 1.0), angle=short
     )
     with pytest.raises(ModelError, match=r"motor.*its table ends at t = 0.5, before the run does"):
-        simulate_recorded(System((Placed(bar),), (motor,)), tmp_path / "run.h5", case="short", **RUN)
+        simulate_recorded(System((Placed(bar),), (motor,)), RUN, tmp_path / "run.h5", case="short")
 
 
 def test_what_was_computed_before_a_failure_is_kept(tmp_path, pendulum):
@@ -108,12 +108,14 @@ def test_what_was_computed_before_a_failure_is_kept(tmp_path, pendulum):
     with pytest.raises(ConvergenceError):
         simulate_recorded(
             pendulum,
+            Run(
+                duration=1.0,
+                output_step=0.02,
+                step=FixedStep(0.02, smallest=0.015),
+                tolerances=Tolerances(residual=1e-4, max_iterations=1),
+            ),
             path,
             case="pendulum",
-            step=FixedStep(0.02, smallest=0.015),
-            tolerances=Tolerances(residual=1e-4, max_iterations=1),
-            duration=1.0,
-            output_step=0.02,
         )
     header = read_header(path)
     assert not header.complete
@@ -127,10 +129,10 @@ def test_a_motion_is_never_taken_for_one_on_other_columns(tmp_path):
     body = reduce(bar, MeanAxisFrame(), NormalModes(2), derivatives=NoDerivatives())
     flipped = replace(body, nodal_basis=body.nodal_basis * [1.0, -1.0])
     nearly = replace(body, nodal_basis=body.nodal_basis * (1 + 1e-9))
-    path, options = tmp_path / "run.h5", {"duration": 0.02, "output_step": 0.01, "case": "bar"}
-    first = simulate_recorded(System(bodies=(Placed(body),)), path, **options)
-    again = simulate_recorded(System(bodies=(Placed(nearly),)), path, **options)
+    path, run = tmp_path / "run.h5", Run(0.02, 0.01)
+    first = simulate_recorded(System(bodies=(Placed(body),)), run, path, case="bar")
+    again = simulate_recorded(System(bodies=(Placed(nearly),)), run, path, case="bar")
     assert again.statistics == first.statistics
     for proceed in (simulate_recorded, continue_recorded):
         with pytest.raises(ResultFileError, match="motion of body 'bar' on 2 columns that are not those"):
-            proceed(System(bodies=(Placed(flipped),)), path, **options)
+            proceed(System(bodies=(Placed(flipped),)), run, path, case="bar")

@@ -9,7 +9,7 @@ import pytest
 
 from supple.body import RigidBody
 from supple.errors import ConvergenceError, ModelError
-from supple.integrate import AdaptiveStep, FixedStep, Tolerances, concatenate
+from supple.integrate import AdaptiveStep, FixedStep, Run, Tolerances, concatenate
 from supple.machine import GROUND, At, DeadForce, Placed, Revolute, System, Table
 from supple.multibody import Checkpoint
 from supple.simulation import simulate
@@ -26,7 +26,7 @@ def pendulum(turned):
 
 
 def test_output_at_the_times_asked_for(pendulum):
-    solution = simulate(pendulum, duration=1.0, output_step=0.1, step=FixedStep(0.03))
+    solution = simulate(pendulum, Run(duration=1.0, output_step=0.1, step=FixedStep(0.03)))
     np.testing.assert_allclose(solution.times, np.arange(11) * 0.1, rtol=1e-15)
     assert solution.statistics.steps == 40  # four steps of 0.025 to each output
     motion = solution.bodies["bob"]
@@ -36,12 +36,12 @@ def test_output_at_the_times_asked_for(pendulum):
 
 
 def test_steps_default_to_the_output_step(pendulum):
-    assert simulate(pendulum, duration=1.0, output_step=0.02).statistics.steps == 50
+    assert simulate(pendulum, Run(duration=1.0, output_step=0.02)).statistics.steps == 50
 
 
 def test_velocities_are_the_rates_of_positions(pendulum):
     """Central differences of the output, of second order in its step."""
-    solution = simulate(pendulum, duration=0.05, output_step=1e-3)
+    solution = simulate(pendulum, Run(duration=0.05, output_step=1e-3))
     motion, h = solution.bodies["bob"], 1e-3
     rate = (motion.position[2:] - motion.position[:-2]) / (2 * h)
     np.testing.assert_allclose(motion.velocity[1:-1], rate, atol=1e-5)
@@ -55,7 +55,7 @@ def test_velocities_are_the_rates_of_positions(pendulum):
 
 def test_chunks_are_recorded_in_order_and_make_the_solution(pendulum):
     chunks = []
-    solution = simulate(pendulum, duration=5.0, output_step=0.05, record=chunks.append)
+    solution = simulate(pendulum, Run(duration=5.0, output_step=0.05), record=chunks.append)
     assert len(chunks) == 51
     np.testing.assert_array_equal(chunks[0].times, [0.0])
     joined = concatenate(chunks)
@@ -66,9 +66,9 @@ def test_chunks_are_recorded_in_order_and_make_the_solution(pendulum):
 
 def test_last_chunk_may_be_shorter(pendulum):
     """101 outputs in chunks of three."""
-    solution = simulate(pendulum, duration=1.01, output_step=0.01)
+    solution = simulate(pendulum, Run(duration=1.01, output_step=0.01))
     assert solution.times.size == 102
-    longer = simulate(pendulum, duration=5.0, output_step=0.05, step=FixedStep(0.01))
+    longer = simulate(pendulum, Run(duration=5.0, output_step=0.05, step=FixedStep(0.01)))
     np.testing.assert_allclose(
         solution.bodies["bob"].position[100], longer.bodies["bob"].position[20], atol=1e-9
     )
@@ -76,7 +76,7 @@ def test_last_chunk_may_be_shorter(pendulum):
 
 def test_progress_rises_to_one(pendulum):
     seen = []
-    simulate(pendulum, duration=1.0, output_step=0.02, progress=seen.append)
+    simulate(pendulum, Run(duration=1.0, output_step=0.02), progress=seen.append)
     assert seen == sorted(seen)
     assert seen[-1] == 1.0
     assert len(seen) == 50
@@ -86,9 +86,11 @@ def test_resumed_run_continues_the_interrupted_one(pendulum):
     """The auxiliary acceleration starts anew, which costs an error of the integrator's own order."""
 
     def difference(h):
-        whole = simulate(pendulum, duration=1.0, output_step=0.05, step=FixedStep(h))
-        half = simulate(pendulum, duration=0.5, output_step=0.05, step=FixedStep(h))
-        rest = simulate(pendulum, duration=1.0, output_step=0.05, step=FixedStep(h), resume=Checkpoint(half))
+        whole = simulate(pendulum, Run(duration=1.0, output_step=0.05, step=FixedStep(h)))
+        half = simulate(pendulum, Run(duration=0.5, output_step=0.05, step=FixedStep(h)))
+        rest = simulate(
+            pendulum, Run(duration=1.0, output_step=0.05, step=FixedStep(h)), resume=Checkpoint(half)
+        )
         np.testing.assert_allclose(rest.times, whole.times[11:])
         return np.abs(rest.bodies["bob"].position - whole.bodies["bob"].position[11:]).max()
 
@@ -98,16 +100,16 @@ def test_resumed_run_continues_the_interrupted_one(pendulum):
 
 
 def test_nothing_left_to_resume(pendulum):
-    done = simulate(pendulum, duration=0.5, output_step=0.05)
+    done = simulate(pendulum, Run(duration=0.5, output_step=0.05))
     with pytest.raises(ValueError, match=r"nothing is left to simulate: the recorded part ends at t = 0.5"):
-        simulate(pendulum, duration=0.5, output_step=0.05, resume=Checkpoint(done))
+        simulate(pendulum, Run(duration=0.5, output_step=0.05), resume=Checkpoint(done))
 
 
 def test_another_system_cannot_be_resumed(pendulum):
-    done = simulate(pendulum, duration=0.5, output_step=0.05)
+    done = simulate(pendulum, Run(duration=0.5, output_step=0.05))
     renamed = replace(done, bodies={"weight": done.bodies["bob"]})
     with pytest.raises(ModelError, match="the recorded part has other bodies or joints than this system"):
-        simulate(pendulum, duration=1.0, output_step=0.05, resume=Checkpoint(renamed))
+        simulate(pendulum, Run(duration=1.0, output_step=0.05), resume=Checkpoint(renamed))
 
 
 def test_failure_names_time_and_residual_and_keeps_what_was_recorded(pendulum):
@@ -120,15 +122,17 @@ def test_failure_names_time_and_residual_and_keeps_what_was_recorded(pendulum):
     ):
         simulate(
             pendulum,
-            duration=1.0,
-            output_step=0.1,
-            step=FixedStep(0.02, smallest=0.015),
-            tolerances=Tolerances(residual=1e-4, max_iterations=1),
+            Run(
+                duration=1.0,
+                output_step=0.1,
+                step=FixedStep(0.02, smallest=0.015),
+                tolerances=Tolerances(residual=1e-4, max_iterations=1),
+            ),
             record=recorded.append,
         )
     kept = concatenate(recorded)
     assert kept.times[-1] > 0.1
-    whole = simulate(pendulum, duration=1.0, output_step=0.1, step=FixedStep(0.02))
+    whole = simulate(pendulum, Run(duration=1.0, output_step=0.1, step=FixedStep(0.02)))
     n = kept.times.size
     np.testing.assert_allclose(kept.bodies["bob"].position, whole.bodies["bob"].position[:n], atol=1e-4)
 
@@ -136,7 +140,8 @@ def test_failure_names_time_and_residual_and_keeps_what_was_recorded(pendulum):
 def test_adaptive_step_reports_no_cuts(pendulum):
     """Rejected steps are how it works; only a fixed step that had to be cut earns the warning."""
     solution = simulate(
-        pendulum, duration=1.0, output_step=0.1, step=AdaptiveStep(first=0.05, largest=0.1, tolerance=1e-6)
+        pendulum,
+        Run(duration=1.0, output_step=0.1, step=AdaptiveStep(first=0.05, largest=0.1, tolerance=1e-6)),
     )
     assert solution.statistics.rejected_steps > 0
 
@@ -154,7 +159,7 @@ def test_duration_must_be_a_multiple_of_the_output_step(pendulum):
         match=r"the duration \(1.0\) is not a multiple of the output step \(0.3\): "
         r"try an output step of 0.333333",
     ):
-        simulate(pendulum, duration=1.0, output_step=0.3)
+        simulate(pendulum, Run(duration=1.0, output_step=0.3))
 
 
 def test_table_that_ends_before_the_run(pendulum):
@@ -164,7 +169,7 @@ def test_table_that_ends_before_the_run(pendulum):
         ModelError,
         match=r"DeadForce on 'hinge' of 'bob': its table ends at t = 0.8, before the run does \(t = 1\)",
     ):
-        simulate(loaded, duration=1.0, output_step=0.1)
+        simulate(loaded, Run(duration=1.0, output_step=0.1))
 
 
 def test_table_that_begins_after_the_run(pendulum):
@@ -172,4 +177,4 @@ def test_table_that_begins_after_the_run(pendulum):
         pendulum, loads=(DeadForce(body="bob", at="hinge", force=Table([0.2, 2.0], np.zeros((2, 3)))),)
     )
     with pytest.raises(ModelError, match=r"its table begins at t = 0.2, after the run does \(t = 0\)"):
-        simulate(loaded, duration=1.0, output_step=0.1)
+        simulate(loaded, Run(duration=1.0, output_step=0.1))

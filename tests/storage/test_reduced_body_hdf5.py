@@ -8,6 +8,7 @@ import pytest
 
 from supple.body import Frame, MeanAxisFrame, RayleighDamping, flexible_body
 from supple.errors import ModelError, ResultFileError
+from supple.integrate import Run
 from supple.machine import Placed, System
 from supple.reduction import NoDerivatives, NormalModes, ReductionReport, reduce
 from supple.simulation import simulate
@@ -45,8 +46,7 @@ def test_a_body_from_a_file_moves_as_the_body_itself(tmp_path, nonlinear, assert
     one, other = (
         simulate(
             System(bodies=(Placed(body, angular_velocity=(0.0, 3.0, 1.0)),), gravity=(0.0, 0.0, -9.81)),
-            duration=0.02,
-            output_step=0.01,
+            Run(duration=0.02, output_step=0.01),
         )
         for body in (nonlinear, again)
     )

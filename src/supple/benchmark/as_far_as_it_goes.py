@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from supple.errors import ConvergenceError
-from supple.integrate import Solution, concatenate
+from supple.integrate import Run, Solution, concatenate
 from supple.machine import System
 from supple.multibody.run_parts import Progress
 from supple.simulation import simulate
 
 
-def as_far_as_it_goes(system: System, *, progress: Progress, **options: Any) -> tuple[Solution, float | None]:
-    """The motion, and the time at which it broke off, or None; options as for `simulate`."""
+def as_far_as_it_goes(system: System, run: Run, *, progress: Progress) -> tuple[Solution, float | None]:
+    """The motion, and the time at which it broke off, or None."""
     parts: list[Solution] = []
     try:
-        simulate(system, **options, progress=progress, record=parts.append)
+        simulate(system, run, progress=progress, record=parts.append)
     except ConvergenceError:
         progress(1.0)
         return concatenate(parts), float(parts[-1].times[-1])

@@ -12,6 +12,7 @@ import numpy as np
 from supple.benchmark.blade import BODY, Blade, BladeCase
 from supple.benchmark.blade_full import OUTPUT_STEP, STEP, TOLERANCES
 from supple.errors import AccuracyError
+from supple.integrate import Run
 from supple.reduction import ReducedBody
 from supple.simulation import simulate, simulate_batch
 
@@ -61,14 +62,14 @@ def run_batch(
     AccuracyError       a case in the batch differs from the same case alone
     """
     systems = [blade.system(body, case, blade.loads(case, duration, seed=seed)) for seed in seeds]
-    options = {"duration": duration, "output_step": OUTPUT_STEP, "step": STEP, "tolerances": TOLERANCES}
+    run = Run(duration, OUTPUT_STEP, step=STEP, tolerances=TOLERANCES)
     began = perf_counter()
-    together = simulate_batch(systems, **options, progress=lambda share: progress(0.8 * share)).check()
+    together = simulate_batch(systems, run, progress=lambda share: progress(0.8 * share)).check()
     total = perf_counter() - began
     checked = sorted({0, len(seeds) // 2, len(seeds) - 1})
     differences, seconds = [], []
     for done, number in enumerate(checked, start=1):
-        alone = simulate(systems[number], **options)
+        alone = simulate(systems[number], run)
         one, other = (solution.bodies[BODY].coordinates for solution in (alone, together.solutions[number]))
         differences.append(float(abs(one - other).max() / abs(one).max()))
         seconds.append(alone.statistics.seconds)

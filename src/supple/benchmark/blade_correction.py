@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from supple.benchmark.blade import FRAMES, Blade, BladeCase
 from supple.benchmark.blade_full import OUTPUT_STEP, STEP, TOLERANCES, FullRun
 from supple.benchmark.blade_reduced import error_against
-from supple.body import FlexibleBody, RayleighDamping
-from supple.correction import Round, SelfCorrection, SelfCorrectionError, self_correct
+from supple.body import FlexibleBody, FullBody, RayleighDamping
+from supple.correction import ReductionStart, Round, SelfCorrection, SelfCorrectionError, self_correct
+from supple.integrate import Run
 from supple.reduction import AmplitudeProduct, CompressedDerivatives, CraigBampton, StaticLoad
 
 __all__ = ["CorrectedRun", "correct_blade"]
@@ -55,20 +56,14 @@ def correct_blade(
         progress(len(found) / (len(found) + 1))
 
     try:
-        self_correct(
-            lambda reduced: blade.system(reduced, case, loads),
-            body,
-            FRAMES[frame],
+        start = ReductionStart(
+            SelfCorrection(absolute=allowed, max_rounds=MAX_ROUNDS),
             CraigBampton(n_modes=5),
-            derivatives=CompressedDerivatives(5, weights=wind),
-            target=SelfCorrection(absolute=allowed, max_rounds=MAX_ROUNDS),
-            damping=damping,
-            duration=duration,
-            output_step=OUTPUT_STEP,
-            step=STEP,
-            tolerances=TOLERANCES,
-            announce=finished,
+            CompressedDerivatives(5, weights=wind),
         )
+        system = blade.system(FullBody(body, FRAMES[frame], damping), case, loads)
+        run = Run(duration, OUTPUT_STEP, step=STEP, tolerances=TOLERANCES)
+        self_correct(system, run, start, announce=finished)
         reached = True
     except SelfCorrectionError:
         # What was reached is a result of this benchmark, and the report says that it was not enough.

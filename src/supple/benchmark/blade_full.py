@@ -9,7 +9,7 @@ from pathlib import Path
 
 from supple.benchmark.blade import FRAMES, Blade, BladeCase, TipMotion, tip_motion
 from supple.body import FlexibleBody, FullBody, RayleighDamping
-from supple.integrate import FixedStep, Solution, Tolerances
+from supple.integrate import FixedStep, Run, Solution, Tolerances
 from supple.simulation import simulate_recorded
 
 __all__ = ["OUTPUT_STEP", "STEP", "TOLERANCES", "FullCase", "FullRun", "run_full"]
@@ -67,12 +67,9 @@ def run_full(
     name = wanted.label.replace(", ", "_").replace(" ", "-")
     solution = simulate_recorded(
         blade.system(full, wanted.case, blade.loads(wanted.case, wanted.duration)),
+        Run(duration=wanted.duration, output_step=OUTPUT_STEP, step=STEP, tolerances=TOLERANCES),
         folder / f"full_{name}.h5",
         case=json.dumps({**asdict(wanted), "grid": asdict(blade.grid), "step": STEP.size}),
-        duration=wanted.duration,
-        output_step=OUTPUT_STEP,
-        step=STEP,
-        tolerances=TOLERANCES,
         progress=progress,
     )
     return FullRun(wanted, full, solution, tip_motion(blade, wanted.case, full, solution))

@@ -12,7 +12,7 @@ from supple.benchmark.as_far_as_it_goes import as_far_as_it_goes
 from supple.benchmark.blade import BODY, FRAMES, Blade, BladeCase, TipMotion, tip_motion
 from supple.benchmark.blade_full import OUTPUT_STEP, STEP, TOLERANCES, FullRun
 from supple.body import FlexibleBody, FullBody, RayleighDamping
-from supple.integrate import Solution
+from supple.integrate import Run, Solution
 from supple.reduction import (
     AmplitudeProduct,
     CompressedDerivatives,
@@ -114,10 +114,7 @@ def run_reduced(
     body, offline_seconds = reduced
     solution, failed_at = as_far_as_it_goes(
         blade.system(body, case, blade.loads(case, duration)),
-        duration=duration,
-        output_step=OUTPUT_STEP,
-        step=STEP,
-        tolerances=TOLERANCES,
+        Run(duration=duration, output_step=OUTPUT_STEP, step=STEP, tolerances=TOLERANCES),
         progress=progress,
     )
     return ReducedRun(

@@ -35,7 +35,7 @@ from supple.fem import (
     MembraneKinematics,
     shell_model,
 )
-from supple.integrate import FixedStep, Solution
+from supple.integrate import FixedStep, Run, Solution
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.machine.laws.spin_up import SpinUp
 from supple.mesh import Mesh, strip
@@ -294,9 +294,7 @@ def _run_full(
     full = FullBody(body, FRAMES[frame])
     solution = simulate(
         _system(full, spin),
-        duration=problem.duration,
-        output_step=problem.output_step,
-        step=FixedStep(problem.step),
+        Run(duration=problem.duration, output_step=problem.output_step, step=FixedStep(problem.step)),
         progress=progress,
     )
     return FullRun(frame, kinematics, spin.speed, solution, full, _tip(problem, spin, full, solution))
@@ -315,9 +313,7 @@ def _run_reduced(
     offline = perf_counter() - began
     solution, failed_at = as_far_as_it_goes(
         _system(reduced, spin),
-        duration=problem.duration,
-        output_step=problem.output_step,
-        step=FixedStep(problem.step),
+        Run(duration=problem.duration, output_step=problem.output_step, step=FixedStep(problem.step)),
         progress=progress,
     )
     reference = full.solution.at(slice(len(solution.times)))

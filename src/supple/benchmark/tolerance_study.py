@@ -16,7 +16,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +23,7 @@ from numpy.typing import NDArray
 from supple.benchmark.flexible_machine import FlexibleMachine
 from supple.benchmark.machine_run import Form, MachineRun, deformation, drift, energy_norm, point_history
 from supple.body import FullBody
-from supple.integrate import AdaptiveStep, FixedStep, Solution, StepControl, Tolerances
+from supple.integrate import AdaptiveStep, FixedStep, Run, Solution, StepControl, Tolerances
 from supple.machine import System
 from supple.reduction import (
     AttachmentModes,
@@ -183,17 +182,10 @@ class _Runner:
         self, system: System, body: FullBody | ReducedBody, label: str, step: StepControl
     ) -> Solution:
         """The motion with given steps, from disk where it is there."""
-        options: dict[str, Any] = {
-            "duration": self.machine.duration,
-            "output_step": self.machine.output_step,
-            "step": step,
-            "tolerances": NEWTON,
-        }
+        run = Run(self.machine.duration, self.machine.output_step, step=step, tolerances=NEWTON)
         name = self.file_name(f"{label} {_step_words(step)}")
         case = f"{name}, {body.r} coordinates, {step}, {NEWTON}"
-        return simulate_recorded(
-            system, self.folder / name, case=case, progress=self.announce(label), **options
-        )
+        return simulate_recorded(system, run, self.folder / name, case=case, progress=self.announce(label))
 
     def file_name(self, label: str) -> str:
         """Of what belongs to the machine's body as it is: its matrices are part of the name."""

@@ -26,7 +26,7 @@ from supple.cli.time_laws import time_function
 from supple.correction import ReductionStart
 from supple.errors import ModelError
 from supple.fem import stress_recovery
-from supple.integrate import AdaptiveStep, FixedStep
+from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run, Validity
 from supple.machine import (
     GROUND,
     At,
@@ -122,8 +122,18 @@ def _check_stress(
         raise case_file.error((("output", "colour"), mistake) for mistake in mistakes)
 
 
-def build_step(table: schema.Simulation) -> FixedStep | AdaptiveStep:
-    """How the run steps through time."""
+def build_run(table: schema.Simulation, *, strict: bool = False) -> Run:
+    """The span of time of a case, and how it is stepped through."""
+    return Run(
+        table.duration,
+        table.output_step,
+        step=_step(table),
+        method=GeneralizedAlpha(table.rho_inf),
+        validity=Validity(strict=strict),
+    )
+
+
+def _step(table: schema.Simulation) -> FixedStep | AdaptiveStep:
     if table.step is not None:
         return FixedStep(table.step)
     assert table.adaptive is not None  # a rule of the case file

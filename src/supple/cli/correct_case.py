@@ -11,13 +11,13 @@ from typing import Any
 
 from rich.progress import Progress, TaskID
 
-from supple.cli.build_system import BuiltCase, build_step
+from supple.cli.build_system import BuiltCase, build_run
 from supple.cli.console import console
 from supple.cli.correction_summary import best_round, correction_numbers, correction_table
 from supple.cli.kept_bodies import kept_path
-from supple.correction import CorrectionFolder, Round, SelfCorrectionError, self_correct_system
+from supple.correction import CorrectionFolder, Round, SelfCorrectionError, self_correct
 from supple.errors import ValidityWarning
-from supple.integrate import GeneralizedAlpha, Solution
+from supple.integrate import Solution
 from supple.multibody import Validity
 from supple.multibody.checks.validity import watch
 from supple.reduction import ReducedBody
@@ -65,13 +65,10 @@ def correct_case(
         with warnings.catch_warnings():
             # Of the run that is accepted alone: a basis that is too small may well leave the valid range.
             warnings.simplefilter("ignore", ValidityWarning)
-            corrected = self_correct_system(
+            corrected = self_correct(
                 built.system,
+                build_run(case.simulation),
                 built.starts,
-                duration=case.simulation.duration,
-                output_step=case.simulation.output_step,
-                step=build_step(case.simulation),
-                method=GeneralizedAlpha(case.simulation.rho_inf),
                 announce=rounds.append,
                 progress=_Steps(bars).show,
                 archive=archive,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from rich.progress import Progress, TaskID
 
-from supple.cli.build_system import BuiltCase, build_case, build_step
+from supple.cli.build_system import BuiltCase, build_case, build_run
 from supple.cli.console import console, progress_bars, worded
 from supple.cli.correct_case import correct_case, draw_correction
 from supple.cli.correction_summary import correction_table
@@ -25,11 +25,10 @@ from supple.cli.summary import (
     summarize,
 )
 from supple.cli.tracked_motion import TrackedMotion, track
-from supple.integrate import GeneralizedAlpha, Solution
-from supple.multibody import Validity, warn_of_missing_modes
+from supple.integrate import Solution
+from supple.multibody import warn_of_missing_modes
 from supple.reduction import ReducedBody
 from supple.simulation import begin_recorded, continue_recorded
-from supple.simulation.simulate import output_times
 from supple.storage import write_json
 
 
@@ -88,8 +87,7 @@ def _build(case_file: CaseFile, bars: Progress) -> BuiltCase:
 
 def look_at_loads(built: BuiltCase) -> None:
     """Warn of loads that excite modes which a reduction of fixed size lacks."""
-    run = built.case_file.case.simulation
-    times = output_times(run.duration, run.output_step)
+    times = build_run(built.case_file.case.simulation).times
     for placed in built.system.bodies:
         # A body that was reduced before has left its elements behind.
         if isinstance(placed.body, ReducedBody) and placed.body.name in built.flexible:
@@ -100,17 +98,15 @@ def _simulate(built: BuiltCase, result_path: Path, bars: Progress, *, resume: bo
     case = built.case_file.case
     text = built.case_file.path.read_text(encoding="utf-8")
     task = bars.add_task("compiling and simulating", total=1.0)
-    options: dict[str, Any] = {
-        "duration": case.simulation.duration,
-        "output_step": case.simulation.output_step,
-        "step": build_step(case.simulation),
-        "method": GeneralizedAlpha(case.simulation.rho_inf),
-        "validity": Validity(strict=strict),
-        "progress": lambda fraction: bars.update(task, completed=fraction),
-    }
+
+    def progress(fraction: float) -> None:
+        bars.update(task, completed=fraction)
+
+    run = build_run(case.simulation, strict=strict)
     if resume:
-        return continue_recorded(built.system, result_path, case=text, **options)
-    return begin_recorded(built.system, result_path, case=text, metadata={"title": case.title}, **options)
+        return continue_recorded(built.system, run, result_path, case=text, progress=progress)
+    metadata = {"title": case.title}
+    return begin_recorded(built.system, run, result_path, case=text, metadata=metadata, progress=progress)
 
 
 def _draw(

@@ -24,9 +24,6 @@ from supple.correction.round_archive import (
 from supple.correction.self_correction import (
     self_correct,
 )
-from supple.correction.system_correction import (
-    self_correct_system,
-)
 
 __all__ = [
     "CorrectedSystem",
@@ -42,6 +39,5 @@ __all__ = [
     "SelfCorrectionError",
     "residual_corrections",
     "self_correct",
-    "self_correct_system",
     "system_corrections",
 ]

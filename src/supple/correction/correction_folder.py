@@ -18,9 +18,9 @@ import numpy as np
 from supple.body import FullBody
 from supple.correction.round_archive import MissedMotion, RoundBases
 from supple.errors import ResultFileError
-from supple.integrate import Solution
+from supple.integrate import Run, Solution
 from supple.machine import System
-from supple.multibody.run_parts import Recorder
+from supple.multibody.run_parts import Progress, Recorder
 from supple.reduction import ReductionBasis, ReductionReport
 from supple.simulation import simulate
 from supple.storage.atomic_write import replacing
@@ -37,7 +37,7 @@ class CorrectionFolder:
     have lost the auxiliary acceleration of the time integration, and so would differ from the next run by
     more than their bases.
 
-        self_correct_system(..., archive=CorrectionFolder.create(folder, case=text))
+        self_correct(..., archive=CorrectionFolder.create(folder, case=text))
     """
 
     def __init__(self, folder: Path | str, *, case: str) -> None:
@@ -125,7 +125,9 @@ class CorrectionFolder:
         with replacing(path) as temporary, temporary.open("wb") as file:
             np.savez(file, **arrays)
 
-    def simulate(self, number: int, system: System, *, record: Recorder, **options: Any) -> None:
+    def simulate(
+        self, number: int, system: System, run: Run, *, record: Recorder, progress: Progress
+    ) -> None:
         """Run a round, or read it where it is complete."""
         path = self.motion(number)
         if path.exists() and read_header(path).complete:
@@ -137,7 +139,7 @@ class CorrectionFolder:
             record(chunk)
 
         with ResultFile.create(path, case=self._case) as file:
-            simulate(system, record=keep, **options)
+            simulate(system, run, record=keep, progress=progress)
             file.finish()
 
 

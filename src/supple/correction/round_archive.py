@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from supple.body.full_body import FullBody
+from supple.integrate import Run
 from supple.machine.system import System
+from supple.multibody.run_parts import Progress, Recorder
 from supple.reduction import ReductionBasis
 from supple.simulation.simulate import simulate
 
@@ -51,7 +53,9 @@ class RoundArchive(Protocol):
         """Called before the run starts."""
         ...
 
-    def simulate(self, number: int, system: System, **options: Any) -> None:
+    def simulate(
+        self, number: int, system: System, run: Run, *, record: Recorder, progress: Progress
+    ) -> None:
         """As `simulate`; `record` is handed the motion from the start, kept parts included."""
         ...
 
@@ -66,6 +70,14 @@ class InMemoryArchive:
     def keep_bases(self, number: int, bases: RoundBases) -> None:
         """Does nothing."""
 
-    def simulate(self, number: int, system: System, **options: Any) -> None:  # noqa: ARG002
+    def simulate(
+        self,
+        number: int,  # noqa: ARG002
+        system: System,
+        run: Run,
+        *,
+        record: Recorder,
+        progress: Progress,
+    ) -> None:
         """Just that."""
-        simulate(system, **options)
+        simulate(system, run, record=record, progress=progress)

@@ -2,56 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 
-from supple.body import FlexibleBody, Frame, RayleighDamping
-from supple.body.full_body import FullBody
-from supple.correction.correction_rounds import (
-    ReductionStart,
-    Round,
-    SelfCorrected,
-    SelfCorrection,
-    SelfCorrectionError,
-)
+from supple.body import FullBody
+from supple.correction.correction_rounds import CorrectedSystem, ReductionStart, SelfCorrection
 from supple.correction.round_archive import InMemoryArchive, RoundArchive
-from supple.correction.system_correction import Announce, CorrectionProgress, Problem, RunOptions, correct
-from supple.integrate import StepControl, TimeIntegrator, Tolerances
-from supple.machine.system import System
-from supple.multibody.checks.validity import Validity
-from supple.reduction import (
-    CompressedDerivatives,
-    DerivativeChoice,
-    LinearBasisRecipe,
-    ReducedBody,
-)
+from supple.correction.system_correction import Announce, CorrectionProgress, Problem, correct
+from supple.errors import ModelError
+from supple.integrate import Run
+from supple.machine import System
 
-__all__ = ["Round", "SelfCorrected", "SelfCorrection", "SelfCorrectionError", "self_correct"]
+__all__ = ["self_correct"]
 
 
 def self_correct(
-    system_of: Callable[[ReducedBody], System],
-    body: FlexibleBody,
-    frame: Frame,
-    basis: LinearBasisRecipe,
+    system: System,
+    run: Run,
+    target: SelfCorrection | ReductionStart | Mapping[str, ReductionStart],
     *,
-    target: SelfCorrection,
-    duration: float,
-    output_step: float,
-    derivatives: DerivativeChoice = CompressedDerivatives(5),  # noqa: B008 (it is immutable)
-    damping: RayleighDamping | None = None,
-    step: StepControl | None = None,
-    method: TimeIntegrator | None = None,
-    tolerances: Tolerances | None = None,
-    validity: Validity | None = None,
     announce: Announce | None = None,
     progress: CorrectionProgress | None = None,
     archive: RoundArchive | None = None,
-) -> SelfCorrected:
-    """Reduce a body as far as an error allows, which the reduced runs themselves measure.
+) -> CorrectedSystem:
+    """Reduce bodies of a system together, as far as an error allows that the reduced runs themselves measure.
 
-    Start small, run, find at a few instants the motion that the basis misses (`residual_corrections`), append
-    its leading directions to the basis, run again. No full-order time integration is made. Run k is measured
-    by run k + 1, with eps the largest RMS distance of the nodes over the run:
+    Start small, run, find at a few instants the motion that the bases miss (`system_corrections`: one Newton
+    step of the system with all its coordinates), append its leading directions to the bases, run again. No
+    full-order time integration is made. Run k is measured by run k + 1, with eps the largest RMS distance of
+    a body's nodes over the run:
 
         d_k = eps(run k, run k+1),   e_k = d_k / sqrt(1 - rho^2),   rho = d_k / d_(k-1)
 
@@ -63,40 +41,64 @@ def self_correct(
     motion, loose near a resonance of what the basis lacks. Modes inside the band in which the loads excite
     the body belong in the basis from the start (`load_spectrum` looks).
 
+    Every round runs all bodies reduced and enriches them all, until every body meets its error in the same
+    round: through the joints each body has a share in the errors of the others, which only runs that differ
+    in all bases can show.
+
     Parameters
     ----------
-    system_of : function    the system with a reduced body in it; other flexible bodies stay as they are, and
-                            `self_correct_system` reduces several together
-    body, frame, basis, derivatives, damping        the start, as for `reduce`
-    target : SelfCorrection
-    duration, output_step, step, method, tolerances, validity   of each run, as for `simulate`
+    system : System     each body to reduce is in it as a FullBody, which says its frame and damping
+    run : Run           of every round
+    target : the error to reach, of every full body (SelfCorrection); with the basis to start from
+        (ReductionStart); or such a start for each body that is named, the others staying as they are
     announce : function     called with every round as it is finished
     progress : function     called with the step at work, in words, and the completed fraction of it
     archive : RoundArchive  keeps what is computed, and is read first; none: all is in memory
 
     Returns
     -------
-    SelfCorrected   .body, .solution, .estimated_error, .rounds
+    CorrectedSystem     .system, .solution, .bodies
 
     Raises
     ------
-    SelfCorrectionError     (an AccuracyError) the tolerance is not met; its `rounds` keep what was computed
-    ModelError              the system does not hold the body; errors of `reduce`
+    SelfCorrectionError     (an AccuracyError) an error is not met; its `rounds` keep what was computed
+    ModelError              nothing to reduce, a body that is not full; errors of `reduce`
     ConvergenceError        a run broke off before its first output time
 
     Warns
     -----
-    LoadSpectrumWarning     the loads excite modes that the start lacks; and warnings of `simulate`
+    LoadSpectrumWarning     the loads excite modes that a start lacks; and warnings of `simulate`
     """
-    corrected = correct(
+    starts = _starts(system, target)
+    if not starts:
+        raise ModelError("self-correction: name at least one body of the system to reduce")
+    return correct(
         Problem(
-            system_of=lambda bodies, _: system_of(bodies[body.name]),
-            fulls={body.name: FullBody(body, frame, damping)},
-            starts={body.name: ReductionStart(target, basis, derivatives)},
-            options=RunOptions(duration, output_step, step, method, tolerances, validity),
+            system=system,
+            fulls={name: _full(system, name) for name in starts},
+            starts=starts,
+            run=run,
             announce=announce,
             progress=progress,
             archive=archive or InMemoryArchive(),
         )
     )
-    return corrected.bodies[body.name]
+
+
+def _starts(
+    system: System, target: SelfCorrection | ReductionStart | Mapping[str, ReductionStart]
+) -> Mapping[str, ReductionStart]:
+    if isinstance(target, Mapping):
+        return target
+    start = ReductionStart(target) if isinstance(target, SelfCorrection) else target
+    return {placed.body.name: start for placed in system.bodies if isinstance(placed.body, FullBody)}
+
+
+def _full(system: System, name: str) -> FullBody:
+    body = system.bodies[system.body_index(name, "self-correction")].body
+    if not isinstance(body, FullBody):
+        raise ModelError(
+            f"self-correction: body '{name}' is in the system as a {type(body).__name__}; place it as a "
+            "FullBody(flexible_body, frame, damping), which is then reduced"
+        )
+    return body

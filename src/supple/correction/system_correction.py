@@ -18,89 +18,20 @@ from supple.correction.correction_rounds import (
     SelfCorrectionError,
 )
 from supple.correction.residual_correction import system_corrections
-from supple.correction.round_archive import InMemoryArchive, MissedMotion, RoundArchive, RoundBases
+from supple.correction.round_archive import MissedMotion, RoundArchive, RoundBases
 from supple.correction.run_distance import largest_displacement, largest_distance
-from supple.errors import ConvergenceError, ModelError
-from supple.integrate import Solution, StepControl, TimeIntegrator, Tolerances, concatenate
+from supple.errors import ConvergenceError
+from supple.integrate import Run, Solution, concatenate
 from supple.machine.system import Placed, System
 from supple.multibody.checks.load_spectrum import warn_of_missing_modes
-from supple.multibody.checks.validity import Validity
 from supple.reduction import ReducedBody, enrich, project, reduction_basis
-from supple.simulation.simulate import output_times
 
-__all__ = ["Announce", "CorrectionProgress", "Problem", "RunOptions", "correct", "self_correct_system"]
+__all__ = ["Announce", "CorrectionProgress", "Problem", "correct"]
 
 Announce = Callable[[Round], None]
 """Called with every round as it is finished; of several bodies one after the other."""
 CorrectionProgress = Callable[[str, float], None]
 """Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
-
-
-def self_correct_system(
-    system: System,
-    starts: Mapping[str, ReductionStart],
-    *,
-    duration: float,
-    output_step: float,
-    step: StepControl | None = None,
-    method: TimeIntegrator | None = None,
-    tolerances: Tolerances | None = None,
-    validity: Validity | None = None,
-    announce: Announce | None = None,
-    progress: CorrectionProgress | None = None,
-    archive: RoundArchive | None = None,
-) -> CorrectedSystem:
-    """Reduce the bodies of a system together, as far as the error allowed for each of them.
-
-    As `self_correct`, of which the docstring says how the error is measured; but every round runs all bodies
-    reduced, finds what all their bases miss by one Newton step of the system with all their coordinates, and
-    enriches them all, until every body meets its error in the same round: through the joints each body has a
-    share in the errors of the others, which only runs that differ in all bases can show.
-
-    Parameters
-    ----------
-    system : System     each body to reduce is in it as a FullBody, which says its frame and damping
-    starts : ReductionStart, by body
-    duration, output_step, step, method, tolerances, validity   of each run, as for `simulate`
-    announce, progress : called as rounds are finished, and as they go on
-    archive : RoundArchive      keeps what is computed, and is read first; none: all is in memory
-
-    Returns
-    -------
-    CorrectedSystem     .system, .solution, .bodies
-
-    Raises
-    ------
-    SelfCorrectionError     (an AccuracyError) an error is not met; its `rounds` keep what was computed
-    ModelError              nothing to reduce, a body that is not full; errors of `reduce`
-    ConvergenceError        a run broke off before its first output time
-
-    Warns
-    -----
-    LoadSpectrumWarning     the loads excite modes that a start lacks; and warnings of `simulate`
-    """
-    if not starts:
-        raise ModelError("self-correction: name at least one body of the system to reduce")
-    problem = Problem(
-        system_of=lambda bodies, bases: _with_reduced(system, bodies, bases),
-        fulls={name: _full(system, name) for name in starts},
-        starts=starts,
-        options=RunOptions(duration, output_step, step, method, tolerances, validity),
-        announce=announce,
-        progress=progress,
-        archive=archive or InMemoryArchive(),
-    )
-    return correct(problem)
-
-
-def _full(system: System, name: str) -> FullBody:
-    body = system.bodies[system.body_index(name, "self-correction")].body
-    if not isinstance(body, FullBody):
-        raise ModelError(
-            f"self-correction: body '{name}' is in the system as a {type(body).__name__}; place it as a "
-            "FullBody(flexible_body, frame, damping), which is then reduced"
-        )
-    return body
 
 
 def _with_reduced(system: System, runs: Mapping[str, ReducedBody], bases: RoundBases) -> System:
@@ -121,32 +52,20 @@ def _with_reduced(system: System, runs: Mapping[str, ReducedBody], bases: RoundB
     return replace(system, bodies=tuple(reduced(placed) for placed in system.bodies))
 
 
-@dataclass(frozen=True)
-class RunOptions:
-    """What all runs of a correction have in common, as for `simulate`."""
-
-    duration: float
-    output_step: float
-    step: StepControl | None
-    method: TimeIntegrator | None
-    tolerances: Tolerances | None
-    validity: Validity | None
-
-
 @dataclass(frozen=True, eq=False)
 class Problem:
     """All that stays the same from round to round.
 
-    system_of : function        the system with the reduced bodies of a run in it, given their bases
+    system : System         with its full bodies
     fulls, starts : by body
-    options : of every run
-    announce, progress, archive : as for `self_correct_system`
+    run : of every round
+    announce, progress, archive : as for `self_correct`
     """
 
-    system_of: Callable[[Mapping[str, ReducedBody], RoundBases], System]
+    system: System
     fulls: Mapping[str, FullBody]
     starts: Mapping[str, ReductionStart]
-    options: RunOptions
+    run: Run
     announce: Announce | None
     progress: CorrectionProgress | None
     archive: RoundArchive
@@ -232,18 +151,12 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
         name: project(full.body, bases.bases[name], damping=full.damping)
         for name, full in problem.fulls.items()
     }
-    system = problem.system_of(bodies, bases)
-    for name, own in bodies.items():
-        if not any(placed.body is own for placed in system.bodies):
-            raise ModelError(
-                f"self-correction: the system does not hold the reduced body '{name}' it was given; "
-                "`system_of` must place that very body"
-            )
+    system = _with_reduced(problem.system, bodies, bases)
     return _Model(number, bases, bodies, system, perf_counter() - began)
 
 
 def _look_at_loads(problem: Problem, model: _Model) -> None:
-    times = output_times(problem.options.duration, problem.options.output_step)
+    times = problem.run.times
     for name, full in problem.fulls.items():
         warn_of_missing_modes(model.system, times, full.body, model.bodies[name])
 
@@ -259,7 +172,7 @@ def _simulated(problem: Problem, model: _Model) -> _Run:
         problem.archive.simulate(
             model.number,
             model.system,
-            **vars(problem.options),
+            problem.run,
             record=parts.append,
             progress=lambda fraction: problem.report(step, fraction),
         )

@@ -8,6 +8,7 @@ from supple.integrate.generalized_alpha import (
     StepRule,
     TimeIntegrator,
 )
+from supple.integrate.run_options import Run, Validity
 from supple.integrate.solution import FloatingMotion, Solution, Statistics, concatenate
 from supple.integrate.step_control import AdaptiveStep, FixedStep, StepControl, Tolerances
 
@@ -19,11 +20,13 @@ __all__ = [
     "GeneralizedAlpha",
     "HilberHughesTaylor",
     "Newmark",
+    "Run",
     "Solution",
     "Statistics",
     "StepControl",
     "StepRule",
     "TimeIntegrator",
     "Tolerances",
+    "Validity",
     "concatenate",
 ]

@@ -21,24 +21,21 @@ import numpy as np
 from supple.body.full_body import FullBody
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import (
-    FixedStep,
-    GeneralizedAlpha,
+    Run,
     Solution,
     Statistics,
     StepControl,
-    TimeIntegrator,
-    Tolerances,
     concatenate,
 )
 from supple.machine.system import System
-from supple.multibody.checks.validity import Peaks, Validity, watch
+from supple.multibody.checks.validity import Peaks, watch
 from supple.multibody.compiled.compiled_run import as_solution, controls
 from supple.multibody.compiled.compiler_options import MARCHING
 from supple.multibody.compiled.initial_state import consistent_start
 from supple.multibody.compiled.time_step import Controls, State, march
 from supple.multibody.equations.model import Model
 from supple.multibody.run_parts import Progress, failure_message
-from supple.simulation.simulate import check_laws_cover, output_times
+from supple.simulation.simulate import check_laws_cover
 
 __all__ = ["BatchSolution", "simulate_batch"]
 
@@ -96,13 +93,8 @@ def _mapped_march(model_structure: Any, model_axes: tuple[int | None, ...]) -> A
 
 def simulate_batch(
     cases: Sequence[System],
+    run: Run,
     *,
-    duration: float,
-    output_step: float,
-    step: StepControl | None = None,
-    method: TimeIntegrator | None = None,
-    tolerances: Tolerances | None = None,
-    validity: Validity | None = None,
     chunk: int = 64,
     progress: Progress | None = None,
 ) -> BatchSolution:
@@ -112,7 +104,7 @@ def simulate_batch(
     ----------
     cases : systems of the same bodies, joints and kinds of loads; their numbers may differ. Functions of
         time must be the same objects in all cases; what differs belongs into a `Table`
-    duration, output_step, step, method, tolerances, validity : as in `simulate`
+    run : Run       as for `simulate`
     chunk : number of cases mapped together
     progress : called with the finished fraction of the cases
 
@@ -130,10 +122,9 @@ def simulate_batch(
         raise ModelError("a batch takes rigid and reduced bodies: reduce the full ones first")
     if chunk < 1:
         raise ValueError(f"chunk must be at least 1, got {chunk}")
-    times = output_times(duration, output_step)
-    step = step or FixedStep(output_step)
-    settings = controls(step, method or GeneralizedAlpha(), tolerances or Tolerances())
-    limits = watch(cases[0], validity or Validity())
+    times, step = run.times, run.step_control
+    settings = controls(step, run.method, run.tolerances)
+    limits = watch(cases[0], run.validity)
     peaks: dict[str, Peaks] = {}
     solutions: list[Solution] = []
     failures: dict[int, str] = {}

@@ -4,34 +4,34 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 from supple.errors import ResultFileError
-from supple.integrate import Solution
+from supple.integrate import Run, Solution
 from supple.machine import System
 from supple.multibody import Checkpoint
 from supple.multibody.run_parts import Progress
 from supple.simulation.recorded_columns import check_columns, columns_of
 from supple.simulation.simulate import simulate
-from supple.storage.result_file import ResultFile
-from supple.storage.result_reader import Metadata, read_header, read_last_instant, read_solution
+from supple.storage import ResultFile, read_header, read_last_instant, read_solution
+from supple.storage.result_reader import Metadata
 
 
 def begin_recorded(
     system: System,
+    run: Run,
     path: Path | str,
     *,
     case: str,
     metadata: Metadata = MappingProxyType({}),
-    **options: Any,
+    progress: Progress | None = None,
 ) -> Solution:
     """Simulate a system from its start, keeping every finished part in a result file, new or replaced.
 
     Parameters
     ----------
+    system, run, progress : as for `simulate`
     path : file to write; its folder is made
     case, metadata      kept in the file, to continue it and for the record
-    options : as for `simulate`
 
     Raises
     ------
@@ -40,10 +40,12 @@ def begin_recorded(
     """
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     metadata = {**metadata, **columns_of(system)}
-    return _recorded(system, ResultFile.create(path, case=case, metadata=metadata), None, options)
+    return _recorded(system, run, ResultFile.create(path, case=case, metadata=metadata), None, progress)
 
 
-def continue_recorded(system: System, path: Path | str, *, case: str, **options: Any) -> Solution:
+def continue_recorded(
+    system: System, run: Run, path: Path | str, *, case: str, progress: Progress | None = None
+) -> Solution:
     """Simulate the rest of a run that was cut off, from the last instant its result file holds.
 
     Parameters and errors as for `begin_recorded`; also
@@ -53,19 +55,19 @@ def continue_recorded(system: System, path: Path | str, *, case: str, **options:
     """
     check_columns(read_header(path), system, path)
     start = Checkpoint(read_last_instant(path))
-    return _recorded(system, ResultFile.resume(path, case=case), start, options)
+    return _recorded(system, run, ResultFile.resume(path, case=case), start, progress)
 
 
 def simulate_recorded(
-    system: System, path: Path | str, *, case: str, progress: Progress | None = None, **options: Any
+    system: System, run: Run, path: Path | str, *, case: str, progress: Progress | None = None
 ) -> Solution:
     """Simulate a system unless its result file holds the run: begin it, or continue what was cut off.
 
     Parameters
     ----------
+    system, run, progress : as for `simulate`
     path : file to write; its folder is made
     case : str      says what is simulated; a file of another case is never overwritten nor continued
-    progress, options : as for `simulate`
 
     Returns
     -------
@@ -79,7 +81,7 @@ def simulate_recorded(
     """
     path = Path(path)
     if not path.exists():
-        return begin_recorded(system, path, case=case, progress=progress, **options)
+        return begin_recorded(system, run, path, case=case, progress=progress)
     header = read_header(path)
     if header.case != case:
         raise ResultFileError(
@@ -93,13 +95,13 @@ def simulate_recorded(
         return read_solution(path)
     # A run that ended before its first output left nothing to continue from.
     proceed = continue_recorded if header.n_times else begin_recorded
-    return proceed(system, path, case=case, progress=progress, **options)
+    return proceed(system, run, path, case=case, progress=progress)
 
 
 def _recorded(
-    system: System, file: ResultFile, start: Checkpoint | None, options: dict[str, Any]
+    system: System, run: Run, file: ResultFile, start: Checkpoint | None, progress: Progress | None
 ) -> Solution:
     with file:
-        simulate(system, **options, resume=start, record=file.append)
+        simulate(system, run, resume=start, record=file.append, progress=progress)
         file.finish()
     return read_solution(file.path)

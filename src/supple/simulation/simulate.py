@@ -4,40 +4,22 @@ from __future__ import annotations
 
 import warnings
 
-import numpy as np
-
 from supple.body.full_body import FullBody
 from supple.errors import ModelError, StepCutWarning
 from supple.integrate import (
     FixedStep,
-    GeneralizedAlpha,
+    Run,
     Solution,
     Statistics,
     StepControl,
-    TimeIntegrator,
-    Tolerances,
 )
 from supple.machine.system import System
-from supple.multibody.checks.validity import Peaks, Validity, watch
+from supple.multibody.checks.validity import Peaks, watch
 from supple.multibody.compiled.compiled_run import simulate_compiled
 from supple.multibody.full.full_order import simulate_full_order
 from supple.multibody.run_parts import Checkpoint, Progress, Recorder
 
-__all__ = ["output_times", "simulate"]
-
-
-def output_times(duration: float, output_step: float, start: float = 0.0) -> np.ndarray:
-    """`start, start + output_step, .. , start + duration`; the duration must be a multiple of the step."""
-    for name, value in (("duration", duration), ("output_step", output_step)):
-        if not (np.isfinite(value) and value > 0):
-            raise ValueError(f"{name} must be a positive, finite number, got {value}")
-    n = round(duration / output_step)
-    if n < 1 or abs(n * output_step - duration) > 1e-6 * output_step:
-        raise ValueError(
-            f"the duration ({duration}) is not a multiple of the output step ({output_step}): "
-            f"try an output step of {duration / max(n, 1):.6g}"
-        )
-    return start + np.arange(n + 1) * (duration / n)
+__all__ = ["simulate"]
 
 
 def check_laws_cover(system: System, begin: float, end: float) -> None:
@@ -59,27 +41,18 @@ def check_laws_cover(system: System, begin: float, end: float) -> None:
 
 def simulate(
     system: System,
+    run: Run,
     *,
-    duration: float,
-    output_step: float,
-    step: StepControl | None = None,
-    method: TimeIntegrator | None = None,
-    tolerances: Tolerances | None = None,
-    validity: Validity | None = None,
     resume: Checkpoint | None = None,
     progress: Progress | None = None,
     record: Recorder | None = None,
 ) -> Solution:
-    """Motion of a system from its initial state over a duration, by generalized-alpha.
+    """Motion of a system from its initial state over a run, by generalized-alpha.
 
     Parameters
     ----------
     system : System     bodies all rigid or reduced (compiled engine), or some full (sparse engine)
-    duration, output_step : float   unit of time; the duration is a multiple of the output step
-    step : FixedStep | AdaptiveStep     default: a fixed step equal to the output step
-    method : GeneralizedAlpha (default, rho_inf = 0.8) | Newmark | HilberHughesTaylor
-    tolerances : Tolerances
-    validity : Validity     warn of a motion beyond what the kinematics allow (default), or stop at it
+    run : Run           span, output times, steps, tolerances
     resume : Checkpoint     go on from the end of an earlier part of the same run
     progress, record : called as the run goes on; `record` receives every completed chunk
 
@@ -98,17 +71,14 @@ def simulate(
     -----
     ValidityWarning, StepCutWarning, RedundantConstraintWarning
     """
-    times = output_times(duration, output_step)
-    step = step or FixedStep(output_step)
-    method = method or GeneralizedAlpha()
-    tolerances = tolerances or Tolerances()
+    times = run.times
     check_laws_cover(system, times[0], times[-1])
     if resume is not None and resume.solution.times[-1] >= times[-1] * (1 - 1e-12):
         raise ValueError(
             f"nothing is left to simulate: the recorded part ends at t = {resume.solution.times[-1]:g} and "
             f"the run at t = {times[-1]:g}"
         )
-    limits = watch(system, validity or Validity())
+    limits = watch(system, run.validity)
     peaks: dict[str, Peaks] = {}
 
     def observed(chunk: Solution) -> None:
@@ -118,8 +88,10 @@ def simulate(
 
     full = any(isinstance(placed.body, FullBody) for placed in system.bodies)
     engine = simulate_full_order if full else simulate_compiled
-    solution = engine(system, times, step, method, tolerances, resume, progress or _silent, observed)
-    report_rejected_steps(solution.statistics, step)
+    solution = engine(
+        system, times, run.step_control, run.method, run.tolerances, resume, progress or _silent, observed
+    )
+    report_rejected_steps(solution.statistics, run.step_control)
     limits.report(peaks)
     return solution
 

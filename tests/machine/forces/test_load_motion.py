@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from supple.body import RigidBody
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import (
     GROUND,
     At,
@@ -70,7 +70,8 @@ def solution():
     hinge = Revolute(first=GROUND, second=eye["wheel"], axis=(0, 1, 0), name="hinge")
     system = System(bodies, (hinge,), loads)
     return simulate(
-        system, duration=2.0, output_step=0.05, step=FixedStep(1e-3), tolerances=Tolerances(residual=1e-10)
+        system,
+        Run(duration=2.0, output_step=0.05, step=FixedStep(1e-3), tolerances=Tolerances(residual=1e-10)),
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from supple.body import RigidBody
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import (
     GROUND,
     At,
@@ -81,7 +81,8 @@ def solution(turned):
     )
     system = System(bodies, joints, gravity=(0, 0, -G))
     return simulate(
-        system, duration=1.0, output_step=0.05, step=FixedStep(1e-3), tolerances=Tolerances(residual=1e-10)
+        system,
+        Run(duration=1.0, output_step=0.05, step=FixedStep(1e-3), tolerances=Tolerances(residual=1e-10)),
     )
 
 

@@ -17,7 +17,7 @@ from supple.body import (
     flexible_body,
 )
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
-from supple.integrate import FixedStep, FloatingMotion, Newmark, Solution, Statistics, Tolerances
+from supple.integrate import FixedStep, FloatingMotion, Newmark, Run, Solution, Statistics, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, Revolute, System
 from supple.mesh import CellType, block, strip
 from supple.multibody import balances, joint_residuals
@@ -175,11 +175,13 @@ def run(system, duration, step):
     """The trapezoidal rule: it takes no energy on purpose."""
     return simulate(
         system,
-        duration=duration,
-        output_step=0.02,
-        step=FixedStep(step),
-        method=Newmark(),
-        tolerances=Tolerances(residual=1e-11),
+        Run(
+            duration=duration,
+            output_step=0.02,
+            step=FixedStep(step),
+            method=Newmark(),
+            tolerances=Tolerances(residual=1e-11),
+        ),
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from supple.body import FullBody, MeanAxisFrame
-from supple.integrate import FixedStep, FloatingMotion, Solution, Statistics
+from supple.integrate import FixedStep, FloatingMotion, Run, Solution, Statistics
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.multibody import joint_residuals
 from supple.simulation import simulate
@@ -24,7 +24,7 @@ def pendulum(rod):
 
 @pytest.fixture(scope="module")
 def swing(pendulum):
-    return simulate(pendulum, duration=0.1, output_step=0.02, step=FixedStep(0.01))
+    return simulate(pendulum, Run(duration=0.1, output_step=0.02, step=FixedStep(0.01)))
 
 
 def test_a_run_keeps_its_joints_closed(pendulum, swing):

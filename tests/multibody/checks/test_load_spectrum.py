@@ -14,11 +14,12 @@ from supple.aero import (
     kaimal_series,
     prescribed_forces,
 )
-from supple.body import FlexibleBody, NodalFixedFrame, RigidInterface, flexible_body
-from supple.correction import SelfCorrection, self_correct
+from supple.body import FlexibleBody, FullBody, NodalFixedFrame, RigidInterface, flexible_body
+from supple.correction import ReductionStart, SelfCorrection, self_correct
 from supple.errors import LoadSpectrumWarning, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.importers import nrel5mw_rotor
+from supple.integrate import Run
 from supple.machine import (
     GROUND,
     At,
@@ -184,19 +185,12 @@ def test_the_wind_on_the_blade_stays_below_its_first_modes(beam, small):
 
 def test_self_correction_looks_at_the_loads(beam):
     """A harmonic force near the third mode, where the start has one."""
+    full = FullBody(beam.linearized(), ROOT)
+    start = ReductionStart(SelfCorrection(relative=0.9, instants=2), NormalModes(1), NoDerivatives())
     with pytest.warns(
         LoadSpectrumWarning, match="DeadForce on 1 nodes of 'beam': its spectrum reaches to 12"
     ):
-        self_correct(
-            lambda body: pushed(body, harmonic(12.0)),
-            beam.linearized(),
-            ROOT,
-            NormalModes(1),
-            derivatives=NoDerivatives(),
-            target=SelfCorrection(relative=0.9, instants=2),
-            duration=1.0,
-            output_step=0.02,
-        )
+        self_correct(pushed(full, harmonic(12.0)), Run(duration=1.0, output_step=0.02), start)
 
 
 def test_times_must_be_evenly_spaced(small):

@@ -9,7 +9,7 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame
 from supple.errors import ValidityError, ValidityWarning
-from supple.integrate import FloatingMotion, Solution, Statistics
+from supple.integrate import FloatingMotion, Run, Solution, Statistics
 from supple.machine import Placed, System
 from supple.multibody import Validity
 from supple.multibody.checks.validity import Peaks, watch
@@ -111,7 +111,7 @@ def test_a_run_watches_from_its_first_instant(linear):
     """The initial state alone breaks the limit; strict, so nothing is simulated."""
     fast = System((Placed(linear, angular_velocity=[0, 0, 50.0]),))
     with pytest.raises(ValidityError, match=r"spins at 50 rad/s \(t = 0\)"):
-        simulate(fast, duration=1.0, output_step=0.1, validity=Validity(strict=True))
+        simulate(fast, Run(duration=1.0, output_step=0.1, validity=Validity(strict=True)))
 
 
 def test_peaks_keep_the_larger_with_its_time():

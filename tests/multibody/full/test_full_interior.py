@@ -7,7 +7,7 @@ import pytest
 
 from supple.algebra.sparse_factor import SparseFactor
 from supple.body import FullBody, MeanAxisFrame
-from supple.integrate import FixedStep, Tolerances
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.multibody.full import full_interior
 from supple.simulation import simulate
@@ -18,10 +18,7 @@ def swing(body):
     placed = Placed(FullBody(body, MeanAxisFrame()), angular_velocity=[0.3, -2.0, 1.0])
     return simulate(
         System(bodies=(placed,), joints=(hinge,), gravity=(0, 0, -9.81)),
-        duration=0.1,
-        output_step=0.02,
-        step=FixedStep(0.002),
-        tolerances=Tolerances(1e-10),
+        Run(duration=0.1, output_step=0.02, step=FixedStep(0.002), tolerances=Tolerances(1e-10)),
     )
 
 

@@ -19,7 +19,7 @@ from supple.body import (
 )
 from supple.errors import ConvergenceError, ModelError
 from supple.fem import Isotropic, solid_model
-from supple.integrate import AdaptiveStep, FixedStep, Tolerances
+from supple.integrate import AdaptiveStep, FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Ball, DeadForce, FollowerForce, Placed, Revolute, System
 from supple.mesh import CellType, block
 from supple.multibody import Checkpoint
@@ -61,7 +61,7 @@ def hanging(body, nodes):
 
 def run(body, h=5e-3, duration=0.4, **options):
     options = {"tolerances": TIGHT, "step": FixedStep(h)} | options
-    return simulate(hanging(body, [7, 9]), duration=duration, output_step=0.02, **options)
+    return simulate(hanging(body, [7, 9]), Run(duration=duration, output_step=0.02), **options)
 
 
 def tip_positions(body, solution):
@@ -134,7 +134,7 @@ def test_frames_agree_at_order_two(loose_ends):
         pivot = Ball(first=GROUND, second=At("beam", "root"))
         push = DeadForce(body="beam", at=[7, 9], force=[0.0, 20.0, 5.0])
         system = System((Placed(body, angular_velocity=[0.5, -1.0, 2.0]),), (pivot,), (push,), (0, 0, -9.81))
-        solution = simulate(system, duration=0.4, output_step=0.02, step=FixedStep(h), tolerances=TIGHT)
+        solution = simulate(system, Run(duration=0.4, output_step=0.02, step=FixedStep(h), tolerances=TIGHT))
         return tip_positions(body, solution)
 
     coarse, fine = (np.abs(path(loose_ends[0], h) - path(loose_ends[1], h)).max() for h in (2e-3, 1e-3))
@@ -153,7 +153,7 @@ def test_linear_full_body_is_the_linear_complete_basis(beam):
     same = replace(calm, bodies=(Placed(complete), *system.bodies[1:]))
     paths = [
         tip_positions(
-            body, simulate(item, duration=0.1, output_step=0.01, step=FixedStep(5e-3), tolerances=TIGHT)
+            body, simulate(item, Run(duration=0.1, output_step=0.01, step=FixedStep(5e-3), tolerances=TIGHT))
         )
         for body, item in ((full, calm), (complete, same))
     ]
@@ -202,4 +202,4 @@ def test_initial_deformation_must_not_move_the_frame(full):
     rigid = body.body.rigid_modes[:, 0]
     system = System((Placed(body, coordinates=0.01 * rigid),))
     with pytest.raises(ModelError, match="the initial deformation of body 'beam' moves its frame by"):
-        simulate(system, duration=0.1, output_step=0.1)
+        simulate(system, Run(duration=0.1, output_step=0.1))

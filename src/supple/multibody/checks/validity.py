@@ -19,31 +19,14 @@ from supple.algebra import lowest_modes
 from supple.body import RigidBody
 from supple.body.full_body import FullBody
 from supple.errors import ValidityError, ValidityWarning
-from supple.integrate import FloatingMotion, Solution
+from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine.system import Body, System
 from supple.reduction import ReducedBody
 
-__all__ = ["Excess", "Peaks", "Validity", "Watch", "watch"]
+__all__ = ["Excess", "Peaks", "Watch", "watch"]
 
 LINEAR_ROTATION_LIMIT = 0.3
 """rad: rotations beyond which linear strains are off by more than about 5 % (1 - cos)."""
-
-
-@dataclass(frozen=True)
-class Validity:
-    """How strictly the limits are held.
-
-    strict : a motion beyond a limit is an error (raised when it is seen) instead of a warning at the end
-    spin_ratio : part of a linear body's lowest frequency at which its spin becomes a mistake; at 0.3 the
-        missing centrifugal stiffness is already about 10 % of the elastic one
-    """
-
-    strict: bool = False
-    spin_ratio: float = 0.3
-
-    def __post_init__(self) -> None:
-        if not (np.isfinite(self.spin_ratio) and self.spin_ratio > 0):
-            raise ValueError(f"spin_ratio must be positive, got {self.spin_ratio}")
 
 
 class Peaks(NamedTuple):

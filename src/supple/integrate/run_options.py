@@ -1,0 +1,77 @@
+"""What a run covers and how it is stepped: all that simulations of one machine have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import isfinite
+
+import numpy as np
+
+from supple.integrate.generalized_alpha import GeneralizedAlpha, TimeIntegrator
+from supple.integrate.step_control import FixedStep, StepControl, Tolerances
+
+__all__ = ["Run", "Validity"]
+
+
+@dataclass(frozen=True)
+class Validity:
+    """How strictly the limits of a body's kinematics are held.
+
+    strict : a motion beyond a limit is an error (raised when it is seen) instead of a warning at the end
+    spin_ratio : part of a linear body's lowest frequency at which its spin becomes a mistake; at 0.3 the
+        missing centrifugal stiffness is already about 10 % of the elastic one
+    """
+
+    strict: bool = False
+    spin_ratio: float = 0.3
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.spin_ratio) and self.spin_ratio > 0):
+            raise ValueError(f"spin_ratio must be positive, got {self.spin_ratio}")
+
+
+@dataclass(frozen=True)
+class Run:
+    """A span of time, its output times, and how it is stepped through.
+
+    duration, output_step : float   unit of time; the duration is a multiple of the output step
+    step : FixedStep | AdaptiveStep     a fixed step equal to the output step where None
+    method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor
+    tolerances : Tolerances
+    validity : Validity     warn of a motion beyond what the kinematics allow, or stop at it
+    start : float           time of the initial state
+    Raises ValueError for a duration or output step that is not positive, or not a multiple of the other.
+    """
+
+    duration: float
+    output_step: float
+    step: StepControl | None = None
+    method: TimeIntegrator = field(default_factory=GeneralizedAlpha)
+    tolerances: Tolerances = field(default_factory=Tolerances)
+    validity: Validity = field(default_factory=Validity)
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("duration", "output_step"):
+            value = getattr(self, name)
+            if not (isfinite(value) and value > 0):
+                raise ValueError(f"{name} must be a positive, finite number, got {value}")
+        if not isfinite(self.start):
+            raise ValueError(f"start must be a finite number, got {self.start}")
+        n = round(self.duration / self.output_step)
+        if n < 1 or abs(n * self.output_step - self.duration) > 1e-6 * self.output_step:
+            raise ValueError(
+                f"the duration ({self.duration}) is not a multiple of the output step ({self.output_step}): "
+                f"try an output step of {self.duration / max(n, 1):.6g}"
+            )
+
+    @property
+    def times(self) -> np.ndarray:
+        """`start, start + output_step, .. , start + duration`, (t,)."""
+        n = round(self.duration / self.output_step)
+        return self.start + np.arange(n + 1) * (self.duration / n)
+
+    @property
+    def step_control(self) -> StepControl:
+        """How the step size is chosen."""
+        return self.step or FixedStep(self.output_step)
