@@ -1,32 +1,45 @@
-"""Time integrators: they know equations, not bodies."""
+"""Time integrators and the march through time: they know equations, not bodies."""
 
+from supple.integrate.engine import Engine, Leg, Progress, Recorder
 from supple.integrate.generalized_alpha import (
     Coefficients,
     GeneralizedAlpha,
     HilberHughesTaylor,
     Newmark,
+    StepFactors,
     StepRule,
     TimeIntegrator,
 )
+from supple.integrate.motion import FloatingMotion, Motion, motion_from_arrays, register_motion
+from supple.integrate.run import run
 from supple.integrate.run_options import Run, Validity
-from supple.integrate.solution import FloatingMotion, Solution, Statistics, concatenate
+from supple.integrate.solution import Solution, Statistics, concatenate
 from supple.integrate.step_control import AdaptiveStep, FixedStep, StepControl, Tolerances
 
 __all__ = [
     "AdaptiveStep",
     "Coefficients",
+    "Engine",
     "FixedStep",
     "FloatingMotion",
     "GeneralizedAlpha",
     "HilberHughesTaylor",
+    "Leg",
+    "Motion",
     "Newmark",
+    "Progress",
+    "Recorder",
     "Run",
     "Solution",
     "Statistics",
     "StepControl",
+    "StepFactors",
     "StepRule",
     "TimeIntegrator",
     "Tolerances",
     "Validity",
     "concatenate",
+    "motion_from_arrays",
+    "register_motion",
+    "run",
 ]

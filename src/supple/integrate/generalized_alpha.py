@@ -22,6 +22,7 @@ __all__ = [
     "GeneralizedAlpha",
     "HilberHughesTaylor",
     "Newmark",
+    "StepFactors",
     "StepRule",
     "TimeIntegrator",
 ]
@@ -97,31 +98,31 @@ class HilberHughesTaylor:
         return _second_order(0.0, self.alpha)
 
 
-class StepRule(NamedTuple):
-    """The family's update for one step size `h`: plain arithmetic, for NumPy and JAX arrays alike.
+class StepFactors(NamedTuple):
+    """How position and velocity follow a change of the new true acceleration, for the tangent of a step.
 
-    `position`, `velocity` are the derivatives of the increment of configuration and of velocity with
-    respect to the new true acceleration: `beta h^2 kappa`, `gamma h kappa`, with
-    `kappa = (1 - alpha_f)/(1 - alpha_m)`.
+    With `kappa = (1 - alpha_f)/(1 - alpha_m)`, the derivative of the auxiliary acceleration, these are the
+    `1/beta'` and `gamma'/beta'` of Arnold & Bruels: `beta h^2 kappa` and `gamma h kappa`.
     """
+
+    by_position: Any
+    """Derivative of the configuration increment with respect to the new acceleration."""
+    by_velocity: Any
+    """Derivative of the new velocity with respect to the new acceleration."""
+
+
+class StepRule(NamedTuple):
+    """The family's update for one step size `h`: plain arithmetic, for NumPy and JAX arrays alike."""
 
     coefficients: Coefficients
     h: Any
 
     @property
-    def kappa(self) -> float:
-        """Derivative of the auxiliary acceleration with respect to the true one."""
-        return (1 - self.coefficients.alpha_f) / (1 - self.coefficients.alpha_m)
-
-    @property
-    def position(self) -> Any:
-        """Derivative of the configuration increment with respect to the new acceleration."""
-        return self.coefficients.beta * self.h**2 * self.kappa
-
-    @property
-    def velocity(self) -> Any:
-        """Derivative of the new velocity with respect to the new acceleration."""
-        return self.coefficients.gamma * self.h * self.kappa
+    def factors(self) -> StepFactors:
+        """Factors of position and velocity in the tangent of the step."""
+        alpha_m, alpha_f, beta, gamma = self.coefficients
+        kappa = (1 - alpha_f) / (1 - alpha_m)
+        return StepFactors(beta * self.h**2 * kappa, gamma * self.h * kappa)
 
     def auxiliary(self, vdot_1: Any, vdot_0: Any, a_0: Any) -> Any:
         """The new auxiliary acceleration `a_1`."""

@@ -3,44 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-__all__ = ["FloatingMotion", "Solution", "Statistics", "concatenate"]
-
-
-@dataclass(frozen=True)
-class FloatingMotion:
-    """Motion of one body's floating frame and of its deformation coordinates, one row per output time."""
-
-    position: np.ndarray
-    """(t, 3) frame origin, global components."""
-    rotation: np.ndarray
-    """(t, 3, 3) rotation matrix, body components to global ones."""
-    coordinates: np.ndarray
-    """(t, r) deformation coordinates: reduced ones, or the nodal ones of a full body."""
-    velocity: np.ndarray
-    """(t, 3) velocity of the frame origin, global components."""
-    angular_velocity: np.ndarray
-    """(t, 3) angular velocity of the frame, body components, rad/s."""
-    coordinate_rates: np.ndarray
-    """(t, r)."""
-    acceleration: np.ndarray
-    """(t, 3) acceleration of the frame origin, global components."""
-    angular_acceleration: np.ndarray
-    """(t, 3) rate of the angular velocity, body components."""
-    coordinate_accelerations: np.ndarray
-    """(t, r)."""
-
-    def at(self, rows: slice | np.ndarray) -> FloatingMotion:
-        """The motion at some of its output times, by their numbers."""
-        return FloatingMotion(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
+__all__ = ["Solution", "Statistics", "concatenate"]
 
 
 @dataclass(frozen=True)
 class Statistics:
-    """Cost of a run: accepted steps, Newton iterations, cut steps, wall seconds with and for compilation."""
+    """Cost of a run: accepted steps, Newton iterations, rejected steps, wall seconds with and for compilation."""
 
     steps: int = 0
     iterations: int = 0
@@ -58,11 +32,17 @@ class Solution:
 
     times: np.ndarray
     """(t,) output times."""
-    bodies: Mapping[str, FloatingMotion]
+    bodies: Mapping[str, Any]
+    """Body name to its `Motion`, of the kind that belongs to the form of the body."""
     joint_forces: Mapping[str, np.ndarray]
     """Joint name to (t, m) Lagrange multipliers, in the order of the joint's constraint equations: forces and
     moments of the joint on its first end, along the first end's joint axes (z is the joint's axis)."""
     statistics: Statistics
+    stopped: str | None = None
+    """Why the run ended before its last output time, in words; None where it did not."""
+    engine_state: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
+    """What the engine has to know besides the motion to go on from the last output time exactly, in its own
+    words; empty where that is not known."""
 
     def at(self, rows: slice | np.ndarray) -> Solution:
         """The solution at some of its output times, by their numbers; its cost remains that of the whole."""
@@ -79,18 +59,19 @@ def concatenate(parts: Sequence[Solution]) -> Solution:
     if not parts:
         raise ValueError("no parts to join: a solution needs at least one chunk of output times")
 
-    def join(field: str, name: str) -> np.ndarray:
-        return np.concatenate([getattr(part.bodies[name], field) for part in parts])
+    def joined(name: str) -> Any:
+        motions = [part.bodies[name] for part in parts]
+        arrays = [motion.arrays() for motion in motions]
+        return type(motions[0])(**{key: np.concatenate([own[key] for own in arrays]) for key in arrays[0]})
 
-    first = parts[0]
+    first, last = parts[0], parts[-1]
     return Solution(
         times=np.concatenate([part.times for part in parts]),
-        bodies={
-            name: FloatingMotion(**{f.name: join(f.name, name) for f in fields(FloatingMotion)})
-            for name in first.bodies
-        },
+        bodies={name: joined(name) for name in first.bodies},
         joint_forces={
             name: np.concatenate([part.joint_forces[name] for part in parts]) for name in first.joint_forces
         },
         statistics=sum((part.statistics for part in parts), Statistics()),
+        stopped=last.stopped,
+        engine_state=last.engine_state,
     )

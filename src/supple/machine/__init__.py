@@ -27,7 +27,6 @@ from supple.machine.joints.joint import (
     GROUND,
     At,
     Joint,
-    JointFrame,
 )
 from supple.machine.joints.prescribed_rotation import (
     PrescribedRotation,
@@ -51,6 +50,7 @@ from supple.machine.laws.time_law import (
     TimeLaw,
     Turning,
 )
+from supple.machine.pose import Pose, Wrench
 from supple.machine.nodal_loads.dead_force import (
     DeadForce,
 )
@@ -72,8 +72,9 @@ __all__ = [
     "FollowerTorque",
     "ForceElement",
     "Joint",
-    "JointFrame",
     "Placed",
+    "Pose",
+    "Wrench",
     "PrescribedRotation",
     "PrescribedTranslation",
     "Prismatic",

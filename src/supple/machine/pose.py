@@ -1,165 +1,29 @@
-"""Markers: where joints and forces take hold of a body.
-
-A marker sits at an interface (or node) p of a body. With the frame's origin `R` and rotation `A`, the rest
-position `x_p`, and the displacement `u` and rotation vector `theta` relative to the frame,
-
-    r_p = R + A (x_p + u),        A_p = A exp(theta) C,
-
-where the constant `C` turns the interface's axes into the joint's. The twelve *local freedoms* of a marker
-are the variations of `(R, psi, u, theta)`, `dA = A skew(dpsi)`; `u` and `theta` are linear in the body's
-coordinates, so one constant matrix (`selection`, 12 x (6 + r)) carries them to the body and back.
-
-Source: [Wu2019] (1)-(5), (26)-(28).
-"""
+"""What joints and forces see of a body, whatever its form: where a marker is, and how it moves."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 
-from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, skew
-from supple.algebra.small_product import small_product
-
-__all__ = [
-    "N_LOCAL",
-    "Marker",
-    "Wrench",
-    "angular_velocity",
-    "displaced",
-    "frame_motion",
-    "generalized_force",
-    "orientation",
-    "point",
-    "point_velocity",
-    "with_rates",
-    "wrench_stiffness",
-]
-
-N_LOCAL = 12
-"""Number of local freedoms of a marker: `dR (3), dpsi (3), du (3), dtheta (3)`."""
+__all__ = ["Pose", "Wrench"]
 
 
-class Marker(NamedTuple):
-    """Kinematic state of one marker; every field is an array of shape (3,) or (3, 3)."""
+class Pose(NamedTuple):
+    """Place and motion of one end of a joint or force, global components."""
 
-    origin: jax.Array
-    """Frame origin `R`, global."""
-    rotation: jax.Array
-    """Frame rotation `A`, body to global."""
-    displacement: jax.Array
-    """`u`, body components."""
-    turn: jax.Array
-    """Rotation vector `theta`, body components."""
-    offset: jax.Array
-    """Rest position `x_p` in the body frame."""
+    point: jax.Array
+    """(3,)"""
     axes: jax.Array
-    """Joint axes `C` in the interface's frame, as columns."""
+    """(3, 3), as columns: the axes of the joint or force, which turn with the interface"""
     velocity: jax.Array
-    """`dR/dt`, global."""
-    spin: jax.Array
-    """Angular velocity of the frame, body components."""
-    displacement_rate: jax.Array
-    turn_rate: jax.Array
+    """(3,) of the point; zero for joints, whose equations see positions alone"""
+    angular_velocity: jax.Array
+    """(3,) of the axes; likewise"""
 
 
 class Wrench(NamedTuple):
-    """Force and moment on a marker, global components, the force acting at the marker's point."""
+    """Force and moment on one end, global components, the force acting at its point."""
 
     force: jax.Array
     moment: jax.Array
-
-
-def displaced(marker: Marker, variation: jax.Array) -> Marker:
-    """The marker moved by a finite amount along its local freedoms; (12,) in the order of `N_LOCAL`."""
-    return marker._replace(
-        origin=marker.origin + variation[0:3],
-        rotation=marker.rotation @ rotation_exp(variation[3:6]),
-        displacement=marker.displacement + variation[6:9],
-        turn=marker.turn + variation[9:12],
-    )
-
-
-def with_rates(marker: Marker, variation: jax.Array) -> Marker:
-    """The marker with its velocities `(dR/dt, omega, du/dt, dtheta/dt)` changed by the given twelve."""
-    return marker._replace(
-        velocity=marker.velocity + variation[0:3],
-        spin=marker.spin + variation[3:6],
-        displacement_rate=marker.displacement_rate + variation[6:9],
-        turn_rate=marker.turn_rate + variation[9:12],
-    )
-
-
-def point(marker: Marker) -> jax.Array:
-    """Global position `r_p`, (3,)."""
-    return marker.origin + small_product(marker.rotation, marker.offset + marker.displacement)
-
-
-def orientation(marker: Marker) -> jax.Array:
-    """Global orientation `A_p` of the joint axes, as columns, (3, 3)."""
-    return small_product(small_product(marker.rotation, rotation_exp(marker.turn)), marker.axes)
-
-
-def point_velocity(marker: Marker) -> jax.Array:
-    """Global velocity of the marker's point, (3,)."""
-    arm = marker.offset + marker.displacement
-    return marker.velocity + marker.rotation @ (jnp.cross(marker.spin, arm) + marker.displacement_rate)
-
-
-def angular_velocity(marker: Marker) -> jax.Array:
-    """Global angular velocity of the marker, (3,)."""
-    turned = marker.rotation @ rotation_exp(marker.turn)
-    own = rotation_exp(marker.turn).T @ marker.spin + rotation_right_jacobian(marker.turn) @ marker.turn_rate
-    return turned @ own
-
-
-def generalized_force(marker: Marker, wrench: Wrench) -> jax.Array:
-    """Work-conjugate of the twelve local freedoms for a wrench on the marker, (12,).
-
-    Q_R = F,   Q_psi = (x + u) x A^T F + A^T M,   Q_u = A^T F,   Q_theta = T(theta)^T exp(theta)^T A^T M
-    """
-    force = marker.rotation.T @ wrench.force
-    moment = marker.rotation.T @ wrench.moment
-    arm = marker.offset + marker.displacement
-    conjugate_to_turn = rotation_right_jacobian(marker.turn).T @ (rotation_exp(marker.turn).T @ moment)
-    return jnp.concatenate([wrench.force, jnp.cross(arm, force) + moment, force, conjugate_to_turn])
-
-
-def frame_motion(marker: Marker) -> jax.Array:
-    """How the twelve local freedoms move the joint frame: `(dr global, dphi in the joint's axes)`, (6, 12).
-
-    dr = dR + A (du - (x + u)~ dpsi),      dphi = C^T ( exp(theta)^T dpsi + T(theta) dtheta )
-    """
-    arm = marker.offset + marker.displacement
-    turned = small_product(rotation_exp(marker.turn), marker.axes).T
-    zero = jnp.zeros((3, 3))
-    shift = jnp.concatenate(
-        [jnp.eye(3), -small_product(marker.rotation, skew(arm)), marker.rotation, zero], axis=1
-    )
-    by_turn = small_product(marker.axes.T, rotation_right_jacobian(marker.turn))
-    turn = jnp.concatenate([zero, turned, zero, by_turn], axis=1)
-    return jnp.concatenate([shift, turn])
-
-
-def wrench_stiffness(marker: Marker, wrench: jax.Array) -> jax.Array:
-    """Change of `frame_motion(marker)^T wrench` with the local freedoms while the wrench stays, (12, 12).
-
-    `wrench` (6,) is the force in global components and the moment in the joint's axes.
-    """
-    arm = marker.offset + marker.displacement
-    force = skew(small_product(marker.rotation.T, wrench[:3]))
-    moment = small_product(marker.axes, wrench[3:])
-    jacobian = rotation_right_jacobian(marker.turn)
-    tilted = small_product(rotation_exp(marker.turn), small_product(skew(moment), jacobian))
-    by_turn = jax.jacfwd(lambda turn: small_product(rotation_right_jacobian(turn).T, moment))(marker.turn)
-    zero = jnp.zeros((3, 3))
-    of_spin = jnp.concatenate([zero, small_product(skew(arm), force), -force, -tilted], axis=1)
-    return jnp.concatenate(
-        [
-            jnp.zeros((3, 12)),
-            of_spin,
-            jnp.concatenate([zero, force, zero, zero], axis=1),
-            jnp.concatenate([zero, zero, zero, by_turn], axis=1),
-        ]
-    )

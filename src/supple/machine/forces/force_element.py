@@ -11,7 +11,7 @@ import numpy as np
 from supple.errors import ModelError
 from supple.machine.joints.joint import GROUND, At
 from supple.machine.laws.time_law import TimeLaw
-from supple.machine.pose import Wrench
+from supple.machine.pose import Pose, Wrench
 
 __all__ = ["ForceElement", "check_not_negative"]
 
@@ -61,8 +61,8 @@ class ForceElement(ABC):
 
     @staticmethod
     @abstractmethod
-    def wrenches(first: Any, second: Any, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
-        """Wrenches on the two markers; `value` is the law's at this time, or None."""
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+        """Wrenches on the two ends; `value` is the law's at this time, or None."""
 
 
 def check_not_negative(element: ForceElement, **values: float) -> None:

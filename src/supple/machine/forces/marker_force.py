@@ -9,7 +9,7 @@ import jax.numpy as jnp
 
 from supple.machine.forces.force_element import ForceElement
 from supple.machine.laws.time_law import TimeLaw, as_time_law
-from supple.machine.pose import Marker, Wrench, orientation
+from supple.machine.pose import Pose, Wrench
 
 __all__ = ["DeadTorque", "FollowerForce", "FollowerTorque"]
 
@@ -33,9 +33,9 @@ class FollowerForce(ForceElement):
         return as_time_law(self.force)
 
     @staticmethod
-    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
         """`F = A_p f(t)`."""
-        return Wrench(orientation(first) @ value, jnp.zeros(3)), _at_rest()
+        return Wrench(first.axes @ value, jnp.zeros(3)), _at_rest()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,9 +53,9 @@ class FollowerTorque(ForceElement):
         return as_time_law(self.torque)
 
     @staticmethod
-    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
         """`M = A_p m(t)`."""
-        return Wrench(jnp.zeros(3), orientation(first) @ value), _at_rest()
+        return Wrench(jnp.zeros(3), first.axes @ value), _at_rest()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,6 +73,6 @@ class DeadTorque(ForceElement):
         return as_time_law(self.torque)
 
     @staticmethod
-    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
         """`M = m(t)`."""
         return Wrench(jnp.zeros(3), jnp.asarray(value)), _at_rest()

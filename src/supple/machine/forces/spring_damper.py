@@ -11,7 +11,7 @@ import numpy as np
 from supple.errors import ModelError
 from supple.machine.forces.force_element import ForceElement, check_not_negative
 from supple.machine.joints.joint import GROUND
-from supple.machine.pose import Marker, Wrench, point, point_velocity
+from supple.machine.pose import Pose, Wrench
 
 __all__ = ["SpringDamper"]
 
@@ -50,12 +50,12 @@ class SpringDamper(ForceElement):
         return (self.stiffness, self.damping, self.rest_length)
 
     @staticmethod
-    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
         """Equal and opposite forces along the line."""
         stiffness, damping, rest_length = parameters
-        gap = point(second) - point(first)
+        gap = second.point - first.point
         length = jnp.sqrt(gap @ gap)
         direction = gap / length
-        rate = direction @ (point_velocity(second) - point_velocity(first))
+        rate = direction @ (second.velocity - first.velocity)
         force = (stiffness * (length - rest_length) + damping * rate) * direction
         return Wrench(force, jnp.zeros(3)), Wrench(-force, jnp.zeros(3))

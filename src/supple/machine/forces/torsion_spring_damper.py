@@ -11,7 +11,7 @@ import numpy as np
 from supple.machine.forces.force_element import ForceElement, check_not_negative
 from supple.machine.joints.joint import axes_along
 from supple.machine.laws.time_law import TimeLaw, as_time_law
-from supple.machine.pose import Marker, Wrench, angular_velocity, orientation
+from supple.machine.pose import Pose, Wrench
 
 __all__ = ["TorsionSpringDamper"]
 
@@ -47,12 +47,12 @@ class TorsionSpringDamper(ForceElement):
         return (self.stiffness, self.damping)
 
     @staticmethod
-    def wrenches(first: Marker, second: Marker, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
         """Equal and opposite moments about the first end's axis."""
         stiffness, damping = parameters
-        axes_1, axes_2 = orientation(first), orientation(second)
+        axes_1, axes_2 = first.axes, second.axes
         axis = axes_1[:, 2]
         angle = jnp.arctan2(axes_1[:, 1] @ axes_2[:, 0], axes_1[:, 0] @ axes_2[:, 0])
-        rate = axis @ (angular_velocity(second) - angular_velocity(first))
+        rate = axis @ (second.angular_velocity - first.angular_velocity)
         moment = (stiffness * (angle - value) + damping * rate) * axis
         return Wrench(jnp.zeros(3), moment), Wrench(jnp.zeros(3), -moment)

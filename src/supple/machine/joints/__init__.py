@@ -13,7 +13,6 @@ from supple.machine.joints.joint import (
     GROUND,
     At,
     Joint,
-    JointFrame,
 )
 from supple.machine.joints.prescribed_rotation import (
     PrescribedRotation,
@@ -38,7 +37,6 @@ __all__ = [
     "Cylindrical",
     "Fixed",
     "Joint",
-    "JointFrame",
     "PrescribedRotation",
     "PrescribedTranslation",
     "Prismatic",

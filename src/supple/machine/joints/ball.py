@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 
 import jax
 
-from supple.machine.joints.joint import Joint, JointFrame, closing
+from supple.machine.joints.joint import Joint, closing
+from supple.machine.pose import Pose
 
 __all__ = ["Ball"]
 
@@ -20,6 +21,6 @@ class Ball(Joint):
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z")
 
     @staticmethod
-    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
+    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
         """The gap between the points, (3,)."""
         return closing(first, second)

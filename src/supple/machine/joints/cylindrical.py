@@ -8,7 +8,8 @@ from typing import Any, ClassVar
 import jax
 import numpy as np
 
-from supple.machine.joints.joint import Joint, JointFrame, axes_along, closing, stack, tilt
+from supple.machine.joints.joint import Joint, axes_along, closing, stack, tilt
+from supple.machine.pose import Pose
 
 __all__ = ["Cylindrical"]
 
@@ -29,6 +30,6 @@ class Cylindrical(Joint):
         return axes_along(self.axis)
 
     @staticmethod
-    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
+    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
         """Offset from the axis and tilt, (4,)."""
         return stack(closing(first, second)[:2], tilt(first, second))

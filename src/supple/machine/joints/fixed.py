@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 
 import jax
 
-from supple.machine.joints.joint import Joint, JointFrame, closing, relative_turn, stack
+from supple.machine.joints.joint import Joint, closing, relative_turn, stack
+from supple.machine.pose import Pose
 
 __all__ = ["Fixed"]
 
@@ -27,6 +28,6 @@ class Fixed(Joint):
     )
 
     @staticmethod
-    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
+    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
         """The gap and the relative turn, (6,)."""
         return stack(closing(first, second), relative_turn(first, second))

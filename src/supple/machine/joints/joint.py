@@ -1,6 +1,6 @@
 """What every joint is: two ends, axes in the initial configuration, and constraint equations.
 
-The equations are written in the *joint frames* of both ends (`JointFrame`): points and axes that coincide in
+The equations are written in the *joint frames* of both ends (`Pose`): points and axes that coincide in
 the initial configuration. They may depend on the frames through `A_1^T (r_2 - r_1)` and `A_1^T A_2` only, and
 affinely; Jacobian and geometric stiffness then follow (`joint_linearization`), so a new joint is one short
 function.
@@ -19,8 +19,9 @@ import numpy as np
 from supple.algebra.rotation import unskew
 from supple.errors import ModelError
 from supple.machine.laws.time_law import TimeLaw
+from supple.machine.pose import Pose
 
-__all__ = ["GROUND", "At", "Joint", "JointFrame", "axes_along", "closing", "relative_turn", "stack", "tilt"]
+__all__ = ["GROUND", "At", "Joint", "axes_along", "closing", "relative_turn", "stack", "tilt"]
 
 
 class At(NamedTuple):
@@ -37,19 +38,12 @@ GROUND = At("ground", "")
 """The end that does not move."""
 
 
-class JointFrame(NamedTuple):
-    """Point (3,) and axes (3, 3, as columns) of one end of a joint, global components."""
-
-    point: jax.Array
-    axes: jax.Array
-
-
-def relative_turn(first: JointFrame, second: JointFrame) -> jax.Array:
+def relative_turn(first: Pose, second: Pose) -> jax.Array:
     """`sin(angle) axis` of the rotation from the first to the second frame, in the first's axes, (3,)."""
     return unskew(first.axes.T @ second.axes)
 
 
-def tilt(first: JointFrame, second: JointFrame) -> jax.Array:
+def tilt(first: Pose, second: Pose) -> jax.Array:
     """`z_1 x z_2`: by what the second z axis is tilted about the first's x and y axes, (2,)."""
     x, y, _ = first.axes.T @ second.axes[:, 2]
     return jnp.stack([-y, x])
@@ -105,14 +99,14 @@ class Joint(ABC):
 
     @staticmethod
     @abstractmethod
-    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:
+    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:
         """The equations `g = 0`, (n_constraints,), affine in the second frame as the first one sees it.
 
         `value` is the law's at this time, or None.
         """
 
 
-def closing(first: JointFrame, second: JointFrame) -> jax.Array:
+def closing(first: Pose, second: Pose) -> jax.Array:
     """Vector from the first point to the second, in the first's axes, (3,)."""
     return first.axes.T @ (second.point - first.point)
 

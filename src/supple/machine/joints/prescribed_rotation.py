@@ -10,8 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.machine.joints.fixed import Fixed
-from supple.machine.joints.joint import Joint, JointFrame, axes_along, closing, relative_turn, stack
+from supple.machine.joints.joint import Joint, axes_along, closing, relative_turn, stack
 from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.pose import Pose
 
 __all__ = ["PrescribedRotation"]
 
@@ -39,9 +40,9 @@ class PrescribedRotation(Joint):
         return as_time_law(self.angle)
 
     @staticmethod
-    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:
+    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:
         """The gap, and the turn from the first frame turned by the angle, (6,)."""
         cosine, sine = jnp.cos(value), jnp.sin(value)
         about_z = jnp.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-        turned = JointFrame(first.point, first.axes @ about_z)
+        turned = first._replace(axes=first.axes @ about_z)
         return stack(closing(first, second), relative_turn(turned, second))

@@ -10,8 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.machine.joints.fixed import Fixed
-from supple.machine.joints.joint import Joint, JointFrame, axes_along, closing, relative_turn, stack
+from supple.machine.joints.joint import Joint, axes_along, closing, relative_turn, stack
 from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.pose import Pose
 
 __all__ = ["PrescribedTranslation"]
 
@@ -39,7 +40,7 @@ class PrescribedTranslation(Joint):
         return as_time_law(self.displacement)
 
     @staticmethod
-    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:
+    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:
         """The gap beyond the given distance, and the relative turn, (6,)."""
         gap = closing(first, second) - value * jnp.array([0.0, 0.0, 1.0])
         return stack(gap, relative_turn(first, second))

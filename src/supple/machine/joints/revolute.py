@@ -8,7 +8,8 @@ from typing import Any, ClassVar
 import jax
 import numpy as np
 
-from supple.machine.joints.joint import Joint, JointFrame, axes_along, closing, stack, tilt
+from supple.machine.joints.joint import Joint, axes_along, closing, stack, tilt
+from supple.machine.pose import Pose
 
 __all__ = ["Revolute"]
 
@@ -35,6 +36,6 @@ class Revolute(Joint):
         return axes_along(self.axis)
 
     @staticmethod
-    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
+    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
         """The gap and the tilt of the second axis, (5,)."""
         return stack(closing(first, second), tilt(first, second))

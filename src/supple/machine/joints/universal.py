@@ -8,7 +8,8 @@ from typing import Any, ClassVar
 import jax
 import numpy as np
 
-from supple.machine.joints.joint import Joint, JointFrame, axes_along, closing, stack
+from supple.machine.joints.joint import Joint, axes_along, closing, stack
+from supple.machine.pose import Pose
 
 __all__ = ["Universal"]
 
@@ -31,6 +32,6 @@ class Universal(Joint):
         return axes_along(self.first_axis, hint=self.second_axis)
 
     @staticmethod
-    def constraint(first: JointFrame, second: JointFrame, value: Any) -> jax.Array:  # noqa: ARG004
+    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
         """The gap and `z_1 . x_2`, (4,)."""
         return stack(closing(first, second), first.axes[:, 2] @ second.axes[:, 0])

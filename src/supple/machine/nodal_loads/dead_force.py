@@ -4,24 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
+import jax
 import numpy as np
 
 from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.nodal_loads.nodal_load import NodalLoad, node_numbers
 
 __all__ = ["DeadForce"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class DeadForce:
+class DeadForce(NodalLoad):
     """Forces in global components at an interface or at nodes of a body."""
 
-    body: str
     at: str | Sequence[int] | np.ndarray
     """An interface's name, or node indices (k,)."""
     force: Any
     """(3,) for an interface or for every node alike, or (k, 3): constant, law or function of time."""
+
+    follows_nodes: ClassVar[bool] = False
+    turns_against_frame: ClassVar[bool] = True
 
     @property
     def law(self) -> TimeLaw:
@@ -33,3 +37,23 @@ class DeadForce:
         """Name for messages."""
         where = f"'{self.at}'" if isinstance(self.at, str) else f"{len(self.at)} nodes"
         return f"DeadForce on {where} of '{self.body}'"
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """The node indices; none at an interface."""
+        return np.zeros(0, int) if isinstance(self.at, str) else node_numbers(self.label, self.at)
+
+    @property
+    def facets(self) -> np.ndarray:
+        """Every node by itself, or the point of the interface."""
+        return np.arange(1 if isinstance(self.at, str) else len(self.nodes))[:, None]
+
+    @property
+    def value_shapes(self) -> tuple[tuple[int, ...], ...]:
+        """One force for all, or one per node."""
+        return ((3,),) if isinstance(self.at, str) else ((3,), (len(self.nodes), 3))
+
+    @staticmethod
+    def facet_forces(places: jax.Array, rotation: jax.Array, value: Any) -> jax.Array:  # noqa: ARG004
+        """`A^T F`."""
+        return (value @ rotation)[None]

@@ -26,6 +26,7 @@ import numpy as np
 
 from supple.algebra.rotation import skew
 from supple.algebra.small_product import small_product
+from supple.integrate import StepFactors
 
 __all__ = [
     "FloatingState",
@@ -61,13 +62,13 @@ class FloatingState(NamedTuple):
 
     coordinates: jax.Array
     """(r,)"""
-    spin: jax.Array
-    """(3,) angular velocity `w`"""
+    angular_velocity: jax.Array
+    """(3,) `w`"""
     rates: jax.Array
     """(r,)"""
     acceleration: jax.Array
     """(3,) `A^T (Rddot - gravity)`"""
-    spin_rate: jax.Array
+    angular_acceleration: jax.Array
     """(3,)"""
     accelerations: jax.Array
     """(r,)"""
@@ -153,17 +154,17 @@ def inertia_terms(arrays: InertiaArrays, motion: FloatingState) -> InertiaTerms:
     )
     spun = jnp.stack(
         [
-            small_product(motion.spin, spinning[:3]),
-            small_product(motion.spin_rate, spinning[:3]) + small_product(motion.spin, spinning[3:]),
+            small_product(motion.angular_velocity, spinning[:3]),
+            small_product(motion.angular_acceleration, spinning[:3]) + small_product(motion.angular_velocity, spinning[3:]),
         ]
     )
     h, d = both = by_fixed @ arrays.fixed + spun
     turning = both[:, 3 : 6 + 3 * r].reshape(2, 1 + r, 3)
     # h and d of the rotation in the deformed body, and of its rate.
     (angular, d_angular), (h_rate, _) = (weights[:, None, :, None] * turning).sum(axis=2)
-    moment = d_angular + h_rate + jnp.cross(motion.spin, angular)
-    force = d[:3] + jnp.cross(motion.spin, h[:3])
-    deformation = d[6 + 3 * r :] - small_product(turning[0, 1:], motion.spin)
+    moment = d_angular + h_rate + jnp.cross(motion.angular_velocity, angular)
+    force = d[:3] + jnp.cross(motion.angular_velocity, h[:3])
+    deformation = d[6 + 3 * r :] - small_product(turning[0, 1:], motion.angular_velocity)
     return InertiaTerms(
         force=jnp.concatenate([force, moment, deformation]),
         weights=weights,
@@ -193,17 +194,17 @@ def inertia_tangent(
     arrays: InertiaArrays,
     motion: FloatingState,
     terms: InertiaTerms,
-    velocity: jax.Array | float,
-    position: jax.Array | float,
+    factors: StepFactors,
 ) -> jax.Array:
     """Derivative of the inertia force for accelerations whose change carries velocity and position along.
 
-    Column j answers to `d(a, wdot, gddot) = e_j` together with `d(w, gdot) = velocity e_j` and
-    `dg = position e_j`, the combination that a Newmark step needs; (6 + r, 6 + r). The change of `a` with the
-    frame's rotation is the caller's.
+    Column j belongs to `d(a, wdot, gddot) = e_j` together with `d(w, gdot) = by_velocity e_j` and
+    `dg = by_position e_j`, the combination that a Newmark step needs; (6 + r, 6 + r). The change of `a` with
+    the frame's rotation is the caller's.
     """
+    position, velocity = factors
     r = motion.coordinates.shape[0]
-    spin = motion.spin
+    spin = motion.angular_velocity
 
     # The rows of G for the frame's translation and rotation, and for the rate of the latter.
     rows = jnp.concatenate([arrays.fixed[:3], terms.spinning])
@@ -211,7 +212,7 @@ def inertia_tangent(
     by_spin = (terms.weights[:, None, :, None] * turning).sum(axis=2)
     turned, turned_faster = (
         small_product(turning[:, 1:], spin),
-        small_product(turning[:, 1:], motion.spin_rate),
+        small_product(turning[:, 1:], motion.angular_acceleration),
     )
     deformed = rows[:, 6 + 3 * r :]
 
@@ -243,7 +244,7 @@ def inertia_tangent(
     first, second = np.triu_indices(3)
     among_themselves = jnp.concatenate(
         [
-            velocity * spin + position * motion.spin_rate,
+            velocity * spin + position * motion.angular_acceleration,
             -velocity * spin,
             -position * spin[first] * spin[second],
         ]
@@ -261,12 +262,12 @@ def inertia_tangent(
 
 def kinetic_energy(gram: jax.Array, motion: FloatingState, velocity: jax.Array) -> jax.Array:
     """`T = z G z / 2` with the frame's velocity `v = A^T Rdot` (3,) in body components."""
-    z = _join(velocity, motion.spin, motion.coordinates[:, None] * motion.spin, motion.rates)
+    z = _join(velocity, motion.angular_velocity, motion.coordinates[:, None] * motion.angular_velocity, motion.rates)
     return z @ gram @ z / 2
 
 
 def frame_momenta(gram: jax.Array, motion: FloatingState, velocity: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Linear momentum, and angular momentum about the frame origin, body components, (3,) each."""
-    z = _join(velocity, motion.spin, motion.coordinates[:, None] * motion.spin, motion.rates)
+    z = _join(velocity, motion.angular_velocity, motion.coordinates[:, None] * motion.angular_velocity, motion.rates)
     h = _split(gram @ z)
     return h.translation, h.rotation + motion.coordinates @ h.coupling

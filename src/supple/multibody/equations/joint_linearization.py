@@ -13,6 +13,7 @@ the same few lines for every kind. For small motions `(dr, dphi)` of the frames,
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -21,11 +22,17 @@ import numpy as np
 
 from supple.algebra.rotation import skew
 from supple.algebra.small_product import small_product
-from supple.machine.joints.joint import JointFrame
-from supple.machine.pose import Marker, frame_motion, orientation, point, wrench_stiffness
-from supple.multibody.equations.model import JointArrays
+from supple.machine.pose import Pose
+from supple.multibody.equations.marker import (
+    Marker,
+    frame_motion,
+    orientation,
+    point,
+    pose_at_rest,
+    wrench_stiffness,
+)
 
-__all__ = ["Blocks", "JointLinearization", "geometric_stiffness", "joint_equations", "linearize_joint"]
+__all__ = ["Blocks", "JointLinearization", "affine_form", "geometric_stiffness", "joint_equations", "linearize_joint"]
 
 
 class JointLinearization(NamedTuple):
@@ -33,13 +40,11 @@ class JointLinearization(NamedTuple):
 
     equations: jax.Array
     """`g`, (m,)"""
-    coefficients: jax.Array
-    """`L`, (m, 12): for `d` and for `Q` row by row"""
     axes: jax.Array
     """`A_1`, (3, 3)"""
-    gap: jax.Array
+    offset: jax.Array
     """`d`, (3,)"""
-    turn: jax.Array
+    rotation: jax.Array
     """`Q`, (3, 3)"""
     motions: tuple[jax.Array, jax.Array]
     """(6, 12) each: motion of the joint frame per local freedom"""
@@ -47,37 +52,41 @@ class JointLinearization(NamedTuple):
     """(m, 12) each: equations per local freedom"""
 
 
-def _frame(marker: Marker) -> JointFrame:
-    return JointFrame(point(marker), orientation(marker))
+Constraint = Callable[[Pose, Pose, Any], jax.Array]
+"""The equations of a joint, from the poses of its ends and the value of its law."""
 
 
-def _value(joint: JointArrays, time: jax.Array) -> Any:
-    return None if joint.law is None else joint.law(time)
-
-
-def joint_equations(joint: JointArrays, first: Marker, second: Marker, time: jax.Array) -> jax.Array:
+def joint_equations(constraint: Constraint, first: Marker, second: Marker, value: Any) -> jax.Array:
     """The joint's constraint equations, (m,)."""
-    return joint.constraint(_frame(first), _frame(second), _value(joint, time))
+    return constraint(pose_at_rest(first), pose_at_rest(second), value)
 
 
-def _affine(joint: JointArrays, value: Any) -> tuple[jax.Array, jax.Array]:
+def _affine(constraint: Constraint, value: Any) -> tuple[jax.Array, jax.Array]:
     """`L` (m, 12) and `c` (m,) of the joint's equations."""
 
     def of_relative(relative: jax.Array) -> jax.Array:
-        first = JointFrame(jnp.zeros(3), jnp.eye(3))
-        return joint.constraint(first, JointFrame(relative[:3], relative[3:].reshape(3, 3)), value)
+        still = jnp.zeros(3)
+        first = Pose(still, jnp.eye(3), still, still)
+        return constraint(first, Pose(relative[:3], relative[3:].reshape(3, 3), still, still), value)
 
     origin = jnp.zeros(12)
     return jax.jacfwd(of_relative)(origin), of_relative(origin)
 
 
-def affine_form(joint: JointArrays, time: jax.Array) -> tuple[Any, Any]:
-    """`L` and `c` at a time; constants of the compiled program for a joint without a law."""
-    if joint.law is None:
+Affine = tuple[Any, Any]
+"""`L` (m, 12), for `d` and for `Q` row by row, and `c` (m,)"""
+
+
+def affine_form(constraint: Constraint, value: Any) -> Affine:
+    """The affine form of a joint's equations.
+
+    Constants of the compiled program for a joint without a law, of which `value` is None.
+    """
+    if value is None:
         with jax.ensure_compile_time_eval():
-            coefficients, constant = _affine(joint, None)
+            coefficients, constant = _affine(constraint, None)
         return np.asarray(coefficients), np.asarray(constant)
-    return _affine(joint, _value(joint, time))
+    return _affine(constraint, value)
 
 
 def _axial(matrix: jax.Array) -> jax.Array:
@@ -95,18 +104,17 @@ def _axial(matrix: jax.Array) -> jax.Array:
 def _seen(second: Marker, coefficients: Any) -> Marker:
     """The second marker, unturned where the joint does not see it turn: the compiler drops what follows."""
     if isinstance(coefficients, np.ndarray) and not coefficients[:, 3:].any():
-        return second._replace(turn=jnp.zeros(3))
+        return second._replace(rotation_vector=jnp.zeros(3))
     return second
 
 
-def linearize_joint(joint: JointArrays, first: Marker, second: Marker, time: jax.Array) -> JointLinearization:
-    """Equations and derivatives of a joint whose markers are known."""
-    coefficients, constant = affine_form(joint, time)
+def linearize_joint(affine: Affine, first: Marker, second: Marker) -> JointLinearization:
+    """Equations and derivatives of a joint whose affine form and markers are known."""
+    coefficients, constant = affine
     second = _seen(second, coefficients)
-    frames = _frame(first), _frame(second)
-    axes = frames[0].axes
-    gap = small_product(axes.T, frames[1].point - frames[0].point)
-    turn = small_product(axes.T, frames[1].axes)
+    axes = orientation(first)
+    gap = small_product(axes.T, point(second) - point(first))
+    turn = small_product(axes.T, orientation(second))
     of_gap, of_turn = coefficients[:, :3], coefficients[:, 3:].reshape(-1, 3, 3)
     by_point = of_gap @ axes.T
     by_turns = (
@@ -116,10 +124,9 @@ def linearize_joint(joint: JointArrays, first: Marker, second: Marker, time: jax
     motions = frame_motion(first), frame_motion(second)
     return JointLinearization(
         equations=coefficients @ jnp.concatenate([gap, turn.reshape(9)]) + constant,
-        coefficients=coefficients,
         axes=axes,
-        gap=gap,
-        turn=turn,
+        offset=gap,
+        rotation=turn,
         motions=motions,
         by_end=(
             small_product(jnp.concatenate([-by_point, by_turns[0]], axis=1), motions[0]),
@@ -132,7 +139,7 @@ Blocks = tuple[tuple[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]
 
 
 def geometric_stiffness(
-    at: JointLinearization, first: Marker, second: Marker, multipliers: jax.Array
+    coefficients: Any, at: JointLinearization, first: Marker, second: Marker, multipliers: jax.Array
 ) -> Blocks:
     """Change of the joint's generalised forces with the local freedoms at constant multipliers.
 
@@ -142,25 +149,25 @@ def geometric_stiffness(
 
     Blocks (12, 12): rows of the first and second end, columns of the first and second end.
     """
-    second = _seen(second, at.coefficients)
-    weights = multipliers @ at.coefficients
+    second = _seen(second, coefficients)
+    weights = multipliers @ coefficients
     force, moments = weights[:3], weights[3:].reshape(3, 3)
-    on_first, on_second = small_product(moments, at.turn.T), small_product(at.turn.T, moments)
+    on_first, on_second = small_product(moments, at.rotation.T), small_product(at.rotation.T, moments)
     pull = small_product(at.axes, force)
     wrenches = (
-        jnp.concatenate([-pull, jnp.cross(force, at.gap) - _axial(on_first)]),
+        jnp.concatenate([-pull, jnp.cross(force, at.offset) - _axial(on_first)]),
         jnp.concatenate([pull, _axial(on_second)]),
     )
     trace = jnp.trace(on_second) * jnp.eye(3)
     zero = jnp.zeros((3, 3))
     swing = small_product(at.axes, skew(force))
-    mixed = small_product(trace - on_first.T, at.turn)
+    mixed = small_product(trace - on_first.T, at.rotation)
 
     def framed(rows: int, columns: int, block: list[list[jax.Array]]) -> jax.Array:
         return small_product(small_product(at.motions[rows].T, jnp.block(block)), at.motions[columns])
 
     turned = at.motions[1][3:]
-    tilted = small_product(skew(force), skew(at.gap)) - trace + on_first.T
+    tilted = small_product(skew(force), skew(at.offset)) - trace + on_first.T
     return (
         (
             framed(0, 0, [[zero, swing], [swing.T, tilted]]) + wrench_stiffness(first, wrenches[0]),

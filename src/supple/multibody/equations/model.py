@@ -1,7 +1,8 @@
 """A system as arrays: what the compiled equations of motion read.
 
 Every class here is a JAX pytree. Velocities of all bodies form one vector: per body `(dR/dt, omega, dg/dt)`,
-the frame's velocity in global, its spin in body components.
+the velocity of the frame's origin in global, the frame's angular velocity in body components. Equal bodies,
+joints and forces stand in groups, as arrays with a leading axis.
 """
 
 from __future__ import annotations
@@ -14,99 +15,109 @@ from typing import Any
 import jax
 import numpy as np
 
-from supple.body import RigidBody
-from supple.body.full_body import FullBody
-from supple.errors import ModelError
-from supple.machine import GROUND, At, DeadForce, ForceElement
-from supple.machine.joints.joint import Joint
-from supple.machine.system import Placed, System
-from supple.multibody.equations.floating_inertia import InertiaArrays, inertia_arrays
-from supple.multibody.full.full_inertia import cross_matrix
-from supple.reduction import ReducedBody
+from supple.multibody.equations.floating_inertia import InertiaArrays
+from supple.multibody.equations.places import Places
 
-__all__ = [
-    "BodyArrays",
-    "DeadForceArrays",
-    "End",
-    "ForceArrays",
-    "JointArrays",
-    "Model",
-    "build_model",
-    "is_nodal_load_on_full_body",
-    "joint_ends",
-]
+__all__ = ["BodyGroup", "Ends", "ForceGroup", "JointGroup", "Model", "NodalLoadArrays"]
 
-
-_STATIC = {"static": True}
+STATIC = {"static": True}
 """Marks what belongs to the structure of a compiled program, not to its data."""
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
-class BodyArrays:
-    """A rigid (r = 0) or reduced body."""
+class BodyGroup:
+    """k rigid (r = 0) or reduced bodies of one size."""
 
+    members: tuple[int, ...] = field(metadata=STATIC)
+    """Their numbers in the system"""
+    velocities: Places = field(metadata=STATIC)
+    """6 + r each"""
+    coordinates: Places = field(metadata=STATIC)
     gram: Any
-    """(6 + 4r, 6 + 4r)"""
+    """(k, 6 + 4r, 6 + 4r)"""
     inertia: InertiaArrays
     """The same, as the equations of motion read it."""
     stiffness: Any
+    """(k, r, r)"""
     cubic: Any
     quartic: Any
     damping: Any
     coordinate_scale: Any
-    """Size of a coordinate that moves the body by the system's length: `length sqrt(mass)`."""
+    """(k,) size of a coordinate that moves the body by the system's length: `length sqrt(mass)`."""
 
     @property
     def r(self) -> int:
-        """Number of deformation coordinates."""
-        return self.stiffness.shape[0]
+        """Number of deformation coordinates of each."""
+        return self.coordinates.size
+
+    def of(self, per_body: Any) -> Any:
+        """The rows of an array (nb, ...) that belong to the group, (k, ...)."""
+        first, last = self.members[0], self.members[-1]
+        if self.members == tuple(range(first, last + 1)):
+            return per_body[first : last + 1]
+        return per_body[np.array(self.members)]
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
-class End:
-    """A marker of a joint or force: its body (-1: ground) and how the body's coordinates move it."""
+class Ends:
+    """The k ends of one side of a group of joints or forces: markers of bodies of one size, or of the ground."""
 
-    body: int = field(metadata=_STATIC)
+    bodies: tuple[int, ...] = field(metadata=STATIC)
+    """Numbers of the bodies; -1 for the ground, then of all of them"""
+    velocities: Places | None = field(metadata=STATIC)
+    """6 + r each; None for the ground"""
+    coordinates: Places | None = field(metadata=STATIC)
     motion: Any
-    """(6, r): displacement and rotation of the interface from the coordinates of its body"""
+    """(k, 6, r): displacement and rotation of the interface from the coordinates of its body"""
     offset: Any
+    """(k, 3)"""
     axes: Any
+    """(k, 3, 3)"""
+
+    @property
+    def on_ground(self) -> bool:
+        """Whether these ends do not move."""
+        return self.velocities is None
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
-class JointArrays:
-    """A joint: its equations, its law, its ends."""
+class JointGroup:
+    """k joints of one kind between bodies of the same sizes."""
 
-    constraint: Callable[..., Any] = field(metadata=_STATIC)
-    n_constraints: int = field(metadata=_STATIC)
+    constraint: Callable[..., Any] = field(metadata=STATIC)
+    rows: Places = field(metadata=STATIC)
+    """Of the constraint equations, the redundant ones included"""
     law: Any
-    first: End
-    second: End
+    """With a leading axis on all its numbers, or None"""
+    first: Ends
+    second: Ends
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
-class ForceArrays:
-    """A force between two markers."""
+class ForceGroup:
+    """k forces of one kind between markers of bodies of the same sizes."""
 
-    wrenches: Callable[..., Any] = field(metadata=_STATIC)
+    wrenches: Callable[..., Any] = field(metadata=STATIC)
     law: Any
     parameters: tuple[Any, ...]
-    first: End
-    second: End
+    first: Ends
+    second: Ends
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
-class DeadForceArrays:
-    """Forces in global components at k points of one body."""
+class NodalLoadArrays:
+    """A load on the nodes of one reduced body, or at a point of a rigid one."""
 
-    body: int = field(metadata=_STATIC)
-    law: Any
-    """(3,) or (k, 3) over time"""
+    body: int = field(metadata=STATIC)
+    velocities: Places = field(metadata=STATIC)
+    coordinates: Places = field(metadata=STATIC)
+    load: Any
+    """`PreparedLoad`, which tells forces and their derivatives from the places of the nodes"""
     positions: Any
     """(k, 3) rest positions"""
     basis: Any
@@ -118,193 +129,55 @@ class DeadForceArrays:
 class Model:
     """The whole system."""
 
-    bodies: tuple[BodyArrays, ...]
-    joints: tuple[JointArrays, ...]
-    forces: tuple[ForceArrays, ...]
-    dead_forces: tuple[DeadForceArrays, ...]
+    groups: tuple[BodyGroup, ...]
+    """The bodies that have inertia here; a full body has its own, outside the compiled equations"""
+    joints: tuple[JointGroup, ...]
+    forces: tuple[ForceGroup, ...]
+    nodal_loads: tuple[NodalLoadArrays, ...]
     gravity: Any
+    base_accelerations: tuple[Any, ...]
+    """Laws of (3,)"""
     length: Any
     """Size of the system, the scale of translations."""
     mass: Any
     """Mass of the system, the scale that balances multipliers against accelerations."""
-    active: tuple[int, ...] = field(metadata=_STATIC)
+    sizes: tuple[int, ...] = field(metadata=STATIC)
+    """Number of coordinates of every body"""
+    n_equations: int = field(metadata=STATIC)
+    """Number of constraint equations, redundant ones included"""
+    active: tuple[int, ...] = field(metadata=STATIC)
     """The constraint equations kept: all but the redundant ones."""
 
     @property
     def slices(self) -> tuple[slice, ...]:
         """Where each body's velocities stand in the common vector."""
-        ends = np.cumsum([0] + [6 + body.r for body in self.bodies])
-        return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
+        return _slices([6 + r for r in self.sizes])
+
+    @property
+    def coordinate_slices(self) -> tuple[slice, ...]:
+        """Where each body's coordinates stand in their common vector."""
+        return _slices(self.sizes)
+
+    @property
+    def frames(self) -> Places:
+        """Velocities of the bodies' frames."""
+        return Places(tuple(part.start for part in self.slices), 6)
+
+    @property
+    def deforming_slices(self) -> tuple[slice, ...]:
+        """Velocities of the bodies that have coordinates."""
+        return tuple(part for part in self.slices if part.stop > part.start + 6)
 
     @property
     def n_velocities(self) -> int:
         """Length of the common velocity vector."""
-        return sum(6 + body.r for body in self.bodies)
+        return sum(6 + r for r in self.sizes)
 
-    @property
-    def n_equations(self) -> int:
-        """Number of constraint equations, redundant ones included."""
-        return sum(joint.n_constraints for joint in self.joints)
-
-
-def rigid_gram(body: RigidBody) -> np.ndarray:
-    """Inertia Gram matrix of a rigid body about its frame origin, (6, 6)."""
-    mass, centre = float(body.mass), np.asarray(body.centre)
-    cross = cross_matrix(centre)
-    inertia = np.asarray(body.inertia) - mass * cross @ cross
-    return np.block([[mass * np.eye(3), -mass * cross], [mass * cross, inertia]])
+    def gravity_at(self, time: Any) -> Any:
+        """Gravity seen from a base that accelerates, (3,)."""
+        return self.gravity - sum(law(time) for law in self.base_accelerations)
 
 
-def body_mass(placed: Placed) -> float:
-    """Mass of a body."""
-    body = placed.body
-    if isinstance(body, RigidBody):
-        return float(body.mass)
-    if isinstance(body, FullBody):
-        along_x = body.body.rigid_modes[:, 0]
-        return float(along_x @ (body.body.mass @ along_x))
-    return float(body.gram[0, 0])
-
-
-def _body_arrays(placed: Placed, length: float) -> BodyArrays:
-    body = placed.body
-    if isinstance(body, RigidBody):
-        empty = np.zeros((0, 0))
-        gram = rigid_gram(body)
-        return BodyArrays(gram, inertia_arrays(gram), empty, None, None, empty, length * np.sqrt(body.mass))
-    if isinstance(body, FullBody):
-        # Only the interfaces' motions enter here; inertia and elasticity are the sparse engine's.
-        r = 6 * len(body.interfaces)
-        none = np.zeros((r, r))
-        gram = np.zeros((6 + 4 * r, 6 + 4 * r))
-        return BodyArrays(gram, inertia_arrays(gram), none, None, None, none, length)
-    return BodyArrays(
-        body.gram,
-        inertia_arrays(body.gram),
-        body.stiffness,
-        body.cubic,
-        body.quartic,
-        body.damping,
-        length * np.sqrt(body.gram[0, 0]),
-    )
-
-
-def interface_motion(placed: Placed, interface: str) -> tuple[np.ndarray, Any]:
-    """Rest position (3,) and motion (6, r) of an interface of a body."""
-    body = placed.body
-    if isinstance(body, RigidBody):
-        return np.asarray(body.interfaces[interface], dtype=float), np.zeros((6, 0))
-    names = [i.name for i in body.interfaces]
-    index = names.index(interface)
-    found = body.interfaces[index]
-    if isinstance(body, FullBody):
-        return np.asarray(found.position), np.eye(6 * len(names))[6 * index : 6 * index + 6]
-    return np.asarray(found.position), found.motion
-
-
-def _end(system: System, end: At, axes: np.ndarray, ground_point: np.ndarray) -> End:
-    if end == GROUND:
-        return End(body=-1, motion=np.zeros((6, 0)), offset=ground_point, axes=axes)
-    index = system.body_index(end.body)
-    placed = system.bodies[index]
-    position, motion = interface_motion(placed, end.interface)
-    return End(body=index, motion=motion, offset=position, axes=placed.rotation.T @ axes)
-
-
-def initial_point(system: System, end: At) -> np.ndarray:
-    """Global position of an interface at the start, bodies undeformed, (3,)."""
-    placed = system.bodies[system.body_index(end.body)]
-    position, _ = interface_motion(placed, end.interface)
-    return placed.position + placed.rotation @ position
-
-
-def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:
-    """Global positions of both ends at the start; the ground's, unless given, is where the other one is."""
-    own = [None if end == GROUND else initial_point(system, end) for end in (element.first, element.second)]
-    given = element.ground_point if isinstance(element, ForceElement) else None
-    on_ground = given if given is not None else next(point for point in own if point is not None)
-    first, second = (on_ground if point is None else point for point in own)
-    return first, second
-
-
-def joint_ends(system: System, element: Joint | ForceElement) -> tuple[End, End]:
-    """Both markers of a joint or force."""
-    first, second = initial_points(system, element)
-    axes = element.initial_axes
-    return (
-        _end(system, element.first, axes, first),
-        _end(system, element.second, axes, second),
-    )
-
-
-def is_nodal_load_on_full_body(system: System, load: DeadForce) -> bool:
-    """True for loads that only the sparse engine can apply."""
-    body = system.bodies[system.body_index(load.body)].body
-    return isinstance(body, FullBody) and not isinstance(load.at, str)
-
-
-def _dead_force(system: System, load: DeadForce) -> DeadForceArrays:
-    index = system.body_index(load.body)
-    body = system.bodies[index].body
-    if isinstance(load.at, str):
-        position, motion = interface_motion(system.bodies[index], load.at)
-        positions, basis = position[None], motion[None, :3]
-    else:
-        if not isinstance(body, ReducedBody):
-            raise ModelError(f"{load.label}: only flexible bodies have nodes")
-        nodes = np.asarray(load.at, dtype=int)
-        positions, basis = body.nodes[nodes], body.displacement_basis[nodes]
-    return DeadForceArrays(body=index, law=load.law, positions=positions, basis=basis)
-
-
-def _check_apart(system: System, load: ForceElement) -> None:
-    first, second = initial_points(system, load)
-    if load.acts_along_line and np.array_equal(first, second):
-        raise ModelError(
-            f"{load.label}: both ends start at {first.tolist()}, so it has no direction: move one of them"
-        )
-
-
-def system_length(system: System) -> float:
-    """Size of the system: the largest distance between interfaces, nodes and frame origins at the start."""
-    points = [placed.position[None] for placed in system.bodies]
-    for placed in system.bodies:
-        body = placed.body
-        local = np.array(list(body.interfaces.values())) if isinstance(body, RigidBody) else body.nodes
-        if len(local):
-            points.append(placed.position + local @ placed.rotation.T)
-    extent = np.ptp(np.concatenate(points), axis=0)
-    return float(np.linalg.norm(extent)) or 1.0
-
-
-def build_model(system: System, active: tuple[int, ...] | None = None) -> Model:
-    """The arrays of a system; `active` leaves out redundant constraint equations.
-
-    A full body is represented by the motions of its interfaces alone, six coordinates each, without inertia
-    or stiffness: what joints and forces see of it.
-    """
-    length = system_length(system)
-    bodies = tuple(_body_arrays(placed, length) for placed in system.bodies)
-    joints, forces, dead = [], [], []
-    for joint in system.joints:
-        first, second = joint_ends(system, joint)
-        joints.append(JointArrays(type(joint).constraint, joint.n_constraints, joint.law, first, second))
-    for load in system.loads:
-        if isinstance(load, DeadForce):
-            if not is_nodal_load_on_full_body(system, load):
-                dead.append(_dead_force(system, load))
-        else:
-            _check_apart(system, load)
-            first, second = joint_ends(system, load)
-            forces.append(ForceArrays(type(load).wrenches, load.law, load.parameters, first, second))
-    n_equations = sum(joint.n_constraints for joint in system.joints)
-    return Model(
-        bodies=bodies,
-        joints=tuple(joints),
-        forces=tuple(forces),
-        dead_forces=tuple(dead),
-        gravity=system.gravity,
-        length=length,
-        mass=sum(body_mass(placed) for placed in system.bodies),
-        active=tuple(range(n_equations)) if active is None else active,
-    )
+def _slices(sizes: Any) -> tuple[slice, ...]:
+    ends = np.cumsum([0, *sizes])
+    return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))

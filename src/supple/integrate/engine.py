@@ -1,0 +1,58 @@
+"""What differs between the methods: how a machine starts, marches and is written down."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Generic, Protocol, TypeVar
+
+import numpy as np
+
+from supple.integrate.solution import Solution, Statistics
+
+__all__ = ["Engine", "Leg", "Progress", "Recorder"]
+
+S = TypeVar("S")
+
+Progress = Callable[[float], None]
+"""Called with the completed fraction of a run, 0 to 1."""
+Recorder = Callable[[Solution], None]
+"""Called with each completed leg of a run; the first begins with the initial state."""
+
+
+@dataclass(frozen=True)
+class Leg(Generic[S]):
+    """A stretch of a run: the states at those of its output times that were reached.
+
+    states : the states reached, stacked or listed as the engine likes them
+    n_reached : int         their number
+    last : S                the state to go on from
+    statistics : Statistics
+    stopped : str | None    why the leg ended before its last output time, in words
+    """
+
+    states: Any
+    n_reached: int
+    last: S
+    statistics: Statistics = field(default_factory=Statistics)
+    stopped: str | None = None
+
+
+class Engine(Protocol[S]):
+    """A machine made ready for one method; S is whatever its state is."""
+
+    def start(self, time: float) -> S:
+        """The initial state, consistent: joints closed, constraints independent."""
+        ...
+
+    def resumed(self, last: Solution) -> S:
+        """The state at the end of a recorded part, exact where the part kept the `engine_state`."""
+        ...
+
+    def march(self, state: S, times: np.ndarray) -> Leg[S]:
+        """Go on to each of the output times (k,), of which the first may be the state's own."""
+        ...
+
+    def solution(self, leg: Leg[S]) -> Solution:
+        """The motion of a leg that reached at least one output time, with the `engine_state` at its end."""
+        ...

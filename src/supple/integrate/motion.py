@@ -1,0 +1,78 @@
+"""Motions of a body over time: arrays with one row per output time, of one kind per form of a body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import ClassVar, Protocol, Self, TypeVar
+
+import numpy as np
+
+__all__ = ["FloatingMotion", "Motion", "motion_from_arrays", "register_motion"]
+
+
+class Motion(Protocol):
+    """What every motion answers, whatever the form of its body; `register_motion` makes it readable."""
+
+    kind: ClassVar[str]
+    """Written to result files, so that the right class is made of the arrays again."""
+
+    def at(self, rows: slice | np.ndarray) -> Self:
+        """The motion at some of its output times, by their numbers."""
+        ...
+
+    def arrays(self) -> Mapping[str, np.ndarray]:
+        """Arrays (t, ...) by name, from which `kind(**arrays)` makes the same motion."""
+        ...
+
+
+_M = TypeVar("_M", bound=type)
+_KINDS: dict[str, type] = {}
+
+
+def register_motion(motion: _M) -> _M:
+    """Class decorator: result files with motions of this `kind` can be read."""
+    _KINDS[motion.kind] = motion
+    return motion
+
+
+def motion_from_arrays(kind: str, arrays: Mapping[str, np.ndarray]) -> Motion:
+    """The motion of a kind from its arrays; KeyError for a kind that no imported method registers."""
+    if kind not in _KINDS:
+        raise KeyError(f"motions of kind '{kind}', which this supple does not know")
+    return _KINDS[kind](**arrays)
+
+
+@register_motion
+@dataclass(frozen=True)
+class FloatingMotion:
+    """Motion of one body's floating frame and of its deformation coordinates, one row per output time."""
+
+    kind: ClassVar[str] = "floating"
+
+    position: np.ndarray
+    """(t, 3) frame origin, global components."""
+    rotation: np.ndarray
+    """(t, 3, 3) rotation matrix, body components to global ones."""
+    coordinates: np.ndarray
+    """(t, r) deformation coordinates: reduced ones, or the nodal ones of a full body."""
+    velocity: np.ndarray
+    """(t, 3) velocity of the frame origin, global components."""
+    angular_velocity: np.ndarray
+    """(t, 3) angular velocity of the frame, body components, rad/s."""
+    coordinate_rates: np.ndarray
+    """(t, r)."""
+    acceleration: np.ndarray
+    """(t, 3) acceleration of the frame origin, global components."""
+    angular_acceleration: np.ndarray
+    """(t, 3) rate of the angular velocity, body components."""
+    coordinate_accelerations: np.ndarray
+    """(t, r)."""
+
+    def at(self, rows: slice | np.ndarray) -> FloatingMotion:
+        """The motion at some of its output times, by their numbers."""
+        return FloatingMotion(**{name: array[rows] for name, array in self.arrays().items()})
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The fields by name."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}

@@ -1,0 +1,89 @@
+"""The one march through time that all methods share: legs, recording, progress, resumption, failure."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from time import perf_counter
+from typing import TypeVar
+
+import numpy as np
+
+from supple.errors import ConvergenceError
+from supple.integrate.engine import Engine, Progress, Recorder
+from supple.integrate.solution import Solution, Statistics, concatenate
+
+__all__ = ["LEGS", "run"]
+
+S = TypeVar("S")
+
+LEGS = 50
+"""A run is handed on in so many parts."""
+
+
+def run(
+    engine: Engine[S],
+    times: np.ndarray,
+    *,
+    resume: Solution | None = None,
+    progress: Progress | None = None,
+    record: Recorder | None = None,
+    check: bool = True,
+) -> Solution:
+    """March an engine through the output times of a run.
+
+    Parameters
+    ----------
+    times : (t,)            all output times of the run, the initial one first
+    resume : Solution       the part that is there already: the march goes on from its last time
+    progress, record : called as legs are completed, `record` before `progress`
+    check : bool            raise where the run ends early; otherwise `Solution.stopped` says why
+
+    Returns
+    -------
+    Solution    at the output times; when resuming, only the new ones
+
+    Raises
+    ------
+    ValueError          nothing is left to simulate
+    ConvergenceError    the run ended early; what was computed until then has been handed to `record`
+    """
+    # The same legs however often a run is interrupted, so that all of them take the same compiled program.
+    size = max(1, int(np.ceil((len(times) - 1) / LEGS)))
+    began = perf_counter()
+    if resume is None:
+        state = engine.start(float(times[0]))
+        left = times
+    else:
+        left = _times_left(times, float(resume.times[-1]))
+        state = engine.resumed(resume)
+    preparing = Statistics(compile_seconds=perf_counter() - began)
+    parts: list[Solution] = []
+    for begin in range(0, len(left), size):
+        leg = engine.march(state, left[begin : begin + size])
+        state = leg.last
+        if leg.n_reached:
+            part = engine.solution(leg)
+            if not parts:
+                part = replace(part, statistics=part.statistics + preparing)
+            parts.append(replace(part, stopped=leg.stopped))
+            if record is not None:
+                record(parts[-1])
+        if leg.stopped is not None:
+            if check or not parts:
+                raise ConvergenceError(leg.stopped)
+            return replace(concatenate(parts), stopped=leg.stopped)
+        if progress is not None:
+            progress(min(begin + size, len(left)) / len(left))
+    return concatenate(parts)
+
+
+def _times_left(times: np.ndarray, reached: float) -> np.ndarray:
+    """Output times beyond the one reached; ValueError when there are none."""
+    tolerance = 1e-6 * float(times[1] - times[0])
+    left = times[times > reached + tolerance]
+    if not left.size:
+        raise ValueError(
+            f"nothing is left to simulate: the recorded part ends at t = {reached:g} and "
+            f"the run at t = {times[-1]:g}"
+        )
+    return left

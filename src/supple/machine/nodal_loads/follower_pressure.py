@@ -1,0 +1,83 @@
+"""Pressure on faces of a body, which follows their normals and areas as they deform."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.errors import ModelError
+from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.nodal_loads.nodal_load import NodalLoad
+
+__all__ = ["FollowerPressure"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowerPressure(NodalLoad):
+    """Pressure on triangles or quadrilaterals, pushing against their normals.
+
+    On a triangle with corners a, b, c, wherever they are, `f = - p (b - a) x (c - a) / 6` on each of them; a
+    quadrilateral counts as the mean of its two pairs of triangles. The corners run counter-clockwise seen
+    from the side on which the pressure acts.
+
+    Source: [Bonet2008] section 6.5, one-point rule, exact for flat facets.
+    """
+
+    faces: Sequence[Sequence[int]] | np.ndarray
+    """(e, 3) or (e, 4) node indices."""
+    pressure: Any
+    """Pa: constant, law or function of time."""
+
+    follows_nodes: ClassVar[bool] = True
+    turns_against_frame: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        faces = np.asarray(self.faces)
+        if faces.ndim != 2 or faces.shape[1] not in (3, 4) or len(faces) == 0:
+            raise ModelError(
+                f"FollowerPressure on '{self.body}': faces must be node indices (e, 3) or (e, 4), "
+                f"got shape {faces.shape}"
+            )
+        if not np.issubdtype(faces.dtype, np.integer):
+            raise ModelError(f"FollowerPressure on '{self.body}': faces must hold integers")
+        if any(len(set(face)) < len(face) for face in faces.tolist()):
+            raise ModelError(f"FollowerPressure on '{self.body}': a face names one node twice")
+
+    @property
+    def law(self) -> TimeLaw:
+        """The pressure over time."""
+        return as_time_law(self.pressure)
+
+    @property
+    def label(self) -> str:
+        """Name for messages."""
+        return f"FollowerPressure on {len(self.faces)} faces of '{self.body}'"
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Corners of the faces."""
+        return np.unique(self.faces)
+
+    @property
+    def facets(self) -> np.ndarray:
+        """The faces."""
+        return np.searchsorted(self.nodes, self.faces)
+
+    @property
+    def value_shapes(self) -> tuple[tuple[int, ...], ...]:
+        """One pressure for all."""
+        return ((),)
+
+    @staticmethod
+    def facet_forces(places: jax.Array, rotation: jax.Array, value: Any) -> jax.Array:  # noqa: ARG004
+        """`- p / 6 (b - a) x (c - a)` on every corner of a triangle; of a quadrilateral a quarter each."""
+        if places.shape[0] == 3:
+            area = jnp.cross(places[1] - places[0], places[2] - places[0]) / 2
+        else:
+            area = jnp.cross(places[2] - places[0], places[3] - places[1]) / 2
+        return jnp.broadcast_to(-value * area / places.shape[0], places.shape)

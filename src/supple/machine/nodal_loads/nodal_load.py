@@ -1,0 +1,74 @@
+"""What every load on nodes is: forces on facets of a few nodes each, seen from the frame of their body.
+
+A load is one function, `facet_forces`; both engines take the forces of all facets and their derivatives from
+it. A facet is a single node where the load does not depend on its neighbours.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import numpy as np
+
+from supple.errors import ModelError
+from supple.machine.laws.time_law import TimeLaw
+
+__all__ = ["NodalLoad", "node_numbers"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodalLoad(ABC):
+    """Forces on nodes of one body."""
+
+    body: str
+
+    follows_nodes: ClassVar[bool]
+    """Whether the forces, in body components, change as the nodes are displaced."""
+    turns_against_frame: ClassVar[bool]
+    """Whether they change as the frame turns."""
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """Name for messages."""
+
+    @property
+    @abstractmethod
+    def law(self) -> TimeLaw:
+        """What varies with time."""
+
+    @property
+    @abstractmethod
+    def nodes(self) -> np.ndarray:
+        """(k,) node numbers from 0, each once."""
+
+    @property
+    @abstractmethod
+    def facets(self) -> np.ndarray:
+        """(e, m) nodes of every facet, as positions in `nodes`."""
+
+    @property
+    @abstractmethod
+    def value_shapes(self) -> tuple[tuple[int, ...], ...]:
+        """Shapes that the law's value may have; a leading axis of length k belongs to the facets."""
+
+    @staticmethod
+    @abstractmethod
+    def facet_forces(places: jax.Array, rotation: jax.Array, value: Any) -> jax.Array:
+        """Forces (m, 3) on the nodes of a facet, body components.
+
+        places : (m, 3)     where they are, from the frame's origin, body components
+        rotation : (3, 3)   of the frame, body to global
+        value : of the law, at this time, for this facet
+        """
+
+
+def node_numbers(label: str, nodes: Any) -> np.ndarray:
+    """Node numbers (k,); ModelError unless they are a list of at least one."""
+    numbers = np.asarray(nodes)
+    if numbers.ndim != 1 or numbers.size == 0:
+        raise ModelError(f"{label}: node indices must be a list of at least one node")
+    return numbers.astype(int)

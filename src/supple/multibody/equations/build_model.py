@@ -1,0 +1,286 @@
+"""From a system to the arrays that the equations of motion read, equal bodies and joints in groups."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import jax
+import numpy as np
+
+from supple.algebra.cross import cross_matrix
+from supple.body import FullBody, RigidBody
+from supple.errors import ModelError
+from supple.machine import GROUND, At, BaseAcceleration, ForceElement, Joint, NodalLoad, Placed, System
+from supple.multibody.equations.floating_inertia import inertia_arrays
+from supple.multibody.equations.model import (
+    BodyGroup,
+    Ends,
+    ForceGroup,
+    JointGroup,
+    Model,
+    NodalLoadArrays,
+)
+from supple.multibody.equations.nodal_load import prepared
+from supple.multibody.equations.places import Places
+
+__all__ = ["build_model", "initial_points", "system_length"]
+
+T = TypeVar("T")
+
+
+def build_model(system: System, active: tuple[int, ...] | None = None) -> Model:
+    """The arrays of a system; `active` leaves out redundant constraint equations.
+
+    A full body takes part by the motions of its interfaces alone, six coordinates each: what joints and
+    forces see of it. Its inertia, elasticity and nodal loads are the sparse engine's.
+    """
+    sizes = tuple(_size(placed) for placed in system.bodies)
+    length = system_length(system)
+    places = _BodyPlaces.of(sizes)
+    n_equations = sum(joint.n_constraints for joint in system.joints)
+    forces = [load for load in system.loads if isinstance(load, ForceElement)]
+    nodal = [load for load in system.loads if isinstance(load, NodalLoad)]
+    return Model(
+        groups=_body_groups(system, places, length),
+        joints=_joint_groups(system, places),
+        forces=_force_groups(system, forces, places),
+        nodal_loads=tuple(
+            _nodal_load(system, load, places) for load in nodal if not is_on_full_nodes(system, load)
+        ),
+        gravity=system.gravity,
+        base_accelerations=tuple(load.law for load in system.loads if isinstance(load, BaseAcceleration)),
+        length=length,
+        mass=sum(placed.body.mass for placed in system.bodies),
+        sizes=sizes,
+        n_equations=n_equations,
+        active=tuple(range(n_equations)) if active is None else active,
+    )
+
+
+def is_on_full_nodes(system: System, load: NodalLoad) -> bool:
+    """True for loads on the nodes of a full body, which only the sparse engine can apply."""
+    body = system.bodies[system.body_index(load.body)].body
+    return isinstance(body, FullBody) and load.nodes.size > 0
+
+
+def _size(placed: Placed) -> int:
+    body = placed.body
+    return 6 * len(body.interfaces) if isinstance(body, FullBody) else body.n_coordinates
+
+
+@dataclass(frozen=True)
+class _BodyPlaces:
+    """Where the velocities and coordinates of each body stand."""
+
+    sizes: tuple[int, ...]
+    velocities: tuple[int, ...]
+    coordinates: tuple[int, ...]
+
+    @classmethod
+    def of(cls, sizes: tuple[int, ...]) -> _BodyPlaces:
+        ends = np.cumsum([0, *sizes])[:-1]
+        return cls(sizes, tuple(int(e) + 6 * i for i, e in enumerate(ends)), tuple(int(e) for e in ends))
+
+    def pair(self, bodies: Sequence[int]) -> tuple[Places, Places]:
+        """Places of the velocities and of the coordinates of bodies of one size."""
+        r = self.sizes[bodies[0]]
+        return (
+            Places(tuple(self.velocities[index] for index in bodies), 6 + r),
+            Places(tuple(self.coordinates[index] for index in bodies), r),
+        )
+
+
+def _grouped(items: Sequence[T], key: Callable[[T], Hashable]) -> list[list[T]]:
+    """Items of equal keys together, in the order of their first ones."""
+    groups: dict[Hashable, list[T]] = {}
+    for item in items:
+        groups.setdefault(key(item), []).append(item)
+    return list(groups.values())
+
+
+def _stacked(trees: Sequence[Any]) -> Any:
+    """Pytrees of one structure as one, with a leading axis on every leaf."""
+    return jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *trees)
+
+
+def _structure(tree: Any) -> Hashable:
+    """What two pytrees must share to be stacked."""
+    leaves, structure = jax.tree.flatten(tree)
+    return structure, tuple((np.shape(leaf), np.result_type(leaf)) for leaf in leaves)
+
+
+def rigid_gram(body: RigidBody) -> np.ndarray:
+    """Inertia Gram matrix of a rigid body about its frame origin, (6, 6)."""
+    mass, cross = float(body.mass), cross_matrix(np.asarray(body.centre))
+    inertia = np.asarray(body.inertia) - mass * cross @ cross
+    return np.block([[mass * np.eye(3), -mass * cross], [mass * cross, inertia]])
+
+
+def _arrays(body: Any, length: float) -> dict[str, Any]:
+    """Inertia and elasticity of a rigid or reduced body."""
+    scale = length * np.sqrt(body.mass)
+    if isinstance(body, RigidBody):
+        empty, gram = np.zeros((0, 0)), rigid_gram(body)
+        elastic = {"stiffness": empty, "cubic": None, "quartic": None, "damping": empty}
+    else:
+        gram = body.gram
+        elastic = {name: getattr(body, name) for name in ("stiffness", "cubic", "quartic", "damping")}
+    return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": scale, **elastic}
+
+
+def _body_groups(system: System, places: _BodyPlaces, length: float) -> tuple[BodyGroup, ...]:
+    found = [
+        (index, _arrays(placed.body, length))
+        for index, placed in enumerate(system.bodies)
+        if not isinstance(placed.body, FullBody)
+    ]
+    groups = []
+    for group in _grouped(found, lambda each: _structure(each[1])):
+        members = tuple(index for index, _ in group)
+        velocities, coordinates = places.pair(members)
+        arrays = _stacked([arrays for _, arrays in group])
+        groups.append(BodyGroup(members, velocities, coordinates, **arrays))
+    return tuple(groups)
+
+
+@dataclass(frozen=True)
+class _End:
+    """One end of a joint or force."""
+
+    body: int
+    motion: np.ndarray
+    offset: np.ndarray
+    axes: np.ndarray
+
+    @property
+    def key(self) -> Hashable:
+        return self.body < 0, self.motion.shape
+
+
+def _ends(places: _BodyPlaces, ends: Sequence[_End]) -> Ends:
+    bodies = tuple(end.body for end in ends)
+    velocities, coordinates = (None, None) if bodies[0] < 0 else places.pair(bodies)
+    return Ends(
+        bodies,
+        velocities,
+        coordinates,
+        motion=np.stack([end.motion for end in ends]),
+        offset=np.stack([end.offset for end in ends]),
+        axes=np.stack([end.axes for end in ends]),
+    )
+
+
+def interface_motion(placed: Placed, interface: str) -> tuple[np.ndarray, np.ndarray]:
+    """Rest position (3,) of an interface, and its motion (6, r) per coordinate of its body here."""
+    body = placed.body
+    found = body.interface(interface)
+    if isinstance(body, FullBody):
+        index = [own.name for own in body.interfaces].index(interface)
+        return np.asarray(found.position), np.eye(6 * len(body.interfaces))[6 * index : 6 * index + 6]
+    return np.asarray(found.position), np.asarray(found.motion)
+
+
+def _end(system: System, end: At, axes: np.ndarray, ground_point: np.ndarray) -> _End:
+    if end == GROUND:
+        return _End(body=-1, motion=np.zeros((6, 0)), offset=ground_point, axes=axes)
+    index = system.body_index(end.body)
+    placed = system.bodies[index]
+    position, motion = interface_motion(placed, end.interface)
+    return _End(body=index, motion=motion, offset=position, axes=placed.rotation.T @ axes)
+
+
+def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:
+    """Global positions of both ends at the start; the ground's, unless given, is where the other one is."""
+    own = [None if end == GROUND else system.initial_point(end) for end in (element.first, element.second)]
+    given = element.ground_point if isinstance(element, ForceElement) else None
+    on_ground = given if given is not None else next(point for point in own if point is not None)
+    first, second = (on_ground if point is None else point for point in own)
+    return first, second
+
+
+
+
+def _both_ends(system: System, element: Joint | ForceElement) -> tuple[_End, _End]:
+    first, second = initial_points(system, element)
+    axes = element.initial_axes
+    return _end(system, element.first, axes, first), _end(system, element.second, axes, second)
+
+
+def _joint_groups(system: System, places: _BodyPlaces) -> tuple[JointGroup, ...]:
+    rows = np.cumsum([0, *(joint.n_constraints for joint in system.joints)])
+    found = [
+        (joint, int(row), *_both_ends(system, joint))
+        for joint, row in zip(system.joints, rows[:-1], strict=True)
+    ]
+
+    def kind(each: tuple[Joint, int, _End, _End]) -> Hashable:
+        joint, _, first, second = each
+        return type(joint), _structure(joint.law), first.key, second.key
+
+    groups = []
+    for group in _grouped(found, kind):
+        joint = group[0][0]
+        groups.append(
+            JointGroup(
+                constraint=type(joint).constraint,
+                rows=Places(tuple(row for _, row, _, _ in group), joint.n_constraints),
+                law=None if joint.law is None else _stacked([own.law for own, _, _, _ in group]),
+                first=_ends(places, [first for _, _, first, _ in group]),
+                second=_ends(places, [second for _, _, _, second in group]),
+            )
+        )
+    return tuple(groups)
+
+
+def _force_groups(
+    system: System, loads: Sequence[ForceElement], places: _BodyPlaces
+) -> tuple[ForceGroup, ...]:
+    for load in loads:
+        _check_apart(system, load)
+    found = [(load, *_both_ends(system, load)) for load in loads]
+
+    def kind(each: tuple[ForceElement, _End, _End]) -> Hashable:
+        load, first, second = each
+        return type(load), _structure(load.law), len(load.parameters), first.key, second.key
+
+    return tuple(
+        ForceGroup(
+            wrenches=type(group[0][0]).wrenches,
+            law=None if group[0][0].law is None else _stacked([load.law for load, _, _ in group]),
+            parameters=_stacked([load.parameters for load, _, _ in group]),
+            first=_ends(places, [first for _, first, _ in group]),
+            second=_ends(places, [second for _, _, second in group]),
+        )
+        for group in _grouped(found, kind)
+    )
+
+
+def _check_apart(system: System, load: ForceElement) -> None:
+    first, second = initial_points(system, load)
+    if load.acts_along_line and np.array_equal(first, second):
+        raise ModelError(
+            f"{load.label}: both ends start at {first.tolist()}, so it has no direction: move one of them"
+        )
+
+
+def _nodal_load(system: System, load: NodalLoad, places: _BodyPlaces) -> NodalLoadArrays:
+    index = system.body_index(load.body)
+    placed = system.bodies[index]
+    if load.nodes.size:
+        positions = placed.body.nodes[load.nodes]
+        basis = placed.body.displacement_basis[load.nodes]
+    else:
+        position, motion = interface_motion(placed, str(getattr(load, "at", "")))
+        positions, basis = position[None], motion[None, :3]
+    velocities, coordinates = places.pair([index])
+    return NodalLoadArrays(index, velocities, coordinates, prepared(load), positions, basis)
+
+
+def system_length(system: System) -> float:
+    """Size of the system: the largest distance between interfaces, nodes and frame origins at the start."""
+    points = [placed.position[None] for placed in system.bodies]
+    points += [placed.position + placed.body.nodes @ placed.rotation.T for placed in system.bodies]
+    extent = np.ptp(np.concatenate(points), axis=0)
+    return float(np.linalg.norm(extent)) or 1.0

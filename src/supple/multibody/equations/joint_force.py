@@ -1,0 +1,166 @@
+"""Joints, as a term of the equations: constraint equations, their Jacobian, forces and geometric stiffness."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.small_product import small_product
+from supple.multibody.equations.configuration import Configuration, SystemMotion, turns_by_increment
+from supple.multibody.equations.ends import (
+    blocks_on_bodies,
+    columns_on_velocities,
+    forces_on_bodies,
+    markers,
+    turns_of,
+)
+from supple.multibody.equations.joint_linearization import (
+    JointLinearization,
+    affine_form,
+    geometric_stiffness,
+    joint_equations,
+    linearize_joint,
+)
+from supple.multibody.equations.model import JointGroup, Model
+from supple.multibody.equations.places import Block, Places, assembled_matrix, assembled_vector, over
+
+__all__ = [
+    "LinearizedJoints",
+    "all_multipliers",
+    "constraint_rows",
+    "constraints",
+    "force",
+    "linearized",
+    "residuals",
+    "tangent",
+]
+
+
+class LinearizedJoints(NamedTuple):
+    """A group of joints at one configuration."""
+
+    values: Any
+    """Of the laws, stacked; None without"""
+    at: JointLinearization
+    """Stacked"""
+
+
+def _values(joints: JointGroup, time: Any) -> Any:
+    return None if joints.law is None else over(lambda law: jnp.asarray(law(time)), joints.law)
+
+
+def linearized(model: Model, time: Any, configuration: Configuration) -> tuple[LinearizedJoints, ...]:
+    """All joints, linearised, by group."""
+
+    def of_group(joints: JointGroup) -> LinearizedJoints:
+        values = _values(joints, time)
+        ends = markers(joints.first, configuration), markers(joints.second, configuration)
+        if values is None:
+            affine = affine_form(joints.constraint, None)
+            return LinearizedJoints(None, over(lambda a, b: linearize_joint(affine, a, b), *ends))
+        at = over(lambda v, a, b: linearize_joint(affine_form(joints.constraint, v), a, b), values, *ends)
+        return LinearizedJoints(values, at)
+
+    return tuple(of_group(joints) for joints in model.joints)
+
+
+def constraints(model: Model, time: Any, configuration: Configuration) -> jax.Array:
+    """Active constraint equations `g(q, t)`, (m,)."""
+    parts = []
+    for joints in model.joints:
+        ends = markers(joints.first, configuration), markers(joints.second, configuration)
+        values = _values(joints, time)
+        if values is None:
+            own = over(lambda a, b, of=joints.constraint: joint_equations(of, a, b, None), *ends)
+        else:
+            own = over(lambda v, a, b, of=joints.constraint: joint_equations(of, a, b, v), values, *ends)
+        parts.append((joints.rows, own))
+    return _active(model, assembled_vector(model.n_equations, parts))
+
+
+def residuals(model: Model, joints: tuple[LinearizedJoints, ...]) -> jax.Array:
+    """Active constraint equations of linearised joints, (m,)."""
+    parts = [(own.rows, each.at.equations) for own, each in zip(model.joints, joints, strict=True)]
+    return _active(model, assembled_vector(model.n_equations, parts))
+
+
+def constraint_rows(
+    model: Model, joints: tuple[LinearizedJoints, ...], increments: jax.Array | None = None
+) -> jax.Array:
+    """Derivative `G` of the active equations of linearised joints for the velocities, (m, n).
+
+    With `increments` (n,), for the increments that led here instead: `dpsi = T(increment) dincrement`.
+    """
+    turns = None if increments is None else turns_by_increment(model, increments)
+    blocks = []
+    for own, each in zip(model.joints, joints, strict=True):
+        for ends, part in zip((own.first, own.second), each.at.by_end, strict=True):
+            if ends.velocities is not None:
+                own_turns = None if turns is None else turns_of(ends, turns)
+                columns = columns_on_velocities(ends, part, own_turns)
+                blocks.append(Block(own.rows, ends.velocities, columns))
+    return _active(model, assembled_matrix((model.n_equations, model.n_velocities), blocks))
+
+
+def force(
+    model: Model, joints: tuple[LinearizedJoints, ...], multipliers: jax.Array
+) -> Iterator[tuple[Places, jax.Array]]:
+    """Generalised forces `G^T lambda` on the bodies; multipliers (m,) of the active equations."""
+    every = all_multipliers(model, multipliers)
+    for own, each in zip(model.joints, joints, strict=True):
+        local = over(
+            lambda weights, first, second: (small_product(weights, first), small_product(weights, second)),
+            own.rows.take(every),
+            *each.at.by_end,
+        )
+        yield from forces_on_bodies(own, local)
+
+
+def tangent(
+    model: Model,
+    motion: SystemMotion,
+    joints: tuple[LinearizedJoints, ...],
+    turns: jax.Array,
+    by_position: Any,
+) -> Iterator[Block]:
+    """Geometric stiffness of the joint forces, for the increments of the bodies times `by_position`."""
+    every = by_position * all_multipliers(model, motion.multipliers)
+    for own, each in zip(model.joints, joints, strict=True):
+        ends = (markers(end, motion.configuration, motion.velocity) for end in (own.first, own.second))
+        weights = own.rows.take(every)
+        if each.values is None:
+            coefficients, _ = affine_form(own.constraint, None)
+            local = over(
+                lambda at, a, b, w, c=coefficients: geometric_stiffness(c, at, a, b, w),
+                each.at,
+                *ends,
+                weights,
+            )
+        else:
+            local = over(
+                lambda v, at, a, b, w, of=own.constraint: geometric_stiffness(
+                    affine_form(of, v)[0], at, a, b, w
+                ),
+                each.values,
+                each.at,
+                *ends,
+                weights,
+            )
+        yield from blocks_on_bodies(own, local, turns)
+
+
+def all_multipliers(model: Model, multipliers: jax.Array) -> jax.Array:
+    """Multipliers of all equations, zero for the redundant ones."""
+    if len(model.active) == model.n_equations:
+        return multipliers
+    return jnp.zeros(model.n_equations).at[np.array(model.active, dtype=int)].set(multipliers)
+
+
+def _active(model: Model, every: jax.Array) -> jax.Array:
+    if len(model.active) == model.n_equations:
+        return every
+    return every[np.array(model.active, dtype=int)]

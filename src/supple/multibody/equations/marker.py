@@ -1,0 +1,164 @@
+"""Markers: where joints and forces take hold of a body.
+
+A marker sits at an interface (or node) p of a body. With the frame's origin `R` and rotation `A`, the rest
+position `x_p`, and the displacement `u` and rotation vector `theta` relative to the frame,
+
+    r_p = R + A (x_p + u),        A_p = A exp(theta) C,
+
+where the constant `C` turns the interface's axes into the joint's. The twelve *local freedoms* of a marker
+are the variations of `(R, psi, u, theta)`, `dA = A skew(dpsi)`; `u` and `theta` are linear in the body's
+coordinates, so one constant matrix (`selection`, 12 x (6 + r)) carries them to the body and back.
+
+Source: [Wu2019] (1)-(5), (26)-(28).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, skew
+from supple.algebra.small_product import small_product
+from supple.machine.pose import Pose, Wrench
+
+__all__ = [
+    "N_LOCAL",
+    "Marker",
+    "displaced",
+    "frame_motion",
+    "generalized_force",
+    "orientation",
+    "point",
+    "pose",
+    "pose_at_rest",
+    "with_rates",
+    "wrench_stiffness",
+]
+
+N_LOCAL = 12
+"""Number of local freedoms of a marker: `dR (3), dpsi (3), du (3), dtheta (3)`."""
+
+
+class Marker(NamedTuple):
+    """Kinematic state of one marker; every field is an array of shape (3,) or (3, 3)."""
+
+    origin: jax.Array
+    """Frame origin `R`, global."""
+    rotation: jax.Array
+    """Frame rotation `A`, body to global."""
+    displacement: jax.Array
+    """`u`, body components."""
+    rotation_vector: jax.Array
+    """Rotation vector `theta`, body components."""
+    offset: jax.Array
+    """Rest position `x_p` in the body frame."""
+    axes: jax.Array
+    """Joint axes `C` in the interface's frame, as columns."""
+    velocity: jax.Array
+    """`dR/dt`, global."""
+    angular_velocity: jax.Array
+    """Angular velocity of the frame, body components."""
+    displacement_rate: jax.Array
+    rotation_vector_rate: jax.Array
+
+
+def displaced(marker: Marker, variation: jax.Array) -> Marker:
+    """The marker moved by a finite amount along its local freedoms; (12,) in the order of `N_LOCAL`."""
+    return marker._replace(
+        origin=marker.origin + variation[0:3],
+        rotation=marker.rotation @ rotation_exp(variation[3:6]),
+        displacement=marker.displacement + variation[6:9],
+        rotation_vector=marker.rotation_vector + variation[9:12],
+    )
+
+
+def with_rates(marker: Marker, variation: jax.Array) -> Marker:
+    """The marker with its velocities `(dR/dt, omega, du/dt, dtheta/dt)` changed by the given twelve."""
+    return marker._replace(
+        velocity=marker.velocity + variation[0:3],
+        angular_velocity=marker.angular_velocity + variation[3:6],
+        displacement_rate=marker.displacement_rate + variation[6:9],
+        rotation_vector_rate=marker.rotation_vector_rate + variation[9:12],
+    )
+
+
+def point(marker: Marker) -> jax.Array:
+    """Global position `r_p`, (3,)."""
+    return marker.origin + small_product(marker.rotation, marker.offset + marker.displacement)
+
+
+def orientation(marker: Marker) -> jax.Array:
+    """Global orientation `A_p` of the joint axes, as columns, (3, 3)."""
+    return small_product(small_product(marker.rotation, rotation_exp(marker.rotation_vector)), marker.axes)
+
+
+def pose(marker: Marker) -> Pose:
+    """What a force sees of the marker."""
+    arm = marker.offset + marker.displacement
+    seen = jnp.cross(marker.angular_velocity, arm) + marker.displacement_rate
+    tilted = rotation_exp(marker.rotation_vector)
+    own = rotation_right_jacobian(marker.rotation_vector) @ marker.rotation_vector_rate
+    return Pose(
+        point=point(marker),
+        axes=orientation(marker),
+        velocity=marker.velocity + marker.rotation @ seen,
+        angular_velocity=marker.rotation @ tilted @ (tilted.T @ marker.angular_velocity + own),
+    )
+
+
+def pose_at_rest(marker: Marker) -> Pose:
+    """What a joint sees of the marker: its place alone."""
+    return Pose(point(marker), orientation(marker), jnp.zeros(3), jnp.zeros(3))
+
+
+def generalized_force(marker: Marker, wrench: Wrench) -> jax.Array:
+    """Work-conjugate of the twelve local freedoms for a wrench on the marker, (12,).
+
+    Q_R = F,   Q_psi = (x + u) x A^T F + A^T M,   Q_u = A^T F,   Q_theta = T(theta)^T exp(theta)^T A^T M
+    """
+    force = marker.rotation.T @ wrench.force
+    moment = marker.rotation.T @ wrench.moment
+    arm = marker.offset + marker.displacement
+    conjugate_to_turn = rotation_right_jacobian(marker.rotation_vector).T @ (rotation_exp(marker.rotation_vector).T @ moment)
+    return jnp.concatenate([wrench.force, jnp.cross(arm, force) + moment, force, conjugate_to_turn])
+
+
+def frame_motion(marker: Marker) -> jax.Array:
+    """How the twelve local freedoms move the joint frame: `(dr global, dphi in the joint's axes)`, (6, 12).
+
+    dr = dR + A (du - (x + u)~ dpsi),      dphi = C^T ( exp(theta)^T dpsi + T(theta) dtheta )
+    """
+    arm = marker.offset + marker.displacement
+    turned = small_product(rotation_exp(marker.rotation_vector), marker.axes).T
+    zero = jnp.zeros((3, 3))
+    shift = jnp.concatenate(
+        [jnp.eye(3), -small_product(marker.rotation, skew(arm)), marker.rotation, zero], axis=1
+    )
+    by_turn = small_product(marker.axes.T, rotation_right_jacobian(marker.rotation_vector))
+    turn = jnp.concatenate([zero, turned, zero, by_turn], axis=1)
+    return jnp.concatenate([shift, turn])
+
+
+def wrench_stiffness(marker: Marker, wrench: jax.Array) -> jax.Array:
+    """Change of `frame_motion(marker)^T wrench` with the local freedoms while the wrench stays, (12, 12).
+
+    `wrench` (6,) is the force in global components and the moment in the joint's axes.
+    """
+    arm = marker.offset + marker.displacement
+    force = skew(small_product(marker.rotation.T, wrench[:3]))
+    moment = small_product(marker.axes, wrench[3:])
+    jacobian = rotation_right_jacobian(marker.rotation_vector)
+    tilted = small_product(rotation_exp(marker.rotation_vector), small_product(skew(moment), jacobian))
+    by_turn = jax.jacfwd(lambda turn: small_product(rotation_right_jacobian(turn).T, moment))(marker.rotation_vector)
+    zero = jnp.zeros((3, 3))
+    of_spin = jnp.concatenate([zero, small_product(skew(arm), force), -force, -tilted], axis=1)
+    return jnp.concatenate(
+        [
+            jnp.zeros((3, 12)),
+            of_spin,
+            jnp.concatenate([zero, force, zero, zero], axis=1),
+            jnp.concatenate([zero, zero, zero, by_turn], axis=1),
+        ]
+    )

@@ -1,0 +1,131 @@
+"""Where equal pieces of a system stand in its common vectors and matrices.
+
+Known when a program is compiled, so that pieces which lie side by side are cut out by a slice, and only the
+others are gathered and scattered one by one. Equal bodies and equal joints are treated together, as arrays
+with a leading axis: the number of traced operations grows with the number of their kinds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+__all__ = ["Block", "Places", "assembled_matrix", "assembled_vector", "over"]
+
+
+@dataclass(frozen=True)
+class Places:
+    """The starts of k pieces of one size in a vector."""
+
+    starts: tuple[int, ...]
+    size: int
+
+    @property
+    def number(self) -> int:
+        """k."""
+        return len(self.starts)
+
+    @property
+    def adjacent(self) -> bool:
+        """Whether the pieces follow each other without a gap."""
+        first = self.starts[0]
+        return self.starts == tuple(first + self.size * i for i in range(len(self.starts)))
+
+    @property
+    def span(self) -> slice:
+        """From the first to the last piece, where they are adjacent."""
+        return slice(self.starts[0], self.starts[0] + self.size * self.number)
+
+    @property
+    def index(self) -> np.ndarray:
+        """(k, size)"""
+        return np.array(self.starts)[:, None] + np.arange(self.size)
+
+    def take(self, vector: Any) -> Any:
+        """The pieces of a vector (n, ...), as (k, size, ...)."""
+        rest = vector.shape[1:]
+        if self.adjacent:
+            return vector[self.span].reshape(self.number, self.size, *rest)
+        first, stride = self.starts[0], self.starts[1] - self.starts[0]
+        end = first + stride * self.number
+        if stride > self.size and end <= len(vector) and self.starts == tuple(range(first, end, stride)):
+            return vector[first:end].reshape(self.number, stride, *rest)[:, : self.size]
+        return vector[self.index]
+
+
+def over(function: Callable[..., Any], *arguments: Any) -> Any:
+    """The function of every member of a group; arguments and result have a leading axis.
+
+    A single member is computed by itself: its program is as if there were no groups.
+    """
+    leaves = jax.tree.leaves(arguments)
+    if all(leaf.shape[0] == 1 for leaf in leaves):
+        own = jax.tree.map(lambda leaf: leaf[0], arguments)
+        return jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], function(*own))
+    return jax.vmap(function)(*arguments)
+
+
+def assembled_vector(n: int, parts: Iterable[tuple[Places, Any]]) -> jax.Array:
+    """The vector (n,) from contributions (k, size) at places, which may overlap."""
+    parts = [(places, values) for places, values in parts if places.size]
+    if _is_partition(n, [places for places, _ in parts]):
+        return jnp.concatenate([values.reshape(-1) for _, values in parts])
+    total: Any = jnp.zeros(n)
+    for places, values in parts:
+        if places.adjacent and places.number * places.size == n:
+            total = total + values.reshape(-1)
+        elif places.adjacent:
+            total = total.at[places.span].add(values.reshape(-1))
+        else:
+            total = total.at[places.index].add(values)
+    return total
+
+
+def _is_partition(n: int, parts: Sequence[Places]) -> bool:
+    """Whether adjacent pieces cover a vector in their order."""
+    reached = 0
+    for places in parts:
+        if not places.adjacent or places.starts[0] != reached:
+            return False
+        reached = places.span.stop
+    return reached == n
+
+
+@dataclass(frozen=True)
+class Block:
+    """Contributions (k, rows, columns) to a matrix."""
+
+    rows: Places
+    columns: Places
+    values: Any
+
+
+_WINDOWS = jax.lax.ScatterDimensionNumbers(
+    update_window_dims=(1, 2), inserted_window_dims=(), scatter_dims_to_operand_dims=(0, 1)
+)
+
+
+def assembled_matrix(shape: tuple[int, int], blocks: Iterable[Block]) -> jax.Array:
+    """The matrix from contributions, which may overlap."""
+    total: Any = None
+    for block in blocks:
+        rows, columns, values = block.rows, block.columns, block.values
+        if not (rows.size and columns.size):
+            continue
+        if rows.number == 1 and (rows.size, columns.size) == shape:
+            total = values[0] if total is None else total + values[0]
+            continue
+        total = jnp.zeros(shape) if total is None else total
+        if rows.number == 1:
+            total = total.at[rows.span, columns.span].add(values[0])
+        else:
+            starts = np.column_stack([rows.starts, columns.starts]).astype(np.int32)
+            total = jax.lax.scatter_add(
+                total, starts, values, _WINDOWS, mode=jax.lax.GatherScatterMode.PROMISE_IN_BOUNDS
+            )
+    return jnp.zeros(shape) if total is None else total
