@@ -193,7 +193,7 @@ def interface_motion(placed: Placed, interface: str) -> tuple[np.ndarray, Any]:
     """Rest position (3,) and motion (6, r) of an interface of a body."""
     body = placed.body
     if isinstance(body, RigidBody):
-        return np.asarray(body.interfaces[interface], dtype=float), np.zeros((6, 0))
+        return body.interface(interface).position, np.zeros((6, 0))
     names = [i.name for i in body.interfaces]
     index = names.index(interface)
     found = body.interfaces[index]
@@ -270,9 +270,8 @@ def system_length(system: System) -> float:
     points = [placed.position[None] for placed in system.bodies]
     for placed in system.bodies:
         body = placed.body
-        local = np.array(list(body.interfaces.values())) if isinstance(body, RigidBody) else body.nodes
-        if len(local):
-            points.append(placed.position + local @ placed.rotation.T)
+        if len(body.nodes):
+            points.append(placed.position + body.nodes @ placed.rotation.T)
     extent = np.ptp(np.concatenate(points), axis=0)
     return float(np.linalg.norm(extent)) or 1.0
 
