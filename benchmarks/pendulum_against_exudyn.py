@@ -93,7 +93,7 @@ def _add_bodies(mbs: Any, items: Any, system: System, file: Path) -> list[tuple[
     from exudyn.rigidBodyUtilities import RigidBodyInertia
 
     first = system.bodies[0]
-    start = first.position + first.rotation @ first.body.interface("near")
+    start = first.position + first.rotation @ first.body.interface("near").position
     ground = mbs.AddObject(items.ObjectGround(referencePosition=start.tolist()))
     previous, pairs = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=ground)), []
     for placed in system.bodies:
@@ -108,7 +108,8 @@ def _add_bodies(mbs: Any, items: Any, system: System, file: Path) -> list[tuple[
             near, far = (
                 mbs.AddMarker(
                     items.MarkerBodyPosition(
-                        bodyNumber=number, localPosition=(body.interface(name) - body.centre).tolist()
+                        bodyNumber=number,
+                        localPosition=(body.interface(name).position - body.centre).tolist(),
                     )
                 )
                 for name in ("near", "far")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from difflib import get_close_matches
+
 
 class SuppleError(Exception):
     """Base of every error that supple raises on purpose."""
@@ -72,3 +75,9 @@ class RedundantConstraintWarning(SuppleWarning):
 
 class StepCutWarning(SuppleWarning):
     """Time steps that had to be cut before Newton's method converged."""
+
+
+def did_you_mean(name: str, known: Collection[str]) -> str:
+    """How the message of an unknown name ends: with the nearest of the known names, or with all of them."""
+    close = get_close_matches(name, known, n=1)
+    return f"; did you mean '{close[0]}'?" if close else f"; there are: {', '.join(known) or 'none'}"

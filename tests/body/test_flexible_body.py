@@ -139,9 +139,9 @@ def test_a_body_travels_between_processes(body):
 
 
 def test_unknown_names_are_told_with_the_known_ones(body, shell):
-    with pytest.raises(ModelError, match=f"body '{body.name}' has no interface 'hub'; it has 'root', 'tip'"):
+    with pytest.raises(ModelError, match=f"body '{body.name}' has no interface 'hub'; there are: root, tip"):
         body.interface("hub")
-    with pytest.raises(ModelError, match="has no interface 'hub'; it has none"):
+    with pytest.raises(ModelError, match="has no interface 'hub'; there are: none"):
         flexible_body("strip", shell).interface("hub")
     with pytest.raises(MeshError, match="no node set 'hub' in this mesh"):
         flexible_body("strip", shell, [RigidInterface("root", "hub")])

@@ -45,7 +45,7 @@ def test_mean_axis_leaves_no_momentum(body):
 
 
 def test_an_unknown_interface_is_named(body):
-    with pytest.raises(ModelError, match="has no interface 'hub'; it has 'root', 'tip'"):
+    with pytest.raises(ModelError, match="has no interface 'hub'; there are: root, tip"):
         NodalFixedFrame("hub").constraint(body)
 
 

@@ -17,7 +17,7 @@ def _rod() -> RigidBody:
         mass=2.0,
         centre=(0.5, 0.0, 0.0),
         inertia=np.diag([0.01, 0.2, 0.2]),
-        interfaces={"end": (0.0, 0.0, 0.0)},
+        points={"end": (0.0, 0.0, 0.0)},
     )
 
 

@@ -51,7 +51,7 @@ def test_arrays_cannot_be_written(reduced):
 
 
 def test_unknown_interface_is_refused_with_the_known_ones(reduced):
-    with pytest.raises(ModelError, match="body 'strip' has no interface 'hub'; its interfaces: root, tip"):
+    with pytest.raises(ModelError, match="body 'strip' has no interface 'hub'; there are: root, tip"):
         reduced.interface("hub")
 
 

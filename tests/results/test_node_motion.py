@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from supple.algebra.rotation import rotation_exp
+from supple.body import floating_positions
 from supple.integrate import FloatingMotion
-from supple.results import node_motion, node_positions
+from supple.results import node_motion
 
 RNG = np.random.default_rng(4)
 NODES, SHAPES = RNG.standard_normal((5, 3)), RNG.standard_normal((5, 3, 2))
@@ -15,6 +16,7 @@ SPIN, TURN = np.array([0.4, -0.9, 0.3]), np.array([0.2, 0.5, -0.7])
 
 class Body:
     nodes = NODES
+    positions = floating_positions
 
     @staticmethod
     def expand(gamma):
@@ -44,7 +46,7 @@ def motion(times):
 def test_node_motion_is_the_derivative_of_node_positions():
     h, nodes = 1e-4, [3, 0]
     around = motion([0.8 - h, 0.8, 0.8 + h])
-    before, now, after = node_positions(Body(), around, nodes)
+    before, now, after = Body().positions(around, nodes)
     found = node_motion(Body(), around, nodes)
     np.testing.assert_array_equal(found.position[1], now)
     np.testing.assert_allclose(found.velocity[1], (after - before) / (2 * h), atol=1e-7)

@@ -1,4 +1,4 @@
-"""Nodal motion recovered from coordinates, and the errors measured on it."""
+"""Displacements as seen from moving axes, and the errors measured on the motion of nodes."""
 
 from dataclasses import dataclass, replace
 
@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from supple.body import floating_kinematics, floating_positions
 from supple.errors import ModelError
 from supple.results import (
     displacement_from_axes,
     motion_error,
-    node_displacements,
     node_positions,
-    recovery,
     relative_error,
     rms_error,
 )
@@ -24,6 +23,7 @@ class Strip:
 
     nodes: np.ndarray
     basis: np.ndarray
+    positions = floating_positions
 
     def expand(self, gamma):
         return np.einsum("kir,...r->...ki", self.basis, gamma)
@@ -36,33 +36,6 @@ BEAM = "beam/left 100%"
 def strip():
     rng = np.random.default_rng(4)
     return Strip(rng.normal(size=(6, 3)), rng.normal(size=(6, 3, 5)))
-
-
-def test_displacements_follow_the_basis(strip, solution):
-    gamma = solution.bodies[BEAM].coordinates
-    u = node_displacements(strip, gamma)
-    np.testing.assert_allclose(u[3, 2], strip.basis[2] @ gamma[3], rtol=1e-13)
-    np.testing.assert_array_equal(node_displacements(strip, gamma, [4, 1]), u[:, [4, 1]])
-    np.testing.assert_array_equal(node_displacements(strip, gamma, 4), u[:, [4]])
-
-
-def test_positions_are_frame_plus_turned_local_position(strip, solution):
-    motion = solution.bodies[BEAM]
-    r = node_positions(strip, motion)
-    local = strip.nodes[5] + strip.basis[5] @ motion.coordinates[2]
-    np.testing.assert_allclose(r[2, 5], motion.position[2] + motion.rotation[2] @ local, rtol=1e-12)
-
-
-def test_long_runs_are_recovered_in_parts(strip, solution, monkeypatch):
-    motion = solution.bodies[BEAM]
-    whole = node_positions(strip, motion)
-    monkeypatch.setattr(recovery, "_FIELD_NUMBERS", 2 * strip.nodes.size)
-    np.testing.assert_array_equal(node_positions(strip, motion), whole)
-
-
-def test_node_numbers_are_checked(strip, solution):
-    with pytest.raises(ModelError, match="node numbers -1 to 6 in a body of 6 nodes"):
-        node_displacements(strip, solution.bodies[BEAM].coordinates, [-1, 6])
 
 
 def test_a_point_at_rest_in_moving_axes_shows_no_displacement():
@@ -90,7 +63,7 @@ def test_relative_error_of_a_scaled_motion_is_the_scale():
 
 def test_errors_of_solutions_are_those_of_their_positions(strip, make, monkeypatch):
     one, other = make(seed=1), make(seed=2)
-    monkeypatch.setattr(recovery, "_FIELD_NUMBERS", 3 * strip.nodes.size)
+    monkeypatch.setattr(floating_kinematics, "_FIELD_NUMBERS", 3 * strip.nodes.size)
     error = motion_error(one, strip, other, strip, body=BEAM)
     r, rbar = node_positions(strip, one.bodies[BEAM]), node_positions(strip, other.bodies[BEAM])
     np.testing.assert_allclose(error.rms, rms_error(r, rbar), rtol=1e-13)

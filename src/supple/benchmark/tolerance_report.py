@@ -97,7 +97,7 @@ def _row(study: Study, run: MachineRun) -> dict[str, Any]:
     return {
         "e": run.tolerance,
         "modes": run.modes,
-        "coordinates": run.body.r,
+        "coordinates": run.body.n_coordinates,
         "largest_eigenvalue_error": None if proven is None else proven.largest_error,
         "errors": errors(study, run, study.reference),
         "errors_against_exact_modes": errors(study, run, exact),
@@ -199,7 +199,7 @@ def tables(study: Study) -> list[tuple[str, list[str], list[list[str]]]]:
                 SHORT[run.form],
                 "0" if run.tolerance is None else f"{100 * run.tolerance:g}",
                 "" if run.modes is None else str(run.modes),
-                str(run.body.r),
+                str(run.body.n_coordinates),
                 f"{100 * found['deformation']['max_over_largest']:.2g}",
                 *(_brief(found[quantity]["max"]) for quantity in TABLED),
                 f"{_cost(run)['us_per_step']:.0f}",

@@ -184,7 +184,7 @@ class _Runner:
         """The motion with given steps, from disk where it is there."""
         run = Run(self.machine.duration, self.machine.output_step, step=step, tolerances=NEWTON)
         name = self.file_name(f"{label} {_step_words(step)}")
-        case = f"{name}, {body.r} coordinates, {step}, {NEWTON}"
+        case = f"{name}, {body.n_coordinates} coordinates, {step}, {NEWTON}"
         return simulate_recorded(system, run, self.folder / name, case=case, progress=self.announce(label))
 
     def file_name(self, label: str) -> str:

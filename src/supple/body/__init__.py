@@ -1,13 +1,15 @@
 """Flexible bodies: a finite-element model with interfaces, a floating frame and its inertia Gram matrix."""
 
+from supple.body.body_form import BodyForm
 from supple.body.connection_interfaces import connection_interface, connection_named
 from supple.body.damping import ModalDamping, RayleighDamping, rayleigh_from_ratios
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
+from supple.body.floating_kinematics import floating_positions, in_space, node_displacements
 from supple.body.frame import Frame, MeanAxisFrame, NodalFixedFrame, frame_projector
 from supple.body.full_body import FullBody
 from supple.body.inertia_gram import inertia_gram
-from supple.body.interface import AveragingInterface, BodyInterface, RigidInterface
+from supple.body.interface import AveragingInterface, BodyInterface, Interface, PointInterface, RigidInterface
 from supple.body.labelled_superelement import (
     NodalMatrices,
     labelled_superelement,
@@ -30,17 +32,20 @@ from supple.body.superelement import read_superelement, superelement
 
 __all__ = [
     "AveragingInterface",
+    "BodyForm",
     "BodyInterface",
     "Finding",
     "FlexibleBody",
     "Frame",
     "FullBody",
+    "Interface",
     "MassProperties",
     "MeanAxisFrame",
     "ModalDamping",
     "ModelCheck",
     "NodalFixedFrame",
     "NodalMatrices",
+    "PointInterface",
     "RayleighDamping",
     "RigidBody",
     "RigidInterface",
@@ -51,12 +56,15 @@ __all__ = [
     "connection_interface",
     "connection_named",
     "flexible_body",
+    "floating_positions",
     "frame_projector",
+    "in_space",
     "inertia_gram",
     "labelled_superelement",
     "mesh_mass_properties",
     "nastran_model",
     "nodal_matrices",
+    "node_displacements",
     "rayleigh_from_ratios",
     "read_labelled_superelement",
     "read_nastran_body",

@@ -12,7 +12,7 @@ from scipy import sparse
 
 from supple.algebra import ConstrainedFactor, GroundedFactor, constrained_factor
 from supple.body.checks import checked_grounded_stiffness
-from supple.body.interface import BodyInterface
+from supple.body.interface import BodyInterface, interface_named
 from supple.errors import ModelError
 
 if TYPE_CHECKING:
@@ -63,12 +63,13 @@ class FlexibleBody:
         return len(self.nodes) * self.dofs_per_node
 
     def interface(self, name: str) -> BodyInterface:
-        """The interface of that name; ModelError lists those there are."""
-        for interface in self.interfaces:
-            if interface.name == name:
-                return interface
-        known = ", ".join(f"'{interface.name}'" for interface in self.interfaces) or "none"
-        raise ModelError(f"body '{self.name}' has no interface '{name}'; it has {known}")
+        """The interface of that name; ModelError names the nearest, or those there are."""
+        return interface_named(self.name, name, self.interfaces)
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the internal force is K q alone."""
+        return self.model is None
 
     def linearized(self) -> FlexibleBody:
         """The same body without quadratic strains: its internal force is K q."""

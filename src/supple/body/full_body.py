@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, vstack
 
-from supple.body import FlexibleBody, Frame, RayleighDamping
+from supple.algebra import lowest_modes
+from supple.body.damping import RayleighDamping
+from supple.body.flexible_body import FlexibleBody
+from supple.body.floating_kinematics import floating_positions
+from supple.body.frame import Frame
 from supple.body.interface import BodyInterface
+from supple.integrate.solution import FloatingMotion
 
 __all__ = ["FullBody"]
 
@@ -32,7 +39,18 @@ class FullBody:
         return self.body.name
 
     @property
-    def r(self) -> int:
+    def kind(self) -> Literal["full"]:
+        """Full."""
+        return "full"
+
+    @property
+    def mass(self) -> float:
+        """Of the whole body, kg: of a rigid translation."""
+        along_x = self.body.rigid_modes[:, 0]
+        return float(along_x @ (self.body.mass @ along_x))
+
+    @property
+    def n_coordinates(self) -> int:
         """Number of coordinates: all of them."""
         return self.body.n
 
@@ -46,14 +64,43 @@ class FullBody:
         """The body's interfaces."""
         return self.body.interfaces
 
+    def interface(self, name: str) -> BodyInterface:
+        """The interface of that name; ModelError names the nearest, or those there are."""
+        return self.body.interface(name)
+
     @property
     def interface_motions(self) -> csr_array:
         """Displacement and rotation of all interfaces per coordinate, (6 p, n)."""
         motions = [interface.motion for interface in self.interfaces]
-        return csr_array(vstack(motions)) if motions else csr_array((0, self.r))
+        return csr_array(vstack(motions)) if motions else csr_array((0, self.n_coordinates))
 
     def expand(self, coordinates: np.ndarray) -> np.ndarray:
         """Nodal displacements (..., N, 3) of coordinates (..., n), in the body's frame."""
         nodal = np.asarray(coordinates) @ self.body.expansion.T
         shape = (*nodal.shape[:-1], len(self.nodes), self.body.dofs_per_node)
         return nodal.reshape(shape)[..., :3]
+
+    def positions(self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
+        """Positions r = R + A (x + u) (t, k, 3) in space of some nodes, or all."""
+        return floating_positions(self, motion, nodes)
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the internal force is K q alone."""
+        return self.body.is_linear
+
+    def lowest_frequency(self) -> float:
+        """Of the undeformed body held in its frame, rad/s."""
+        held = self.frame.constraint(self.body)
+        return float(np.sqrt(lowest_modes(self.body.stiffness, self.body.mass, 1, constraint=held).values[0]))
+
+    @property
+    def rotation_limit(self) -> float:
+        """Largest rotation against the frame that the kinematics describe, rad."""
+        return self.body.rotation_limit
+
+    @property
+    def rotation_rows(self) -> Any:
+        """Rotation vectors at P points per unit coordinate, sparse (3 P, n); None if unknown."""
+        operator = self.body.rotation_operator
+        return None if operator is None else operator @ self.body.expansion

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
+
+from supple.errors import ModelError, did_you_mean
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,3 +58,50 @@ class BodyInterface:
     position: NDArray[np.float64]
     motion: sparse.csr_array
     node_ids: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class PointInterface:
+    """A point of a rigid body: no coordinate moves it against the body.
+
+    position : (3,) in the body's axes
+    """
+
+    name: str
+    position: NDArray[np.float64]
+
+    @property
+    def motion(self) -> NDArray[np.float64]:
+        """(6, 0)."""
+        return np.zeros((6, 0))
+
+
+class Interface(Protocol):
+    """What every form of a body tells of an interface."""
+
+    @property
+    def name(self) -> str:
+        """Its name, unique in the body."""
+        ...
+
+    @property
+    def position(self) -> np.ndarray:
+        """(3,) in the body's frame, undeformed."""
+        ...
+
+    @property
+    def motion(self) -> Any:
+        """Displacement and rotation per unit coordinate of the body, (6, r), dense or sparse."""
+        ...
+
+
+_Interface = TypeVar("_Interface", bound=Interface)
+
+
+def interface_named(body: str, name: str, interfaces: Sequence[_Interface]) -> _Interface:
+    """The interface of that name; ModelError names the nearest of the body's, or all."""
+    for interface in interfaces:
+        if interface.name == name:
+            return interface
+    known = [interface.name for interface in interfaces]
+    raise ModelError(f"body '{body}' has no interface '{name}'{did_you_mean(name, known)}")

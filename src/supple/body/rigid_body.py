@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra import read_only
+from supple.body.floating_kinematics import floating_positions
+from supple.body.interface import PointInterface, interface_named
 from supple.errors import ModelError
+from supple.integrate.solution import FloatingMotion
 
 # Inertias typed with a few digits may break the triangle inequality in the last one (thin discs, rods).
 ROUNDING = 1e-6
@@ -25,7 +29,7 @@ class RigidBody:
     mass       : kg, positive
     centre     : (3,) centre of mass in body axes, m
     inertia    : (3, 3) about the centre of mass, body axes, kg m^2; symmetric, positive definite
-    interfaces : name -> (3,) position in body axes, m
+    points     : name -> (3,) position of an interface in body axes, m
     Raises
     ------
     ModelError   mass or inertia that no matter can have; positions that are not three finite numbers
@@ -35,28 +39,72 @@ class RigidBody:
     mass: float
     centre: NDArray[np.float64]
     inertia: NDArray[np.float64]
-    interfaces: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    points: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.mass) and self.mass > 0):
             raise ModelError(f"rigid body '{self.name}': the mass is {self.mass}; it must be positive")
         object.__setattr__(self, "inertia", self._checked_inertia())
         object.__setattr__(self, "centre", self._position("centre", self.centre))
-        places = {
-            name: self._position(f"interface '{name}'", place) for name, place in self.interfaces.items()
-        }
-        object.__setattr__(self, "interfaces", MappingProxyType(places))
+        points = {name: self._position(f"interface '{name}'", place) for name, place in self.points.items()}
+        object.__setattr__(self, "points", MappingProxyType(points))
 
     def __reduce__(self):
         # Mapping proxies do not pickle.
-        return RigidBody, (self.name, self.mass, self.centre, self.inertia, dict(self.interfaces))
+        return RigidBody, (self.name, self.mass, self.centre, self.inertia, dict(self.points))
 
-    def interface(self, name: str) -> NDArray[np.float64]:
-        """Position of an interface; ModelError lists those there are."""
-        if name not in self.interfaces:
-            known = ", ".join(f"'{known}'" for known in self.interfaces) or "none"
-            raise ModelError(f"rigid body '{self.name}' has no interface '{name}'; it has {known}")
-        return self.interfaces[name]
+    @property
+    def kind(self) -> Literal["rigid"]:
+        """Rigid."""
+        return "rigid"
+
+    @property
+    def n_coordinates(self) -> int:
+        """None."""
+        return 0
+
+    @property
+    def nodes(self) -> NDArray[np.float64]:
+        """Positions (N, 3) of the interfaces."""
+        return read_only(np.array(list(self.points.values())).reshape(-1, 3))
+
+    @property
+    def interfaces(self) -> tuple[PointInterface, ...]:
+        """The named points, in the order given."""
+        return tuple(PointInterface(name, position) for name, position in self.points.items())
+
+    def interface(self, name: str) -> PointInterface:
+        """The interface of that name; ModelError names the nearest, or those there are."""
+        return interface_named(self.name, name, self.interfaces)
+
+    def expand(self, coordinates: ArrayLike) -> NDArray[np.float64]:
+        """No displacement, (..., N, 3), for coordinates (..., 0)."""
+        return np.zeros((*np.shape(coordinates)[:-1], len(self.nodes), 3))
+
+    def positions(
+        self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """Positions r = R + A x (t, k, 3) in space of some interfaces by number, or all."""
+        return floating_positions(self, motion, nodes)
+
+    @property
+    def is_linear(self) -> bool:
+        """True: there is no internal force."""
+        return True
+
+    def lowest_frequency(self) -> float:
+        """Infinite: nothing vibrates."""
+        return np.inf
+
+    @property
+    def rotation_limit(self) -> float:
+        """None, for nothing turns against the frame."""
+        return np.inf
+
+    @property
+    def rotation_rows(self) -> None:
+        """None, for nothing turns against the frame."""
+        return
 
     def _position(self, what: str, given: ArrayLike) -> NDArray[np.float64]:
         position = read_only(given)

@@ -284,7 +284,7 @@ def _rigid_body(table: schema.Body, rigid: schema.Rigid) -> RigidBody:
         mass=rigid.mass,
         inertia=np.array(rigid.inertia),
         centre=np.array(rigid.centre),
-        interfaces=places,
+        points=places,
     )
 
 

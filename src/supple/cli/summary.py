@@ -35,7 +35,7 @@ def body_numbers(body: Any) -> dict[str, Any]:
     if isinstance(body, RigidBody):
         return {"kind": "rigid", "mass": body.mass}
     if isinstance(body, FullBody):
-        return {"kind": "full", "nodes": len(body.nodes), "coordinates": body.r}
+        return {"kind": "full", "nodes": len(body.nodes), "coordinates": body.n_coordinates}
     held = {
         i.name: _hertz(clamped_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies)
         for i in body.interfaces

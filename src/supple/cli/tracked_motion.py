@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from supple.body import FullBody, RigidBody
+from supple.body import FullBody, RigidBody, in_space
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import System
 from supple.mesh import Mesh
@@ -42,7 +42,7 @@ def track(place: str, system: System, meshes: Mapping[str, Mesh], solution: Solu
     body = system.bodies[system.body_index(name)].body
     motion = solution.bodies[name]
     if isinstance(body, RigidBody):
-        position = _in_space(motion, np.tile(body.interface(where), (len(solution.times), 1)))
+        position = _in_space(motion, np.tile(body.interface(where).position, (len(solution.times), 1)))
         return TrackedMotion(place, position, "", np.zeros(position.shape))
     rest, displacement = _relative(body, where, motion, meshes)
     position = _in_space(motion, rest + displacement)
@@ -72,7 +72,7 @@ def _base_axes(body: ReducedBody | FullBody, motion: FloatingMotion) -> tuple[np
 
 
 def _in_space(motion: FloatingMotion, local: np.ndarray) -> np.ndarray:
-    return motion.position + np.einsum("tij,tj->ti", motion.rotation, local)
+    return in_space(motion.position, motion.rotation, local[:, None])[:, 0]
 
 
 def _relative(

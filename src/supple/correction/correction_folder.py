@@ -102,10 +102,10 @@ class CorrectionFolder:
             except (KeyError, ValueError) as error:
                 raise ResultFileError(f"{path} is damaged ({error}): run the case again") from error
         for name, basis in bases.items():
-            if basis.vectors.shape[0] != fulls[name].r:
+            if basis.vectors.shape[0] != fulls[name].n_coordinates:
                 raise ResultFileError(
                     f"cannot continue {self.folder}: its bases of body '{name}' have "
-                    f"{basis.vectors.shape[0]} coordinates and the body has {fulls[name].r}; "
+                    f"{basis.vectors.shape[0]} coordinates and the body has {fulls[name].n_coordinates}; "
                     "write to another folder"
                 )
         return RoundBases(bases, missed, seconds)

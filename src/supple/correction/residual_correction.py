@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from supple.algebra import read_only
-from supple.body import MeanAxisFrame, frame_projector
+from supple.body import MeanAxisFrame, frame_projector, in_space
 from supple.body.full_body import FullBody
 from supple.errors import ModelError, RedundantConstraintWarning
 from supple.integrate import Solution
@@ -103,7 +103,7 @@ def system_corrections(
     indices, reduced = zip(*(_found(system, full, bases[full.name]) for full in fulls), strict=True)
     placed = list(system.bodies)
     for index, full in zip(indices, fulls, strict=True):
-        at_rest = np.zeros(full.r)
+        at_rest = np.zeros(full.n_coordinates)
         placed[index] = replace(placed[index], body=full, coordinates=at_rest, coordinate_rates=at_rest)
     with warnings.catch_warnings():
         # The run has named them already.
@@ -217,5 +217,5 @@ def _nodal_rms(
         places = full.nodes + full.expand(np.array([c.coordinates[index] for c in configurations]))
         seen = full.expand(steps[:, 6:]) + np.cross(steps[:, None, 3:6], places)
         rotations = np.array([configuration.rotations[index] for configuration in configurations])
-        moved = steps[:, None, :3] + np.einsum("kij,knj->kni", rotations, seen)
+        moved = in_space(steps[:, :3], rotations, seen)
     return np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1))

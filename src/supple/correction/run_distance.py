@@ -19,7 +19,7 @@ def largest_distance(
     """Largest RMS distance of the nodes over time, between two motions at the same output times."""
     largest = 0.0
     for rows in _blocks(motion):
-        apart = _positions(body, motion, rows) - _positions(other_body, other_motion, rows)
+        apart = body.positions(motion.at(rows)) - other_body.positions(other_motion.at(rows))
         largest = max(largest, float(np.sum(apart**2, axis=(1, 2)).max()))
     return float(np.sqrt(largest / len(body.nodes)))
 
@@ -39,12 +39,6 @@ def largest_displacement(body: ReducedBody, motion: FloatingMotion) -> float:
             displaced = displaced - moved[:, None, :3] - turned
         sizes.append(np.linalg.norm(displaced, axis=2).max())
     return float(max(sizes))
-
-
-def _positions(body: ReducedBody, motion: FloatingMotion, rows: slice) -> np.ndarray:
-    """In space, (t, N, 3)."""
-    local = body.nodes + body.expand(motion.coordinates[rows])
-    return motion.position[rows, None] + np.einsum("tij,tnj->tni", motion.rotation[rows], local)
 
 
 def _blocks(motion: FloatingMotion) -> list[slice]:

@@ -136,7 +136,7 @@ def correct(problem: Problem) -> CorrectedSystem:
 def _first_bases(problem: Problem) -> RoundBases:
     bases = {}
     for name, full in problem.fulls.items():
-        step = f"reducing body '{name}' ({full.r} freedoms)"
+        step = f"reducing body '{name}' ({full.n_coordinates} freedoms)"
         problem.report(step, 0.0)
         start = problem.starts[name]
         bases[name] = reduction_basis(full.body, full.frame, start.basis, derivatives=start.derivatives)

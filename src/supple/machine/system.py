@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from supple.body import RigidBody
 from supple.body.full_body import FullBody
-from supple.errors import ModelError
+from supple.errors import ModelError, did_you_mean
 from supple.machine.forces.force_element import ForceElement
 from supple.machine.joints.joint import GROUND, At, Joint
 from supple.machine.laws.time_law import check_law_shape
@@ -67,7 +65,7 @@ class Placed:
             raise ModelError(f"rotation of body '{name}' mirrors the body (determinant -1): swap two columns")
         rotation.setflags(write=False)
         object.__setattr__(self, "rotation", rotation)
-        r = n_coordinates(self.body)
+        r = self.body.n_coordinates
         for item in ("coordinates", "coordinate_rates"):
             value = np.array(getattr(self, item), dtype=float)
             array = value if value.size else np.zeros(r)
@@ -77,23 +75,6 @@ class Placed:
                 )
             array.setflags(write=False)
             object.__setattr__(self, item, array)
-
-
-def n_coordinates(body: Body) -> int:
-    """Number of deformation coordinates of a body."""
-    return 0 if isinstance(body, RigidBody) else body.r
-
-
-def interface_names(body: Body) -> tuple[str, ...]:
-    """Names of a body's interfaces."""
-    if isinstance(body, RigidBody):
-        return tuple(body.interfaces)
-    return tuple(interface.name for interface in body.interfaces)
-
-
-def _did_you_mean(name: str, known: Sequence[str]) -> str:
-    close = get_close_matches(name, known, n=1)
-    return f"; did you mean '{close[0]}'?" if close else f"; there are: {', '.join(known) or 'none'}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,11 +127,12 @@ class System:
         if end == GROUND:
             return
         self.body_index(end.body, what)
-        known = interface_names(self.bodies[self.body_index(end.body)].body)
+        body = self.bodies[self.body_index(end.body)].body
+        known = [interface.name for interface in body.interfaces]
         if end.interface not in known:
             raise ModelError(
                 f"{what}: body '{end.body}' has no interface '{end.interface}'"
-                + _did_you_mean(end.interface, known)
+                + did_you_mean(end.interface, known)
             )
 
     def _check_dead_force(self, load: DeadForce) -> None:
@@ -159,7 +141,7 @@ class System:
             self._check_end(load.label, At(load.body, load.at))
             check_law_shape(load.label, load.law, (3,))
             return
-        if isinstance(body, RigidBody):
+        if body.n_coordinates == 0:
             raise ModelError(f"{load.label}: a rigid body has no nodes; name one of its interfaces")
         nodes = np.asarray(load.at)
         if nodes.ndim != 1 or nodes.size == 0:
@@ -175,5 +157,5 @@ class System:
         """Position of the body of that name among `bodies`."""
         names = [placed.body.name for placed in self.bodies]
         if name not in names:
-            raise ModelError(f"{what}: there is no body '{name}'" + _did_you_mean(name, names))
+            raise ModelError(f"{what}: there is no body '{name}'" + did_you_mean(name, names))
         return names.index(name)

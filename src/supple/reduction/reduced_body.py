@@ -6,13 +6,16 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from supple.algebra import read_only
+from supple.body.floating_kinematics import floating_positions
+from supple.body.interface import interface_named
 from supple.errors import ModelError
+from supple.integrate.solution import FloatingMotion
 from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
 from supple.reduction.tensors import InternalForceTensors
 
@@ -110,9 +113,24 @@ class ReducedBody:
         _check_shapes(self)
 
     @property
+    def kind(self) -> Literal["reduced"]:
+        """Reduced."""
+        return "reduced"
+
+    @property
+    def mass(self) -> float:
+        """Of the whole body, kg."""
+        return float(self.gram[0, 0])
+
+    @property
     def r(self) -> int:
-        """Number of reduced coordinates."""
+        """Number of reduced coordinates, as the equations name it."""
         return self.stiffness.shape[0]
+
+    @property
+    def n_coordinates(self) -> int:
+        """Number of reduced coordinates."""
+        return self.r
 
     @property
     def is_linear(self) -> bool:
@@ -135,16 +153,25 @@ class ReducedBody:
         return InternalForceTensors(self.stiffness, self.cubic, self.quartic)
 
     def interface(self, name: str) -> ReducedInterface:
-        """The interface of that name; ModelError listing the interfaces there are."""
-        for interface in self.interfaces:
-            if interface.name == name:
-                return interface
-        known = ", ".join(i.name for i in self.interfaces) or "none"
-        raise ModelError(f"body '{self.name}' has no interface '{name}'; its interfaces: {known}")
+        """The interface of that name; ModelError names the nearest, or those there are."""
+        return interface_named(self.name, name, self.interfaces)
 
     def expand(self, gamma: ArrayLike) -> np.ndarray:
         """Nodal displacements (..., N, 3) of the coordinates gamma (..., r), in the body's frame."""
         return _combine(self.displacement_basis, gamma)
+
+    def positions(self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
+        """Positions r = R + A (x + u) (t, k, 3) in space of some nodes, or all."""
+        return floating_positions(self, motion, nodes)
+
+    def lowest_frequency(self) -> float:
+        """Of the undeformed body held in its frame, rad/s."""
+        return float(np.min(self.frequencies, initial=np.inf))
+
+    @property
+    def rotation_rows(self) -> np.ndarray | None:
+        """Rotation vectors at P points per unit gamma, (3 P, r); None if unknown."""
+        return None if self.rotation_basis is None else self.rotation_basis.reshape(-1, self.r)
 
     def rotations(self, gamma: ArrayLike) -> np.ndarray:
         """Rotation vectors (..., P, 3) against the frame; ModelError when the body knows none."""

@@ -1,5 +1,6 @@
 """What a simulation tells: recovery, error measures, stress."""
 
+from supple.body import node_displacements
 from supple.results.error_measures import (
     MotionError,
     motion_error,
@@ -11,9 +12,7 @@ from supple.results.node_motion import (
     node_motion,
 )
 from supple.results.recovery import (
-    ElasticBody,
     displacement_from_axes,
-    node_displacements,
     node_positions,
 )
 from supple.results.stress_history import (
@@ -28,7 +27,6 @@ from supple.results.stress_modes import (
 )
 
 __all__ = [
-    "ElasticBody",
     "MotionError",
     "NodeMotion",
     "StrainModes",

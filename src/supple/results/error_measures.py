@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.body import BodyForm
+from supple.body.floating_kinematics import time_slices
 from supple.errors import ModelError
 from supple.integrate.solution import FloatingMotion, Solution
-from supple.results.recovery import ElasticBody, node_positions, time_slices
 
 Array = NDArray[np.float64]
 
@@ -65,9 +66,9 @@ def relative_error(reference: Array, positions: Array) -> float:
 
 def motion_error(
     reference: Solution,
-    reference_body: ElasticBody,
+    reference_body: BodyForm,
     candidate: Solution,
-    candidate_body: ElasticBody,
+    candidate_body: BodyForm,
     *,
     body: str,
 ) -> MotionError:
@@ -99,8 +100,8 @@ def motion_error(
         )
     distance, size = np.empty(len(times)), 0.0
     for rows in time_slices(reference_body, len(times)):
-        r = node_positions(reference_body, expected.at(rows))
-        distance[rows] = _squared_distance(r, node_positions(candidate_body, found.at(rows)))
+        r = reference_body.positions(expected.at(rows))
+        distance[rows] = _squared_distance(r, candidate_body.positions(found.at(rows)))
         size += float(np.einsum("tni,tni->", r, r))
     rms = np.sqrt(distance / len(reference_body.nodes))
     return MotionError(times, rms, _percent(distance.sum(), size))

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.body import BodyForm, node_displacements
 from supple.integrate.solution import FloatingMotion
-from supple.results.recovery import ElasticBody, node_displacements, node_positions
 
 Array = NDArray[np.float64]
 
@@ -21,7 +21,7 @@ class NodeMotion(NamedTuple):
     acceleration: Array
 
 
-def node_motion(body: ElasticBody, motion: FloatingMotion, nodes: ArrayLike) -> NodeMotion:
+def node_motion(body: BodyForm, motion: FloatingMotion, nodes: ArrayLike) -> NodeMotion:
     """Motion of some nodes of a body in its floating frame:
 
         r = R + A (x + u),   dr = dR + A (w x (x + u) + du)
@@ -29,7 +29,7 @@ def node_motion(body: ElasticBody, motion: FloatingMotion, nodes: ArrayLike) -> 
 
     Parameters
     ----------
-    body : reduced or full      motion : its part of a solution, of t times
+    body : BodyForm             motion : its part of a solution, of t times
     nodes : node numbers (k,)
 
     Raises
@@ -49,7 +49,7 @@ def node_motion(body: ElasticBody, motion: FloatingMotion, nodes: ArrayLike) -> 
         return np.einsum("tij,tkj->tki", motion.rotation, vectors)
 
     return NodeMotion(
-        node_positions(body, motion, numbers),
+        body.positions(motion, numbers),
         motion.velocity[:, None] + in_space(velocity),
         motion.acceleration[:, None] + in_space(acceleration),
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body import FullBody
+from supple.body.floating_kinematics import node_numbers
 from supple.fem import (
     FiniteElementModel,
     StressRecovery,
@@ -17,7 +18,6 @@ from supple.fem import (
     von_mises_strain,
 )
 from supple.reduction import ReducedBody
-from supple.results.recovery import node_numbers
 from supple.results.stress_modes import strain_modes, stress_modes
 
 Array = NDArray[np.float64]

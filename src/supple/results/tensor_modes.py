@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
+from supple.body.floating_kinematics import node_numbers
 from supple.errors import ModelError
 from supple.fem import QuadraticStrain, StressRecovery
 from supple.fem.stress import SectionStress
 from supple.reduction import ReducedBody
-from supple.results.recovery import node_numbers
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -43,7 +43,7 @@ def test_joints_see_the_interfaces_of_a_full_body(blade):
     """A ball joint with the ground at the tip opens by the tip's displacement."""
     full = FullBody(blade, MeanAxisFrame())
     hinge = Ball(first=GROUND, second=At("blade", "tip"))
-    q = 0.01 * np.random.default_rng(2).standard_normal((3, full.r))
+    q = 0.01 * np.random.default_rng(2).standard_normal((3, full.n_coordinates))
     rest = np.zeros_like(q)
     frame = np.zeros((3, 3))
     motion = FloatingMotion(frame, np.tile(np.eye(3), (3, 1, 1)), q, frame, frame, rest, frame, frame, rest)

@@ -37,7 +37,7 @@ from supple.integrate import (
     concatenate,
 )
 from supple.machine import DeadForce
-from supple.machine.system import System, n_coordinates
+from supple.machine.system import System
 from supple.multibody.compiled.initial_state import (
     check_joints_closed,
     independent_constraints,
@@ -132,7 +132,7 @@ class FullOrderSystem:
 
     def __init__(self, system: System, active: tuple[int, ...] | None = None) -> None:
         self.system = system
-        sizes = [6 + n_coordinates(placed.body) for placed in system.bodies]
+        sizes = [6 + placed.body.n_coordinates for placed in system.bodies]
         ends = np.cumsum([0, *sizes])
         self.slices = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
         self.n = int(ends[-1])

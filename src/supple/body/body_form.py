@@ -1,0 +1,82 @@
+"""The questions that every form of a body answers: rigid, full, reduced, and those to come."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.body.interface import Interface
+from supple.integrate.solution import FloatingMotion
+
+
+class BodyForm(Protocol):
+    """A body as a machine holds it. Who asks these questions need not know which form answers."""
+
+    @property
+    def kind(self) -> str:
+        """The form in a word, for reports."""
+        ...
+
+    @property
+    def name(self) -> str:
+        """Name of the body."""
+        ...
+
+    @property
+    def mass(self) -> float:
+        """Of the whole body, kg."""
+        ...
+
+    @property
+    def n_coordinates(self) -> int:
+        """Number of deformation coordinates; none of a rigid body."""
+        ...
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Undeformed positions (N, 3) in the body's frame, m; of a rigid body those of its interfaces."""
+        ...
+
+    @property
+    def interfaces(self) -> Sequence[Interface]:
+        """Where joints and loads act, in the order given."""
+        ...
+
+    def interface(self, name: str) -> Interface:
+        """The interface of that name; ModelError names the nearest, or those there are."""
+        ...
+
+    def expand(self, coordinates: np.ndarray, /) -> np.ndarray:
+        """Nodal displacements (..., N, 3) of deformation coordinates (..., r), in the body's frame."""
+        ...
+
+    def positions(
+        self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """Positions (t, k, 3) in space of some nodes, or all: the only way from a motion to space.
+
+        Raises ModelError for a node number outside the body.
+        """
+        ...
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the internal force is proportional to the deformation, without geometric stiffness."""
+        ...
+
+    def lowest_frequency(self) -> float:
+        """Of the undeformed body held in its frame, rad/s; infinite where nothing deforms."""
+        ...
+
+    @property
+    def rotation_limit(self) -> float:
+        """Largest rotation of material against the frame that the kinematics describe, rad."""
+        ...
+
+    @property
+    def rotation_rows(self) -> np.ndarray | None:
+        """Rotation vectors at P points per unit coordinate, (3 P, r), dense or sparse; None if unknown."""
+        ...

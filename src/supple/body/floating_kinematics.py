@@ -1,0 +1,113 @@
+"""Kinematics of a floating frame: from the motion of the frame and its body's deformation to space."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.errors import ModelError
+from supple.integrate.solution import FloatingMotion
+
+Array = NDArray[np.float64]
+
+# Numbers of the displacement field held at a time (32 MiB), for a long run of a large body would not fit.
+_FIELD_NUMBERS = 2**22
+
+
+class Deforming(Protocol):
+    """What the kinematics need of a body: its nodes, and what its coordinates displace."""
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Undeformed positions (N, 3) in the body's frame."""
+        ...
+
+    def expand(self, coordinates: np.ndarray, /) -> np.ndarray:
+        """Nodal displacements (..., N, 3) of the coordinates (..., r), in the body's frame."""
+        ...
+
+
+def in_space(position: Array, rotation: Array, local: Array) -> Array:
+    """Points r = R + A y of places y in a moving frame.
+
+    Parameters
+    ----------
+    position : array (t, 3)       R, of the frame's origin
+    rotation : array (t, 3, 3)    A, frame to space
+    local : array (t, k, 3)       y, in the frame
+
+    Returns
+    -------
+    array (t, k, 3)
+    """
+    return position[:, None] + np.einsum("tij,tkj->tki", rotation, local)
+
+
+def floating_positions(
+    body: Deforming, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)
+) -> Array:
+    """Positions r = R + A (x + u) of some nodes, or all, in space.
+
+    Parameters
+    ----------
+    motion : FloatingMotion      of the body, at t times
+    nodes : node numbers (k,), all by default
+
+    Returns
+    -------
+    array (t, k, 3)
+
+    Raises
+    ------
+    ModelError  a node number outside the body
+    Source: [Wu2019] (1)
+    """
+    local = body.nodes[_chosen(body, nodes)] + node_displacements(body, motion.coordinates, nodes)
+    return in_space(motion.position, motion.rotation, local)
+
+
+def node_displacements(body: Deforming, coordinates: Array, nodes: ArrayLike | slice = slice(None)) -> Array:
+    """Displacements u = V gamma of some nodes, or all, in the body's frame.
+
+    Parameters
+    ----------
+    coordinates : array (t, r)
+    nodes : node numbers (k,), all by default
+
+    Returns
+    -------
+    array (t, k, 3)
+
+    Raises
+    ------
+    ModelError  a node number outside the body
+    """
+    chosen = _chosen(body, nodes)
+    return np.concatenate(
+        [body.expand(coordinates[rows])[:, chosen] for rows in time_slices(body, len(coordinates))]
+    )
+
+
+def time_slices(body: Deforming, n_times: int) -> Iterator[slice]:
+    """Ranges of output times whose full displacement fields fit in memory together."""
+    n_rows = max(1, _FIELD_NUMBERS // max(1, body.nodes.size))
+    return (slice(start, start + n_rows) for start in range(0, max(n_times, 1), n_rows))
+
+
+def _chosen(body: Deforming, nodes: ArrayLike | slice) -> NDArray[np.int64] | slice:
+    if isinstance(nodes, slice):
+        return nodes
+    return node_numbers(nodes, len(body.nodes))
+
+
+def node_numbers(nodes: ArrayLike, n_nodes: int) -> NDArray[np.int64]:
+    """Node numbers (k,) from 0; ModelError where one is outside a body of n_nodes."""
+    numbers = np.atleast_1d(np.asarray(nodes, dtype=np.int64))
+    if numbers.size and not (0 <= numbers.min() and numbers.max() < n_nodes):
+        raise ModelError(
+            f"recovery: node numbers {numbers.min()} to {numbers.max()} in a body of {n_nodes} nodes"
+        )
+    return numbers
