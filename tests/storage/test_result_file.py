@@ -16,7 +16,8 @@ import numpy as np
 import pytest
 
 from supple.errors import ResultFileError
-from supple.integrate.solution import FloatingMotion, Statistics, concatenate
+from supple.integrate.motion import FloatingMotion
+from supple.integrate.solution import Statistics, concatenate
 from supple.storage.result_file import ResultFile, write_solution
 from supple.storage.result_reader import read_header, read_last_instant, read_solution
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from supple.errors import ConvergenceError
 from supple.integrate import Run, Solution, concatenate
 from supple.machine import System
-from supple.multibody.run_parts import Progress
+from supple.integrate import Progress
 from supple.simulation import simulate
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body.interface import Interface
-from supple.integrate.solution import FloatingMotion
+from supple.integrate.motion import FloatingMotion
 
 
 class BodyForm(Protocol):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
-from supple.integrate.solution import FloatingMotion
+from supple.integrate.motion import FloatingMotion
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from supple.body.flexible_body import FlexibleBody
 from supple.body.floating_kinematics import floating_positions
 from supple.body.frame import Frame
 from supple.body.interface import BodyInterface
-from supple.integrate.solution import FloatingMotion
+from supple.integrate.motion import FloatingMotion
 
 __all__ = ["FullBody"]
 

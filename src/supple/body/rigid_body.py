@@ -14,7 +14,7 @@ from supple.algebra import read_only
 from supple.body.floating_kinematics import floating_positions
 from supple.body.interface import PointInterface, interface_named
 from supple.errors import ModelError
-from supple.integrate.solution import FloatingMotion
+from supple.integrate.motion import FloatingMotion
 
 # Inertias typed with a few digits may break the triangle inequality in the last one (thin discs, rods).
 ROUNDING = 1e-6

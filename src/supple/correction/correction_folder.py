@@ -1,6 +1,7 @@
 """A self-correcting reduction that lives on disk: the bases and the motion of every round, as they come.
 
 round-<k>.h5        the motion of run k, a result file (see `storage`)
+round-<k>.stopped   why run k ended before its last output time, where it did
 round-<k>.npz       written before run k starts: per body its basis V and where the columns come from, and
 what the run before said of the motion it missed
 """
@@ -20,9 +21,9 @@ from supple.correction.round_archive import MissedMotion, RoundBases
 from supple.errors import ResultFileError
 from supple.integrate import Run, Solution
 from supple.machine import System
-from supple.multibody.run_parts import Progress, Recorder
+from supple.integrate import Progress, Recorder
 from supple.reduction import ReductionBasis, ReductionReport
-from supple.simulation import simulate
+from supple.simulation.recorded_run import simulate_recorded
 from supple.storage.atomic_write import replacing
 from supple.storage.file_errors import file_errors
 from supple.storage.result_file import ResultFile
@@ -32,10 +33,8 @@ from supple.storage.result_reader import read_header, read_solution
 class CorrectionFolder:
     """Keeps the rounds of a self-correction (a `RoundArchive`); the next one reads what the last one kept.
 
-    A round that was finished is read. Computed again are the projections of the bodies on their bases, the
-    distances between the runs, and a run that was cut off, from its start: continued in the middle, it would
-    have lost the auxiliary acceleration of the time integration, and so would differ from the next run by
-    more than their bases.
+    A round that was finished is read, and a run that was cut off goes on, to the same last digit. Computed
+    again are the projections of the bodies on their bases and the distances between the runs.
 
         self_correct(..., archive=CorrectionFolder.create(folder, case=text))
     """
@@ -55,7 +54,7 @@ class CorrectionFolder:
         archive = cls(folder, case=case)
         with file_errors("write", archive.folder):
             archive.folder.mkdir(parents=True, exist_ok=True)
-            for pattern in ("round-*.h5", "round-*.npz"):
+            for pattern in ("round-*.h5", "round-*.npz", "round-*.stopped"):
                 for path in archive.folder.glob(pattern):
                     path.unlink()
         return archive
@@ -125,22 +124,21 @@ class CorrectionFolder:
         with replacing(path) as temporary, temporary.open("wb") as file:
             np.savez(file, **arrays)
 
-    def simulate(
-        self, number: int, system: System, run: Run, *, record: Recorder, progress: Progress
-    ) -> None:
-        """Run a round, or read it where it is complete."""
+    def simulate(self, number: int, system: System, run: Run, *, progress: Progress) -> Solution:
+        """Run a round; go on with one that was cut off; read it where it is complete, or stopped by itself."""
         path = self.motion(number)
-        if path.exists() and read_header(path).complete:
-            record(read_solution(path))
-            return
+        stopped = self._stopped(number)
+        if stopped.exists():
+            return replace(read_solution(path), stopped=stopped.read_text(encoding="utf-8"))
+        solution = simulate_recorded(system, run, path, case=self._case, progress=progress, check=False)
+        if solution.stopped is not None:
+            with replacing(stopped) as temporary:
+                temporary.write_text(solution.stopped, encoding="utf-8")
+        return solution
 
-        def keep(chunk: Solution) -> None:
-            file.append(chunk)
-            record(chunk)
-
-        with ResultFile.create(path, case=self._case) as file:
-            simulate(system, run, record=keep, progress=progress)
-            file.finish()
+    def _stopped(self, number: int) -> Path:
+        """Why a run ended before its last output time, where it did."""
+        return self.folder / f"round-{number}.stopped"
 
 
 def _basis(kept: Mapping[str, np.ndarray], name: str, full: FullBody) -> ReductionBasis:

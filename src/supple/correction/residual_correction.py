@@ -27,12 +27,12 @@ from supple.algebra import read_only
 from supple.body import MeanAxisFrame, frame_projector, in_space
 from supple.body.full_body import FullBody
 from supple.errors import ModelError, RedundantConstraintWarning
-from supple.integrate import Solution
+from supple.integrate import StepFactors, Solution
 from supple.machine.system import System
-from supple.multibody.compiled.initial_state import consistent_start
-from supple.multibody.equations.balance import Configuration
-from supple.multibody.full.full_order import FullOrderSystem, FullState
-from supple.multibody.run_parts import Progress
+from supple.integrate import Progress
+from supple.multibody.compiled.compiled_machine import compiled_start
+from supple.multibody.equations.configuration import Configuration
+from supple.multibody.full.full_system import FullState, FullSystem
 from supple.reduction import ReducedBody, ReductionBasis
 
 __all__ = ["ResidualCorrections", "residual_corrections", "system_corrections"]
@@ -108,8 +108,8 @@ def system_corrections(
     with warnings.catch_warnings():
         # The run has named them already.
         warnings.simplefilter("ignore", RedundantConstraintWarning)
-        active = consistent_start(system, float(solution.times[0]), 1.0)[0].active
-    prepared = FullOrderSystem(replace(system, bodies=placed), active)
+        active = compiled_start(system, float(solution.times[0])).model.active
+    prepared = FullSystem(replace(system, bodies=placed), active)
     position = (_SLOWNESS / min(body.frequencies[0] for body in reduced)) ** 2
     vectors = {full.name: bases[full.name].vectors for full in fulls}
     states, steps = [], np.empty((len(instants), prepared.n))
@@ -164,7 +164,7 @@ def _of_body(
 
 
 def _expanded(
-    prepared: FullOrderSystem, solution: Solution, vectors: Mapping[str, np.ndarray], instant: int
+    prepared: FullSystem, solution: Solution, vectors: Mapping[str, np.ndarray], instant: int
 ) -> FullState:
     """State of the run at one output time, with all coordinates of the bodies whose basis is given."""
 
@@ -186,7 +186,7 @@ def _expanded(
         configuration=Configuration(
             np.array([now("position", body) for body in names]),
             np.array([now("rotation", body) for body in names]),
-            tuple(now("coordinates", body) for body in names),
+            joined("coordinates"),
         ),
         velocity=joined("velocity", "angular_velocity", "coordinate_rates"),
         acceleration=acceleration,
@@ -197,12 +197,17 @@ def _expanded(
     )
 
 
-def _newton_step(prepared: FullOrderSystem, state: FullState, position: float) -> np.ndarray:
+def _newton_step(prepared: FullSystem, state: FullState, position: float) -> np.ndarray:
     """Displacement of all freedoms (n,) that balances the residual, joints and frames held."""
     evaluation = prepared.evaluate(state, 0.0)
     # Written for accelerations, of which a displacement is `position` times as large.
-    targets = -evaluation.gap / position, tuple(-gap / position for gap in evaluation.frame_gaps)
-    step, _, _ = prepared.correction(evaluation, targets, np.zeros(prepared.n), 0.0, position)
+    targets = (
+        -evaluation.constraint_residual / position,
+        tuple(-residual / position for residual in evaluation.frame_residuals),
+    )
+    step, _, _ = prepared.correction(
+        evaluation, targets, np.zeros(prepared.n), StepFactors(by_position=position, by_velocity=0.0)
+    )
     return position * step
 
 

@@ -9,11 +9,10 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from supple.body.full_body import FullBody
-from supple.integrate import Run
+from supple.integrate import Progress, Run, Solution
 from supple.machine.system import System
-from supple.multibody.run_parts import Progress, Recorder
 from supple.reduction import ReductionBasis
-from supple.simulation.simulate import simulate
+from supple.simulation.watched_run import watched_run
 
 __all__ = ["InMemoryArchive", "MissedMotion", "RoundArchive", "RoundBases"]
 
@@ -54,9 +53,9 @@ class RoundArchive(Protocol):
         ...
 
     def simulate(
-        self, number: int, system: System, run: Run, *, record: Recorder, progress: Progress
-    ) -> None:
-        """As `simulate`; `record` is handed the motion from the start, kept parts included."""
+        self, number: int, system: System, run: Run, *, progress: Progress
+    ) -> Solution:
+        """The motion from its start, as far as it goes: `Solution.stopped` says why it does not go on."""
         ...
 
 
@@ -76,8 +75,7 @@ class InMemoryArchive:
         system: System,
         run: Run,
         *,
-        record: Recorder,
         progress: Progress,
-    ) -> None:
+    ) -> Solution:
         """Just that."""
-        simulate(system, run, record=record, progress=progress)
+        return watched_run(system, run, progress=progress, check=False)

@@ -21,7 +21,7 @@ from supple.correction.residual_correction import system_corrections
 from supple.correction.round_archive import MissedMotion, RoundArchive, RoundBases
 from supple.correction.run_distance import largest_displacement, largest_distance
 from supple.errors import ConvergenceError
-from supple.integrate import Run, Solution, concatenate
+from supple.integrate import Run, Solution
 from supple.machine.system import Placed, System
 from supple.multibody.checks.load_spectrum import warn_of_missing_modes
 from supple.reduction import ReducedBody, enrich, project, reduction_basis
@@ -166,21 +166,13 @@ def _simulated(problem: Problem, model: _Model) -> _Run:
     began = perf_counter()
     step = f"{model.label}: simulating"
     problem.report(step, 0.0)
-    parts: list[Solution] = []
-    complete = True
-    try:
-        problem.archive.simulate(
-            model.number,
-            model.system,
-            problem.run,
-            record=parts.append,
-            progress=lambda fraction: problem.report(step, fraction),
-        )
-    except ConvergenceError:
-        if sum(len(part.times) for part in parts) < 2:
-            raise
-        complete = False
-    return _Run(model, concatenate(parts), complete, model.seconds + perf_counter() - began)
+    solution = problem.archive.simulate(
+        model.number, model.system, problem.run, progress=lambda fraction: problem.report(step, fraction)
+    )
+    if solution.stopped is not None and len(solution.times) < 2:
+        raise ConvergenceError(solution.stopped)
+    seconds = model.seconds + perf_counter() - began
+    return _Run(model, solution, solution.stopped is None, seconds)
 
 
 def _enriched(problem: Problem, run: _Run) -> RoundBases:

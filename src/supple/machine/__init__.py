@@ -62,6 +62,9 @@ from supple.machine.system import (
 __all__ = [
     "GROUND",
     "At",
+    "BaseAcceleration",
+    "FollowerPressure",
+    "NodalLoad",
     "Ball",
     "Constant",
     "Cylindrical",

@@ -13,7 +13,7 @@ from supple.errors import ModelError, did_you_mean
 from supple.machine.forces.force_element import ForceElement
 from supple.machine.joints.joint import GROUND, At, Joint
 from supple.machine.laws.time_law import check_law_shape
-from supple.machine.nodal_loads.dead_force import DeadForce
+from supple.machine.nodal_loads import BaseAcceleration, NodalLoad
 from supple.reduction import ReducedBody
 
 __all__ = ["Body", "Placed", "System"]
@@ -77,13 +77,17 @@ class Placed:
             object.__setattr__(self, item, array)
 
 
+Load = ForceElement | NodalLoad | BaseAcceleration
+"""Whatever acts on the bodies besides joints and gravity."""
+
+
 @dataclass(frozen=True, eq=False)
 class System:
     """Bodies, joints, loads and gravity; checked when built.
 
     bodies : Placed, one per body, names unique
     joints : Joint, names unique
-    loads : DeadForce | ForceElement
+    loads : ForceElement | NodalLoad | BaseAcceleration
     gravity : (3,) global, e.g. (0, 0, -9.81)
     Raises ModelError: no body, a name used twice, a joint or load on a body or interface that is not there, a
         quantity over time of the wrong shape.
@@ -91,7 +95,7 @@ class System:
 
     bodies: tuple[Placed, ...]
     joints: tuple[Joint, ...] = ()
-    loads: tuple[DeadForce | ForceElement, ...] = ()
+    loads: tuple[Load, ...] = ()
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
@@ -115,8 +119,10 @@ class System:
             if joint.law is not None:
                 check_law_shape(f"joint '{joint.name}'", joint.law, ())
         for load in self.loads:
-            if isinstance(load, DeadForce):
-                self._check_dead_force(load)
+            if isinstance(load, NodalLoad):
+                self._check_nodal_load(load)
+            elif isinstance(load, BaseAcceleration):
+                check_law_shape(load.label, load.law, (3,))
             else:
                 self._check_end(load.label, load.first)
                 self._check_end(load.label, load.second)
@@ -135,23 +141,24 @@ class System:
                 + did_you_mean(end.interface, known)
             )
 
-    def _check_dead_force(self, load: DeadForce) -> None:
+    def _check_nodal_load(self, load: NodalLoad) -> None:
         body = self.bodies[self.body_index(load.body, load.label)].body
-        if isinstance(load.at, str):
-            self._check_end(load.label, At(load.body, load.at))
-            check_law_shape(load.label, load.law, (3,))
-            return
-        if body.n_coordinates == 0:
+        nodes = load.nodes
+        if not nodes.size:
+            self._check_end(load.label, At(load.body, str(getattr(load, "at", ""))))
+        elif body.n_coordinates == 0:
             raise ModelError(f"{load.label}: a rigid body has no nodes; name one of its interfaces")
-        nodes = np.asarray(load.at)
-        if nodes.ndim != 1 or nodes.size == 0:
-            raise ModelError(f"{load.label}: node indices must be a list of at least one node")
-        if nodes.min() < 0 or nodes.max() >= len(body.nodes):
+        elif nodes.min() < 0 or nodes.max() >= len(body.nodes):
             raise ModelError(
                 f"{load.label}: node indices run from {nodes.min()} to {nodes.max()}, "
                 f"but the body has nodes 0 to {len(body.nodes) - 1}"
             )
-        check_law_shape(load.label, load.law, (3,), (nodes.size, 3))
+        check_law_shape(load.label, load.law, *load.value_shapes)
+
+    def initial_point(self, end: At) -> np.ndarray:
+        """Global position of an interface at the start, bodies undeformed, (3,)."""
+        placed = self.bodies[self.body_index(end.body)]
+        return placed.position + placed.rotation @ placed.body.interface(end.interface).position
 
     def body_index(self, name: str, what: str = "lookup") -> int:
         """Position of the body of that name among `bodies`."""

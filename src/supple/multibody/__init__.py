@@ -14,19 +14,15 @@ from supple.multibody.checks.load_spectrum import (
     load_spectra,
     warn_of_missing_modes,
 )
-from supple.multibody.checks.validity import (
-    Validity,
-)
-from supple.multibody.run_parts import (
-    Checkpoint,
-)
+from supple.multibody.compiled.engine import CompiledEngine
+from supple.multibody.full.engine import FullEngine
 
 __all__ = [
     "Balances",
     "BandCoverage",
-    "Checkpoint",
+    "CompiledEngine",
+    "FullEngine",
     "LoadSpectrum",
-    "Validity",
     "balances",
     "band_coverage",
     "joint_residuals",

@@ -15,7 +15,7 @@ from supple.algebra import read_only
 from supple.body.floating_kinematics import floating_positions
 from supple.body.interface import interface_named
 from supple.errors import ModelError
-from supple.integrate.solution import FloatingMotion
+from supple.integrate.motion import FloatingMotion
 from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
 from supple.reduction.tensors import InternalForceTensors
 

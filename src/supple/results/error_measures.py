@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from supple.body import BodyForm
 from supple.body.floating_kinematics import time_slices
 from supple.errors import ModelError
-from supple.integrate.solution import FloatingMotion, Solution
+from supple.integrate.motion import FloatingMotion
+from supple.integrate.solution import Solution
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body import BodyForm
-from supple.integrate.solution import FloatingMotion
+from supple.integrate.motion import FloatingMotion
 
 Array = NDArray[np.float64]
 

@@ -29,13 +29,12 @@ from supple.integrate import (
 )
 from supple.machine.system import System
 from supple.multibody.checks.validity import Peaks, watch
-from supple.multibody.compiled.compiled_run import as_solution, controls
-from supple.multibody.compiled.compiler_options import MARCHING
-from supple.multibody.compiled.initial_state import consistent_start
+from supple.multibody.compiled.engine import as_solution, controls, initial_state
+from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.compiled.time_step import Controls, State, march
 from supple.multibody.equations.model import Model
-from supple.multibody.run_parts import Progress, failure_message
-from supple.simulation.simulate import check_laws_cover
+from supple.integrate import Progress, failure_message
+from supple.simulation.watched_run import check_laws_cover
 
 __all__ = ["BatchSolution", "simulate_batch"]
 
@@ -123,7 +122,7 @@ def simulate_batch(
     if chunk < 1:
         raise ValueError(f"chunk must be at least 1, got {chunk}")
     times, step = run.times, run.step_control
-    settings = controls(step, run.method, run.tolerances)
+    settings = controls(run)
     limits = watch(cases[0], run.validity)
     peaks: dict[str, Peaks] = {}
     solutions: list[Solution] = []
@@ -187,7 +186,7 @@ def _starts(cases: Sequence[System], times: np.ndarray, step: StepControl) -> tu
     models, states = [], []
     for system in cases:
         check_laws_cover(system, times[0], times[-1])
-        model, state = consistent_start(system, times[0], step.first)
+        model, state = initial_state(system, times[0], step.first)
         if models and jax.tree.structure(model) != jax.tree.structure(models[0]):
             raise ModelError(
                 "the cases of a batch must differ in numbers only: same bodies, joints, kinds of loads, "

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
 from supple.errors import ResultFileError
-from supple.integrate import Run, Solution
+from supple.integrate import Progress, Run, Solution
 from supple.machine import System
-from supple.multibody import Checkpoint
-from supple.multibody.run_parts import Progress
 from supple.simulation.recorded_columns import check_columns, columns_of
-from supple.simulation.simulate import simulate
+from supple.simulation.watched_run import watched_run
 from supple.storage import ResultFile, read_header, read_last_instant, read_solution
 from supple.storage.result_reader import Metadata
 
@@ -24,12 +23,13 @@ def begin_recorded(
     case: str,
     metadata: Metadata = MappingProxyType({}),
     progress: Progress | None = None,
+    check: bool = True,
 ) -> Solution:
     """Simulate a system from its start, keeping every finished part in a result file, new or replaced.
 
     Parameters
     ----------
-    system, run, progress : as for `simulate`
+    system, run, progress, check : as for `simulate`
     path : file to write; its folder is made
     case, metadata      kept in the file, to continue it and for the record
 
@@ -40,11 +40,17 @@ def begin_recorded(
     """
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     metadata = {**metadata, **columns_of(system)}
-    return _recorded(system, run, ResultFile.create(path, case=case, metadata=metadata), None, progress)
+    return _recorded(system, run, ResultFile.create(path, case=case, metadata=metadata), None, progress, check)
 
 
 def continue_recorded(
-    system: System, run: Run, path: Path | str, *, case: str, progress: Progress | None = None
+    system: System,
+    run: Run,
+    path: Path | str,
+    *,
+    case: str,
+    progress: Progress | None = None,
+    check: bool = True,
 ) -> Solution:
     """Simulate the rest of a run that was cut off, from the last instant its result file holds.
 
@@ -54,18 +60,24 @@ def continue_recorded(
                         reduced body is not the one that it was begun with
     """
     check_columns(read_header(path), system, path)
-    start = Checkpoint(read_last_instant(path))
-    return _recorded(system, run, ResultFile.resume(path, case=case), start, progress)
+    start = read_last_instant(path)
+    return _recorded(system, run, ResultFile.resume(path, case=case), start, progress, check)
 
 
 def simulate_recorded(
-    system: System, run: Run, path: Path | str, *, case: str, progress: Progress | None = None
+    system: System,
+    run: Run,
+    path: Path | str,
+    *,
+    case: str,
+    progress: Progress | None = None,
+    check: bool = True,
 ) -> Solution:
     """Simulate a system unless its result file holds the run: begin it, or continue what was cut off.
 
     Parameters
     ----------
-    system, run, progress : as for `simulate`
+    system, run, progress, check : as for `simulate`
     path : file to write; its folder is made
     case : str      says what is simulated; a file of another case is never overwritten nor continued
 
@@ -81,7 +93,7 @@ def simulate_recorded(
     """
     path = Path(path)
     if not path.exists():
-        return begin_recorded(system, run, path, case=case, progress=progress)
+        return begin_recorded(system, run, path, case=case, progress=progress, check=check)
     header = read_header(path)
     if header.case != case:
         raise ResultFileError(
@@ -95,13 +107,19 @@ def simulate_recorded(
         return read_solution(path)
     # A run that ended before its first output left nothing to continue from.
     proceed = continue_recorded if header.n_times else begin_recorded
-    return proceed(system, run, path, case=case, progress=progress)
+    return proceed(system, run, path, case=case, progress=progress, check=check)
 
 
 def _recorded(
-    system: System, run: Run, file: ResultFile, start: Checkpoint | None, progress: Progress | None
+    system: System,
+    run: Run,
+    file: ResultFile,
+    start: Solution | None,
+    progress: Progress | None,
+    check: bool,
 ) -> Solution:
     with file:
-        simulate(system, run, resume=start, record=file.append, progress=progress)
-        file.finish()
-    return read_solution(file.path)
+        done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)
+        if done.stopped is None:
+            file.finish()
+    return replace(read_solution(file.path), stopped=done.stopped)

@@ -1,110 +1,65 @@
-"""Simulate a system: one case, by the engine that its bodies call for."""
+"""Simulate a machine, in memory or kept in a file."""
 
 from __future__ import annotations
 
-import warnings
+from pathlib import Path
 
-from supple.body.full_body import FullBody
-from supple.errors import ModelError, StepCutWarning
-from supple.integrate import (
-    FixedStep,
-    Run,
-    Solution,
-    Statistics,
-    StepControl,
-)
-from supple.machine.system import System
-from supple.multibody.checks.validity import Peaks, watch
-from supple.multibody.compiled.compiled_run import simulate_compiled
-from supple.multibody.full.full_order import simulate_full_order
-from supple.multibody.run_parts import Checkpoint, Progress, Recorder
+from supple.integrate import Progress, Recorder, Run, Solution
+from supple.machine import System
+from supple.simulation.description import description
+from supple.simulation.recorded_run import simulate_recorded
+from supple.simulation.watched_run import watched_run
 
 __all__ = ["simulate"]
-
-
-def check_laws_cover(system: System, begin: float, end: float) -> None:
-    """Raise ModelError for a tabulated load or motion that starts after the run does, or stops before."""
-    laws = [(f"joint '{joint.name}'", joint.law) for joint in system.joints]
-    laws += [(load.label, load.law) for load in system.loads]
-    for what, law in laws:
-        if law is not None and law.begin > begin:
-            raise ModelError(
-                f"{what}: its table begins at t = {law.begin:g}, after the run does (t = {begin:g}). "
-                "Extend the table backwards"
-            )
-        if law is not None and law.end < end * (1 - 1e-12):
-            raise ModelError(
-                f"{what}: its table ends at t = {law.end:g}, before the run does (t = {end:g}). "
-                "Extend the table or shorten the run"
-            )
 
 
 def simulate(
     system: System,
     run: Run,
     *,
-    resume: Checkpoint | None = None,
+    file: Path | str | None = None,
+    resume: Solution | None = None,
     progress: Progress | None = None,
     record: Recorder | None = None,
+    check: bool = True,
 ) -> Solution:
-    """Motion of a system from its initial state over a run, by generalized-alpha.
+    """Motion of a system from its initial state over a run.
+
+    The form of the bodies chooses the method: rigid and reduced ones are marched by one compiled program, full
+    ones by sparse Newton steps.
 
     Parameters
     ----------
-    system : System     bodies all rigid or reduced (compiled engine), or some full (sparse engine)
-    run : Run           span, output times, steps, tolerances
-    resume : Checkpoint     go on from the end of an earlier part of the same run
-    progress, record : called as the run goes on; `record` receives every completed chunk
+    system : System
+    run : Run               span, output times, steps, tolerances
+    file : path             keep the motion in this result file as it is computed, and go on with what is there:
+                            a finished run is read, one that was cut off is continued
+    resume : Solution       go on from the end of an earlier part of the same run
+    progress, record : called as the run goes on; `record` receives every completed leg
+    check : bool            raise where the run ends early; otherwise `Solution.stopped` says why
 
     Returns
     -------
-    Solution    at the output times; when resuming, only the new ones
+    Solution    at the output times; with `resume`, only the new ones
 
     Raises
     ------
     ModelError          a joint open at the start, a table that begins too late or ends too early
     ConvergenceError    a step that fails at the smallest size: time, residual and remedy; what was computed
-                        until then has been handed to `record`
+                        until then has been handed to `record` and is kept in the file
     ValidityError       a motion beyond the kinematics, under `Validity(strict=True)`
+    ResultFileError     the file holds another run, or cannot be read or written
 
     Warns
     -----
     ValidityWarning, StepCutWarning, RedundantConstraintWarning
     """
-    times = run.times
-    check_laws_cover(system, times[0], times[-1])
-    if resume is not None and resume.solution.times[-1] >= times[-1] * (1 - 1e-12):
-        raise ValueError(
-            f"nothing is left to simulate: the recorded part ends at t = {resume.solution.times[-1]:g} and "
-            f"the run at t = {times[-1]:g}"
+    if file is None:
+        return watched_run(
+            system, run, resume=resume, progress=progress, record=record, check=check
         )
-    limits = watch(system, run.validity)
-    peaks: dict[str, Peaks] = {}
-
-    def observed(chunk: Solution) -> None:
-        if record is not None:
-            record(chunk)
-        peaks.update(limits.observe(peaks, chunk))
-
-    full = any(isinstance(placed.body, FullBody) for placed in system.bodies)
-    engine = simulate_full_order if full else simulate_compiled
-    solution = engine(
-        system, times, run.step_control, run.method, run.tolerances, resume, progress or _silent, observed
+    if resume is not None or record is not None:
+        raise ValueError("a run that is kept in a file is resumed and recorded there: leave these out")
+    return simulate_recorded(
+        system, run, file, case=description(system, run), progress=progress, check=check
     )
-    report_rejected_steps(solution.statistics, run.step_control)
-    limits.report(peaks)
-    return solution
-
-
-def _silent(fraction: float) -> None: ...
-
-
-def report_rejected_steps(statistics: Statistics, step: StepControl) -> None:
-    """Warn when steps of a fixed size had to be cut: the answer is good, the step was too long."""
-    if statistics.rejected_steps and isinstance(step, FixedStep):
-        warnings.warn(
-            f"{statistics.rejected_steps} steps did not converge and were cut "
-            f"({statistics.steps} steps were taken); a fixed step below {step.size:g} avoids this",
-            StepCutWarning,
-            stacklevel=3,
-        )

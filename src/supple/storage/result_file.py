@@ -8,10 +8,13 @@ Format "supple-result", version 1, an HDF5 file (any HDF5 reader opens it):
                  metadata      JSON object of further names and values
     complete     scalar        1 once the run has ended, 0 while it runs or where it was cut off
     times        (t,)          output times
-    bodies/<name>/<field>      (t, ...) the fields of FloatingMotion: position, rotation, coordinates, ...
+    bodies/<name>/<field>      (t, ...) the arrays of the body's motion, of the kind that the group's attribute
+                               `kind` names; floating where it is missing: position, rotation, coordinates, ...
     joint_forces/<name>        (t, m) Lagrange multipliers of each joint
     commits      (k, 6)        one row per chunk written: its number of times, then its steps, iterations,
-                               cuts, seconds and seconds of compilation
+                               rejected steps, seconds and seconds of compilation
+
+    engine_state/<key>         (k, ...) what the engine needs to go on exactly, one row per chunk; may be absent
 
 All numbers are 64-bit floats, stored bit for bit; in names, % and / are written %25 and %2F. The motion
 datasets appear with the first chunk. A chunk counts once its row of `commits` is there: whatever lies beyond
@@ -48,7 +51,7 @@ from supple.storage.result_reader import (
     read_header,
     read_solution,
 )
-from supple.storage.solution_arrays import Array, statistics_row, to_arrays
+from supple.storage.solution_arrays import Array, motion_kinds, statistics_row, to_arrays
 
 # HDF5 stores and caches a dataset in blocks of this many bytes, or one row where a row is longer.
 _BLOCK_BYTES = 16384
@@ -134,7 +137,7 @@ class ResultFile:
             kept = f" (the run up to t = {self._last_time:g} is kept and can be continued)"
             with file_errors("write", self.path, note=kept):
                 reserve_space(self.path, self._file.id.get_filesize() + _most_growth(arrays))
-                _extend(self._file, self._n_times, arrays, chunk.statistics)
+                _extend(self._file, self._n_times, arrays, chunk)
             self._n_times += len(chunk.times)
             self._last_time = float(chunk.times[-1])
 
@@ -226,6 +229,10 @@ def _write_whole(path: Path, header: ResultHeader, solution: Solution | None) ->
         if solution is not None:
             for name, array in to_arrays(solution).items():
                 _create_growing(file, name, array)
+            for path, kind in motion_kinds(solution).items():
+                file[path].attrs["kind"] = kind
+            for key, value in solution.engine_state.items():
+                _create_growing(file, f"engine_state/{key}", np.asarray(value, dtype=float)[None])
             _commit(file, len(solution.times), solution.statistics)
         file.flush()
         image = file.id.get_file_image()
@@ -247,14 +254,19 @@ def _most_growth(arrays: Mapping[str, Array]) -> int:
     return rows + rows // 8 + _INDEX_BYTES
 
 
-def _extend(file: h5py.File, n_written: int, arrays: Mapping[str, Array], statistics: Statistics) -> None:
+def _extend(file: h5py.File, n_written: int, arrays: Mapping[str, Array], chunk: Solution) -> None:
     for name, array in arrays.items():
         target = dataset(file, name)
         target.resize(n_written + len(array), axis=0)
         if array.size:
             target[n_written:] = array
+    for key, value in chunk.engine_state.items():
+        rows = dataset(file, f"engine_state/{key}")
+        rows.resize(rows.shape[0] + 1, axis=0)
+        if rows.size:
+            rows[-1] = value
     file.flush()
-    _commit(file, len(arrays["times"]), statistics)
+    _commit(file, len(arrays["times"]), chunk.statistics)
 
 
 def _commit(file: h5py.File, n_times: int, statistics: Statistics) -> None:

@@ -32,6 +32,7 @@ class ResultHeader:
     complete: bool
     n_times: int
     statistics: Statistics
+    n_commits: int = 0
 
 
 def read_header(path: Path | str) -> ResultHeader:
@@ -94,15 +95,22 @@ class _Reader:
                 f"{self.path} holds no output times: its run ended before the first; run it again"
             )
         arrays: dict[str, Array] = {}
+        kinds: dict[str, str] = {}
+        engine_state: dict[str, Array] = {}
 
         def collect(name: str, item: h5py.Dataset | h5py.Group) -> None:
-            if isinstance(item, h5py.Dataset) and name not in {"complete", "commits"}:
+            if isinstance(item, h5py.Group):
+                if "kind" in item.attrs:
+                    kinds[name] = str(item.attrs["kind"])
+            elif name.startswith("engine_state/"):
+                engine_state[name.partition("/")[2]] = item[self.header.n_commits - 1]
+            elif name not in {"complete", "commits"}:
                 arrays[name] = item[rows]
 
         with file_errors("read", self.path):
             try:
                 self._file.visititems(collect)
-                return from_arrays(arrays, self.header.statistics)
+                return from_arrays(arrays, self.header.statistics, kinds, engine_state)
             except (KeyError, TypeError) as error:
                 raise self._damaged(error) from error
 
@@ -127,6 +135,7 @@ class _Reader:
                     complete=bool(dataset(self._file, "complete")[()]),
                     n_times=int(rows[:, 0].sum()),
                     statistics=statistics_from_rows(rows[:, 1:]),
+                    n_commits=len(rows),
                 )
             except (KeyError, ValueError) as error:
                 raise self._damaged(error) from error

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import astuple, fields
+from types import MappingProxyType
 from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.integrate.solution import FloatingMotion, Solution, Statistics
+from supple.integrate import FloatingMotion, Solution, Statistics, motion_from_arrays
 
 Array = NDArray[np.float64]
 
-MOTION_FIELDS = tuple(field.name for field in fields(FloatingMotion))
 _COUNTS = tuple(field.name for field in fields(Statistics) if "seconds" not in field.name)
 
 
@@ -21,24 +21,40 @@ def to_arrays(solution: Solution) -> dict[str, Array]:
     """Arrays by path: times, bodies/<name>/<field>, joint_forces/<name>."""
     arrays = {"times": solution.times}
     for name, motion in solution.bodies.items():
-        arrays |= {f"bodies/{_quoted(name)}/{field}": getattr(motion, field) for field in MOTION_FIELDS}
+        arrays |= {f"bodies/{_quoted(name)}/{field}": array for field, array in motion.arrays().items()}
     arrays |= {f"joint_forces/{_quoted(name)}": force for name, force in solution.joint_forces.items()}
     return {path: np.asarray(array, dtype=np.float64) for path, array in arrays.items()}
 
 
-def from_arrays(arrays: Mapping[str, Array], statistics: Statistics) -> Solution:
-    """The solution that `to_arrays` took apart; its arrays are read-only."""
+def motion_kinds(solution: Solution) -> dict[str, str]:
+    """Kind of motion by the path of the body's group."""
+    return {f"bodies/{_quoted(name)}": motion.kind for name, motion in solution.bodies.items()}
+
+
+def from_arrays(
+    arrays: Mapping[str, Array],
+    statistics: Statistics,
+    kinds: Mapping[str, str] = MappingProxyType({}),
+    engine_state: Mapping[str, Array] = MappingProxyType({}),
+) -> Solution:
+    """The solution that `to_arrays` took apart; its arrays are read-only.
+
+    kinds : by path of the body's group; floating where it is not said
+    """
     motions: dict[str, dict[str, Array]] = {}
     joint_forces: dict[str, Array] = {}
     for path, array in arrays.items():
         array.setflags(write=False)
         match path.split("/"):
             case ["bodies", name, field]:
-                motions.setdefault(unquote(name), {})[field] = array
+                motions.setdefault(name, {})[field] = array
             case ["joint_forces", name]:
                 joint_forces[unquote(name)] = array
-    bodies = {name: FloatingMotion(**motion) for name, motion in motions.items()}
-    return Solution(arrays["times"], bodies, joint_forces, statistics)
+    bodies = {
+        unquote(name): motion_from_arrays(kinds.get(f"bodies/{name}", FloatingMotion.kind), motion)
+        for name, motion in motions.items()
+    }
+    return Solution(arrays["times"], bodies, joint_forces, statistics, engine_state=engine_state)
 
 
 def statistics_row(statistics: Statistics) -> Array:

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from supple.body import FlexibleBody
-from supple.body.full_body import FullBody
 from supple.integrate import FloatingMotion, Solution
 from supple.machine.system import System
-from supple.multibody.equations.balance import AnyArray
+from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.configuration import AnyArray
 from supple.multibody.equations.floating_inertia import FloatingState, frame_momenta, kinetic_energy
-from supple.multibody.equations.model import BodyArrays, build_model
+from supple.multibody.equations.model import BodyGroup
 from supple.multibody.equations.polynomial_force import polynomial_energy
 from supple.multibody.full.full_inertia import FullInertia
 
@@ -49,15 +49,32 @@ def balances(system: System, solution: Solution) -> Balances:
     through its Gram matrix and tensors, which is the same where its basis can follow.
     """
     gravity = system.gravity
-    parts = []
-    for placed, arrays in zip(system.bodies, build_model(system).bodies, strict=True):
-        body, motion = placed.body, solution.bodies[placed.body.name]
-        if isinstance(body, FullBody):
-            parts.append(_of_full_body(body, gravity, motion))
-        else:
+    placed = [each.body for each in system.bodies]
+    parts: list[Balances | None] = [None] * len(placed)
+    for group in build_model(system).groups:
+        for number, index in enumerate(group.members):
+            arrays = jax.tree.map(lambda leaf, number=number: leaf[number], _Arrays.of(group))
+            motion = solution.bodies[placed[index].name]
             moving = _Motion(*(jnp.asarray(getattr(motion, name)) for name in _Motion._fields))
-            parts.append(_of_reduced_body(arrays, jnp.asarray(gravity), moving))
-    return Balances(*(np.asarray(sum(items)) for items in zip(*parts, strict=True)))
+            parts[index] = _of_reduced_body(arrays, jnp.asarray(gravity), moving)
+    every = [
+        _of_full_body(body, gravity, solution.bodies[body.name]) if part is None else part
+        for body, part in zip(placed, parts, strict=True)
+    ]
+    return Balances(*(np.asarray(sum(items)) for items in zip(*every, strict=True)))
+
+
+class _Arrays(NamedTuple):
+    """What a rigid or reduced body is made of."""
+
+    gram: jax.Array
+    stiffness: jax.Array
+    cubic: jax.Array | None
+    quartic: jax.Array | None
+
+    @classmethod
+    def of(cls, group: BodyGroup) -> _Arrays:
+        return cls(group.gram, group.stiffness, group.cubic, group.quartic)
 
 
 class _Motion(NamedTuple):
@@ -72,7 +89,7 @@ class _Motion(NamedTuple):
 
 
 @jax.jit
-def _of_reduced_body(body: BodyArrays, gravity: jax.Array, motion: _Motion) -> Balances:
+def _of_reduced_body(body: _Arrays, gravity: jax.Array, motion: _Motion) -> Balances:
     """Of a rigid or reduced body."""
 
     def at_one_time(now: _Motion) -> Balances:
@@ -107,7 +124,7 @@ def _first_moment(gram: jax.Array, coordinates: jax.Array) -> jax.Array:
     return rest + gram[:3, 6 + 3 * coordinates.shape[0] :] @ coordinates
 
 
-def _of_full_body(full: FullBody, gravity: np.ndarray, motion: FloatingMotion) -> Balances:
+def _of_full_body(full: Any, gravity: np.ndarray, motion: FloatingMotion) -> Balances:
     inertia = FullInertia(full.body)
     size = max(1, _FIELD_NUMBERS // full.body.n_nodal)
     parts = [

@@ -6,17 +6,18 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.body.full_body import FullBody
 from supple.integrate import Solution
-from supple.machine.system import Body, System
-from supple.multibody.equations.balance import Configuration, constraints
-from supple.multibody.equations.model import Model, build_model
+from supple.machine import System
+from supple.multibody.equations.build_model import build_model, seen_coordinates
+from supple.multibody.equations.configuration import Configuration
+from supple.multibody.equations.joint_force import constraints
+from supple.multibody.equations.model import Model
 
 __all__ = ["joint_residuals"]
 
 
 @jax.jit
-def _gaps(model: Model, times: jax.Array, configurations: Configuration) -> jax.Array:
+def _residuals(model: Model, times: jax.Array, configurations: Configuration) -> jax.Array:
     return jax.vmap(lambda time, at: constraints(model, time, at))(times, configurations)
 
 
@@ -26,14 +27,12 @@ def joint_residuals(system: System, solution: Solution) -> np.ndarray:
     configurations = Configuration(
         origins=jnp.stack([jnp.asarray(motion.position) for motion in motions], axis=1),
         rotations=jnp.stack([jnp.asarray(motion.rotation) for motion in motions], axis=1),
-        coordinates=tuple(
-            jnp.asarray(_seen_by_joints(placed.body, motion.coordinates))
-            for placed, motion in zip(system.bodies, motions, strict=True)
+        coordinates=jnp.concatenate(
+            [
+                jnp.asarray(seen_coordinates(placed.body, motion.coordinates))
+                for placed, motion in zip(system.bodies, motions, strict=True)
+            ],
+            axis=1,
         ),
     )
-    return np.asarray(_gaps(build_model(system), jnp.asarray(solution.times), configurations))
-
-
-def _seen_by_joints(body: Body, coordinates: np.ndarray) -> np.ndarray:
-    """Of a full body the motions of its interfaces, which stand for it in the compiled equations."""
-    return coordinates @ body.interface_motions.T if isinstance(body, FullBody) else coordinates
+    return np.asarray(_residuals(build_model(system), jnp.asarray(solution.times), configurations))

@@ -21,20 +21,14 @@ import numpy as np
 
 from supple.integrate import Coefficients, StepRule
 from supple.multibody.compiled.elimination import solve_bordering_column
-from supple.multibody.equations.balance import (
-    AnyArray,
-    Balance,
-    Configuration,
-    Linearization,
-    Motion,
-    advance,
-    balance,
-    constraint_rows,
-    tangent,
-)
-from supple.multibody.equations.model import Model
+from supple.multibody.equations.balance import Balance, Linearization, balance, tangent
+from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion, advance
+from supple.multibody.equations.joint_force import constraint_rows
+from supple.multibody.equations.model import BodyGroup, Model
+from supple.multibody.equations.places import Places, assembled_vector
+from supple.multibody.equations.step_size import next_step, position_rounding
 
-__all__ = ["Controls", "State", "march", "next_step", "position_rounding"]
+__all__ = ["Controls", "State", "march"]
 
 
 class Controls(NamedTuple):
@@ -80,7 +74,7 @@ class _Trial(NamedTuple):
     auxiliary: jax.Array
     increments: jax.Array
     residual: jax.Array
-    gap: jax.Array
+    constraint_residual: jax.Array
     relative_residual: jax.Array
     iterations: jax.Array
     converged: jax.Array
@@ -106,14 +100,14 @@ def _kinds(model: Model) -> np.ndarray:
 
 def _position_scale(model: Model) -> jax.Array:
     """What counts as a large change of each freedom, (n,)."""
-    return jnp.concatenate(
-        [
-            jnp.concatenate(
-                [jnp.full(3, model.length), jnp.ones(3), jnp.full(body.r, 1.0) * body.coordinate_scale]
-            )
-            for body in model.bodies
-        ]
-    )
+
+    def of_group(group: BodyGroup) -> tuple[Places, jax.Array]:
+        k = len(group.members)
+        deformation = jnp.broadcast_to(jnp.asarray(group.coordinate_scale)[:, None], (k, group.r))
+        frames = (jnp.full((k, 3), model.length), jnp.ones((k, 3)))
+        return group.velocities, jnp.concatenate([*frames, deformation], axis=1)
+
+    return assembled_vector(model.n_velocities, [of_group(group) for group in model.groups])
 
 
 def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
@@ -122,15 +116,7 @@ def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
     return jnp.where(norm == 0, 0.0, norm / jnp.where(scale > 0, scale, 1.0))
 
 
-def position_rounding(length: Any, origins: Any) -> Any:
-    """Change of position, in parts of the system's `length`, that arithmetic cannot tell from none.
-
-    Far from the global origin, positions themselves have fewer digits after the point.
-    """
-    return 1e-13 * jnp.maximum(1.0, jnp.max(jnp.abs(origins)) / length)
-
-
-def _imbalance(
+def _relative_residual(
     model: Model, terms: Balance, trial: jax.Array, position: jax.Array, rounding: jax.Array
 ) -> jax.Array:
     """Residual of each kind over the largest term in balance, and the constraints' over the accelerations."""
@@ -138,7 +124,7 @@ def _imbalance(
     norms = jnp.sqrt(_kinds(model) @ jnp.stack(columns, axis=1) ** 2)
     forces = _relative(norms[:, 0], jnp.max(norms[:, 1:], axis=1))
     accelerations = model.length * jnp.max(jnp.abs(trial / _position_scale(model)), initial=0.0)
-    largest_gap = jnp.max(jnp.abs(terms.gap), initial=0.0)
+    largest_gap = jnp.max(jnp.abs(terms.constraint_residual), initial=0.0)
     floor = rounding * model.length
     constraint = jnp.where(
         largest_gap <= floor, 0.0, _relative(largest_gap / position, accelerations + floor / position)
@@ -160,9 +146,9 @@ def _evaluate(
     configuration = advance(model, start.configuration, increments)
     velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
     time = start.time + rule.h
-    terms = balance(model, Motion(time, configuration, velocity, acceleration, multipliers))
+    terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers))
     rounding = position_rounding(model.length, configuration.origins)
-    relative_residual = _imbalance(model, terms, acceleration, rule.position, rounding)
+    relative_residual = _relative_residual(model, terms, acceleration, rule.factors.by_position, rounding)
     trial = _Trial(
         acceleration,
         multipliers,
@@ -171,7 +157,7 @@ def _evaluate(
         auxiliary,
         increments,
         terms.residual,
-        terms.gap,
+        terms.constraint_residual,
         relative_residual,
         iterations,
         jnp.all(relative_residual <= tolerance),
@@ -182,10 +168,10 @@ def _evaluate(
 def _newton_correction(
     model: Model, rule: StepRule, start: State, trial: _Trial, linearization: Linearization
 ) -> tuple[jax.Array, jax.Array]:
-    motion = Motion(
+    motion = SystemMotion(
         start.time + rule.h, trial.configuration, trial.velocity, trial.acceleration, trial.multipliers
     )
-    matrix = tangent(model, motion, linearization, trial.increments, rule.velocity, rule.position)
+    matrix = tangent(model, motion, linearization, trial.increments, rule.factors)
     rows = constraint_rows(model, linearization.joints)
     rows_by_increment = constraint_rows(model, linearization.joints, trial.increments)
     n, m = model.n_velocities, trial.multipliers.shape[0]
@@ -195,7 +181,7 @@ def _newton_correction(
             [
                 model.mass * rows_by_increment,
                 jnp.zeros((m, m)),
-                (model.mass / rule.position * trial.gap)[:, None],
+                (model.mass / rule.factors.by_position * trial.constraint_residual)[:, None],
             ],
         ]
     )
@@ -229,7 +215,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
             controls.residual_tolerance,
         )
         # Below rounding error no residual can tell a better answer from a worse one.
-        moved = rule.position * jnp.max(jnp.abs(iteration.change) / scale)
+        moved = rule.factors.by_position * jnp.max(jnp.abs(iteration.change) / scale)
         rounding = position_rounding(model.length, trial.configuration.origins)
         settled = (trial.iterations > 0) & (moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
         trial = trial._replace(converged=trial.converged | settled)
@@ -248,7 +234,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         auxiliary=start.auxiliary,
         increments=jnp.zeros_like(start.velocity),
         residual=jnp.zeros_like(start.velocity),
-        gap=jnp.zeros_like(start.multipliers),
+        constraint_residual=jnp.zeros_like(start.multipliers),
         relative_residual=jnp.zeros(4),
         iterations=jnp.asarray(-1),
         converged=jnp.zeros((), dtype=bool),
@@ -260,27 +246,6 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
 def _local_error(model: Model, rule: StepRule, start: State, trial: _Trial) -> jax.Array:
     error = rule.position_error(start.auxiliary, trial.auxiliary) / _position_scale(model)
     return jnp.max(jnp.abs(error))
-
-
-@jax.jit
-def next_step(
-    h: jax.Array | float,
-    intended: jax.Array | float,
-    error: jax.Array | float,
-    tolerance: jax.Array | float,
-    largest: jax.Array | float,
-) -> jax.Array:
-    """Step size after a converged step of size `h` whose local error, of third order, was `error`.
-
-    Every change of the step excites the integrator's spurious roots, which look like errors: the step grows
-    only when it can by half. And a step shortened to meet an output time is no reason to go on with short
-    ones: it is measured against the step that was `intended`.
-    """
-    ratio = jnp.where(error > 0, tolerance / jnp.where(error > 0, error, 1.0), jnp.inf)
-    best = 0.9 * h * ratio ** (1 / 3)
-    steady = (error <= tolerance) & (best < 1.5 * intended)
-    best = jnp.where(steady, jnp.minimum(best, intended), best)
-    return jnp.clip(best, 0.2 * h, jnp.minimum(2 * jnp.maximum(h, intended), largest))
 
 
 def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> State:

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.cross import cross_matrix
-from supple.body import FullBody, RigidBody
+from supple.body import BodyForm, FullBody, RigidBody
 from supple.errors import ModelError
 from supple.machine import GROUND, At, BaseAcceleration, ForceElement, Joint, NodalLoad, Placed, System
 from supple.multibody.equations.floating_inertia import inertia_arrays
@@ -25,7 +26,7 @@ from supple.multibody.equations.model import (
 from supple.multibody.equations.nodal_load import prepared
 from supple.multibody.equations.places import Places
 
-__all__ = ["build_model", "initial_points", "system_length"]
+__all__ = ["build_model", "initial_points", "is_on_full_nodes", "seen_coordinates", "system_length"]
 
 T = TypeVar("T")
 
@@ -70,6 +71,11 @@ def _size(placed: Placed) -> int:
     return 6 * len(body.interfaces) if isinstance(body, FullBody) else body.n_coordinates
 
 
+def seen_coordinates(body: BodyForm, coordinates: np.ndarray) -> np.ndarray:
+    """Coordinates (t, r) of a body as the model has them: of a full body the motions of its interfaces."""
+    return coordinates @ body.interface_motions.T if isinstance(body, FullBody) else coordinates
+
+
 @dataclass(frozen=True)
 class _BodyPlaces:
     """Where the velocities and coordinates of each body stand."""
@@ -103,6 +109,13 @@ def _grouped(items: Sequence[T], key: Callable[[T], Hashable]) -> list[list[T]]:
 def _stacked(trees: Sequence[Any]) -> Any:
     """Pytrees of one structure as one, with a leading axis on every leaf."""
     return jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *trees)
+
+
+def _stacked_laws(laws: Sequence[Any]) -> Any:
+    """As JAX arrays, which laws take for a group's and do not check again; None without laws."""
+    if laws[0] is None:
+        return None
+    return jax.tree.map(lambda *leaves: jnp.asarray(np.stack([np.asarray(leaf) for leaf in leaves])), *laws)
 
 
 def _structure(tree: Any) -> Hashable:
@@ -226,7 +239,7 @@ def _joint_groups(system: System, places: _BodyPlaces) -> tuple[JointGroup, ...]
             JointGroup(
                 constraint=type(joint).constraint,
                 rows=Places(tuple(row for _, row, _, _ in group), joint.n_constraints),
-                law=None if joint.law is None else _stacked([own.law for own, _, _, _ in group]),
+                law=_stacked_laws([own.law for own, _, _, _ in group]),
                 first=_ends(places, [first for _, _, first, _ in group]),
                 second=_ends(places, [second for _, _, _, second in group]),
             )
@@ -248,7 +261,7 @@ def _force_groups(
     return tuple(
         ForceGroup(
             wrenches=type(group[0][0]).wrenches,
-            law=None if group[0][0].law is None else _stacked([load.law for load, _, _ in group]),
+            law=_stacked_laws([load.law for load, _, _ in group]),
             parameters=_stacked([load.parameters for load, _, _ in group]),
             first=_ends(places, [first for _, first, _ in group]),
             second=_ends(places, [second for _, _, second in group]),

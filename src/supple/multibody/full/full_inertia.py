@@ -20,7 +20,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, kron
 
+from supple.algebra.cross import cross_matrices, cross_matrix
 from supple.body import FlexibleBody
+from supple.integrate import StepFactors
 
 __all__ = [
     "FullInertia",
@@ -28,19 +30,17 @@ __all__ = [
     "FullMotion",
     "InertiaBorder",
     "InertiaTerms",
-    "cross_matrices",
-    "cross_matrix",
 ]
 
 
 class FullMotion(NamedTuple):
-    """Nodal displacements, velocities, accelerations (N, d) and the frame's spin and accelerations (3,)."""
+    """Nodal displacements, velocities, accelerations (N, d) and the frame's angular velocity and accelerations (3,)."""
 
     displacement: np.ndarray
     rate: np.ndarray
     acceleration: np.ndarray
-    spin: np.ndarray
-    spin_rate: np.ndarray
+    angular_velocity: np.ndarray
+    angular_acceleration: np.ndarray
     frame_acceleration: np.ndarray
     """`A^T (Rddot - gravity)`"""
 
@@ -66,11 +66,6 @@ class InertiaBorder(NamedTuple):
     columns: np.ndarray
     rows: np.ndarray
     corner: np.ndarray
-
-
-def cross_matrix(w: np.ndarray) -> np.ndarray:
-    """`skew(w)`, (3, 3)."""
-    return np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
 
 
 def _turned(fields: np.ndarray, w: np.ndarray) -> np.ndarray:
@@ -117,11 +112,11 @@ class FullInertia:
     def _momenta(self, motion: FullMotion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Nodal velocities `V`, momenta `h` and their rate `hdot` in the frame, (N, d)."""
         rotations = self._rotations(motion.displacement)
-        velocity = rotations @ motion.spin + motion.rate
+        velocity = rotations @ motion.angular_velocity + motion.rate
         acceleration = (
             self._translations @ motion.frame_acceleration
-            + rotations @ motion.spin_rate
-            + _turned(motion.rate, motion.spin)
+            + rotations @ motion.angular_acceleration
+            + _turned(motion.rate, motion.angular_velocity)
             + motion.acceleration
         )
         return velocity, self._times_mass(velocity), self._times_mass(acceleration)
@@ -129,28 +124,28 @@ class FullInertia:
     def terms(self, motion: FullMotion) -> InertiaTerms:
         """Inertia forces on nodes and frame."""
         velocity, momentum, rate = self._momenta(motion)
-        nodal = rate + _turned(momentum, motion.spin)
+        nodal = rate + _turned(momentum, motion.angular_velocity)
         place = self.body.nodes + motion.displacement[:, :3]
         moment = (np.cross(place, nodal[:, :3]) + np.cross(velocity[:, :3], momentum[:, :3])).sum(axis=0)
         if self._d == 6:
-            moment = moment + (nodal[:, 3:] + np.cross(motion.spin, momentum[:, 3:])).sum(axis=0)
+            moment = moment + (nodal[:, 3:] + np.cross(motion.angular_velocity, momentum[:, 3:])).sum(axis=0)
         return InertiaTerms(nodal, np.concatenate([nodal[:, :3].sum(axis=0), moment]))
 
     def momenta(
-        self, displacement: np.ndarray, rate: np.ndarray, spin: np.ndarray, velocity: np.ndarray
+        self, displacement: np.ndarray, rate: np.ndarray, angular_velocity: np.ndarray, velocity: np.ndarray
     ) -> FullMomenta:
         """Kinetic energy and momenta at t instants.
 
             V = Phi_t v + Phi_w(q) w + qdot,   h = M V,   T = V h / 2,   P = Phi_t^T h,   H = Phi_w(q)^T h
 
         displacement, rate : (N, d, t) of the nodes
-        spin, velocity : (3, t) of the frame, `w` and `v = A^T Rdot`
+        angular_velocity, velocity : (3, t) of the frame, `w` and `v = A^T Rdot`
         """
         place = self.body.nodes[:, :, None] + displacement[:, :3]
         fields = rate.copy()
-        fields[:, :3] += velocity + np.cross(spin[None], place, axis=1)
+        fields[:, :3] += velocity + np.cross(angular_velocity[None], place, axis=1)
         if self._d == 6:
-            fields[:, 3:] += spin
+            fields[:, 3:] += angular_velocity
         momentum = self._times_mass(fields)
         angular = np.cross(place, momentum[:, :3], axis=1).sum(axis=0)
         if self._d == 6:
@@ -214,44 +209,47 @@ class FullInertia:
         }
 
     @staticmethod
-    def weights(motion: FullMotion, velocity: float, position: float) -> dict[str, np.ndarray]:
+    def weights(
+        angular_velocity: np.ndarray, angular_acceleration: np.ndarray, factors: StepFactors
+    ) -> dict[str, np.ndarray]:
         """Factors of `matrices` in the tangent."""
-        x, y, z = motion.spin
+        x, y, z = angular_velocity
         return {
             "mass": np.ones(1),
-            "gyroscopic": velocity * motion.spin,
-            "euler": position * motion.spin_rate,
-            "centrifugal": position * np.array([x * x, y * y, z * z, x * y, x * z, y * z]),
+            "gyroscopic": factors.by_velocity * angular_velocity,
+            "euler": factors.by_position * angular_acceleration,
+            "centrifugal": factors.by_position * np.array([x * x, y * y, z * z, x * y, x * z, y * z]),
         }
 
-    def border(self, motion: FullMotion, velocity: float, position: float) -> InertiaBorder:
+    def border(self, motion: FullMotion, factors: StepFactors) -> InertiaBorder:
         """Tangents between the nodes and the frame, for the same factors as `inertia_tangent`."""
-        spin, spin_rate = motion.spin, motion.spin_rate
+        position, velocity = factors
+        w, dw = motion.angular_velocity, motion.angular_acceleration
         rotations = self._rotations(motion.displacement)
         _, momentum, rate = self._momenta(motion)
         mass_translations = self._mass_translations
         mass_rotations = self._times_mass(rotations)
         axes = np.eye(3)
 
-        by_spin = np.stack([_turned(motion.rate, axis) for axis in axes], axis=-1)
+        by_rotation_rate = np.stack([_turned(motion.rate, axis) for axis in axes], axis=-1)
         turned_momentum = np.stack([_turned(momentum, axis) for axis in axes], axis=-1)
-        columns_spin = mass_rotations + velocity * (
-            self._times_mass(by_spin) + turned_momentum + _turned(mass_rotations, spin)
+        columns_rotation = mass_rotations + velocity * (
+            self._times_mass(by_rotation_rate) + turned_momentum + _turned(mass_rotations, w)
         )
-        columns = np.concatenate([mass_translations, columns_spin], axis=-1)
+        columns = np.concatenate([mass_translations, columns_rotation], axis=-1)
 
         left = np.concatenate([self._translations, rotations], axis=-1)
         mass_left = np.concatenate([mass_translations, mass_rotations], axis=-1)
         # (L^T w~) M: for a column l of L, (w~)^T l = -w x l
-        mass_turned_left = self._times_mass(-_turned(left, spin))
+        mass_turned_left = self._times_mass(-_turned(left, w))
         rows = (
             mass_left
-            - velocity * _turned(mass_left, spin)
-            - position * _turned(mass_left, spin_rate)
+            - velocity * _turned(mass_left, w)
+            - position * _turned(mass_left, dw)
             + velocity * mass_turned_left
-            - position * _turned(mass_turned_left, spin)
+            - position * _turned(mass_turned_left, w)
         )
-        nodal = rate + _turned(momentum, spin)
+        nodal = rate + _turned(momentum, w)
         # dX x y seen along e_j: dX . (y x e_j)
         arm_change = np.zeros_like(rotations)
         arm_change[:, :3] = -np.einsum("jab,nb->naj", np.array([cross_matrix(e) for e in axes]), nodal[:, :3])
@@ -260,20 +258,11 @@ class FullInertia:
         if self._d == 6:
             # e_j . (w x dh_rot) = (e_j x w) . dh_rot
             spun = np.zeros_like(rotations)
-            spun[:, 3:] = np.cross(axes, spin).T
+            spun[:, 3:] = np.cross(axes, w).T
             mass_spun = self._times_mass(spun)
-            rows[..., 3:] += velocity * mass_spun - position * _turned(mass_spun, spin)
+            rows[..., 3:] += velocity * mass_spun - position * _turned(mass_spun, w)
             total = momentum[:, 3:].sum(axis=0)
             change = velocity * mass_rotations[:, 3:].sum(axis=0)
-            corner[3:, 3:] += cross_matrix(spin) @ change - velocity * cross_matrix(total)
+            corner[3:, 3:] += cross_matrix(w) @ change - velocity * cross_matrix(total)
         n_nodal = self.body.n_nodal
         return InertiaBorder(columns.reshape(n_nodal, 6), rows.reshape(n_nodal, 6).T, corner)
-
-
-def cross_matrices(vectors: np.ndarray) -> np.ndarray:
-    """`skew(v)` of every row, (N, 3, 3)."""
-    result = np.zeros((len(vectors), 3, 3))
-    x, y, z = vectors.T
-    result[:, 0, 1], result[:, 0, 2], result[:, 1, 2] = -z, y, -x
-    result[:, 1, 0], result[:, 2, 0], result[:, 2, 1] = z, -y, x
-    return result

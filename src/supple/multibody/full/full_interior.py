@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -10,28 +10,54 @@ import jax
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
+from supple.algebra.cross import cross_matrices, cross_matrix
 from supple.algebra.rotation import rotation_right_jacobian
 from supple.algebra.sparse_factor import SparseFactor, factorize_general
+from supple.integrate import StepFactors
 from supple.body.full_body import FullBody
-from supple.machine import DeadForce
-from supple.multibody.full.full_inertia import FullInertia, FullMotion, cross_matrices, cross_matrix
+from supple.machine import NodalLoad
+from supple.multibody.equations.nodal_load import (
+    PreparedLoad,
+    forces_by_rotation,
+    nodal_forces,
+    prepared,
+)
+from supple.multibody.full.full_inertia import FullInertia, FullMotion
 
 __all__ = ["FullInterior", "InteriorForces", "InteriorState", "prepare_interior"]
 
 
 _right_jacobian = jax.jit(rotation_right_jacobian)
-_law_value = jax.jit(lambda law, time: law(time))
+_forces = jax.jit(nodal_forces)
+_forces_by_rotation = jax.jit(forces_by_rotation)
+
+
+class _LoadOnNodes(NamedTuple):
+    """A nodal load, its numbers where JAX computes: the table of a long run is many megabytes."""
+
+    nodes: np.ndarray
+    prepared: PreparedLoad
+
+
+class _LoadForces(NamedTuple):
+    """Forces of a load on its nodes (k,), body components, and their change as the frame turns."""
+
+    nodes: np.ndarray
+    forces: np.ndarray
+    """(k, 3)"""
+    by_rotation: np.ndarray
+    """(k, 3, 3)"""
 
 
 class InteriorState(NamedTuple):
-    """Motion of one full body: frame (global origin motion, body spin) and coordinates."""
+    """Motion of one full body: frame (global origin motion, angular velocity in body components) and coordinates."""
 
     rotation: np.ndarray
     coordinates: np.ndarray
     rates: np.ndarray
     accelerations: np.ndarray
-    spin: np.ndarray
-    spin_rate: np.ndarray
+    angular_velocity: np.ndarray
+    angular_acceleration: np.ndarray
     acceleration: np.ndarray
     """Global acceleration of the frame origin minus gravity."""
     frame_multipliers: np.ndarray
@@ -46,7 +72,7 @@ class InteriorForces(NamedTuple):
     applied: np.ndarray
     joint: np.ndarray
     """Of the frame conditions alone."""
-    frame_gap: np.ndarray
+    frame_residual: np.ndarray
     """`D q`, (6,)"""
 
 
@@ -74,45 +100,50 @@ class _Factored(NamedTuple):
     """A factored tangent, what it was factored for, and its answers to interface forces and multipliers."""
 
     factor: SparseFactor
-    velocity: float
-    position: float
-    spin: np.ndarray
-    spin_rate: np.ndarray
+    factors: StepFactors
+    angular_velocity: np.ndarray
+    angular_acceleration: np.ndarray
     responses: np.ndarray
     """(n, 6 p + 6)"""
 
-    def serves(self, motion: FullMotion, velocity: float, position: float) -> bool:
+    def serves(self, motion: FullMotion, factors: StepFactors) -> bool:
         """Whether Newton's iteration still converges fast with this tangent of a linear body."""
-        same_step = np.isclose(velocity, self.velocity, rtol=1e-9) and np.isclose(
-            position, self.position, rtol=1e-9, atol=0.0
+        by_position, by_velocity = factors
+        same_step = np.isclose(by_velocity, self.factors.by_velocity, rtol=1e-9) and np.isclose(
+            by_position, self.factors.by_position, rtol=1e-9, atol=0.0
         )
-        turned = velocity * np.max(abs(motion.spin - self.spin))
-        turned += position * np.max(abs(motion.spin_rate - self.spin_rate))
+        turned = by_velocity * np.max(abs(motion.angular_velocity - self.angular_velocity))
+        turned += by_position * np.max(abs(motion.angular_acceleration - self.angular_acceleration))
         return bool(same_step and turned <= LARGEST_TURN)
 
 
 LARGEST_TURN = 0.02
-"""Change of spin times step up to which a linear body's factor is kept: about Newton's contraction."""
+"""Change of angular velocity times step up to which a linear body's factor is kept: about Newton's contraction."""
 
 
 @dataclass(eq=False)
 class _FactorCache:
     """The last factored tangent of a linear body.
 
-    It changes with the step and the spin alone, so that one factor serves many steps, and a solution costs a
+    It changes with the step and the angular velocity alone, so that one factor serves many steps, and a solution costs a
     tenth of a factorisation. Newton's iteration ends at the same motion without it, to its tolerance.
     """
 
     _last: _Factored | None = field(default=None, init=False)
 
-    def serving(self, motion: FullMotion, velocity: float, position: float) -> _Factored | None:
+    def serving(self, motion: FullMotion, factors: StepFactors) -> _Factored | None:
         """The last factor where it still serves."""
         last = self._last
-        return last if last is not None and last.serves(motion, velocity, position) else None
+        return last if last is not None and last.serves(motion, factors) else None
 
     def keep(self, factored: _Factored) -> None:
         """Replace the last factor."""
         self._last = factored
+
+    @property
+    def last(self) -> _Factored | None:
+        """The last factor, whether it serves or not."""
+        return self._last
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +163,7 @@ class FullInterior:
     """Entries on the pattern of the constant matrices: kind to (number, nnz)."""
     tangent_places: np.ndarray
     """Where the entries of the nonlinear tangent stand in the pattern."""
-    loads: tuple[DeadForce, ...]
+    loads: tuple[_LoadOnNodes, ...]
     _cache: _FactorCache = field(default_factory=_FactorCache, init=False, repr=False)
     """The only thing here that changes while stepping; it saves time alone."""
 
@@ -145,8 +176,8 @@ class FullInterior:
             displacement=self._nodal(state.coordinates),
             rate=self._nodal(state.rates),
             acceleration=self._nodal(state.accelerations),
-            spin=state.spin,
-            spin_rate=state.spin_rate,
+            angular_velocity=state.angular_velocity,
+            angular_acceleration=state.angular_acceleration,
             frame_acceleration=state.rotation.T @ state.acceleration,
         )
 
@@ -156,13 +187,16 @@ class FullInterior:
             return body.stiffness @ coordinates
         return body.assembly.internal_force(coordinates)
 
-    def _load_forces(self, state: InteriorState) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Nodes (k,) and forces (k, 3) in body components of every nodal load."""
+    def _load_forces(self, state: InteriorState, place: np.ndarray) -> list[_LoadForces]:
+        """Of every nodal load, where the nodes are at `place` (N, 3)."""
         forces = []
         for load in self.loads:
-            nodes = np.asarray(load.at, dtype=int)
-            values = np.broadcast_to(np.asarray(_law_value(load.law, state.time)), (len(nodes), 3))
-            forces.append((nodes, values @ state.rotation))
+            arguments = load.prepared, place[load.nodes], state.rotation, state.time
+            forces.append(
+                _LoadForces(
+                    load.nodes, np.asarray(_forces(*arguments)), np.asarray(_forces_by_rotation(*arguments))
+                )
+            )
         return forces
 
     def forces(self, state: InteriorState) -> InteriorForces:
@@ -178,7 +212,7 @@ class FullInterior:
         nodal = np.zeros_like(terms.nodal)
         moment = np.zeros(3)
         place = body.nodes + self._nodal(state.coordinates)[:, :3]
-        for nodes, values in self._load_forces(state):
+        for nodes, values, _ in self._load_forces(state, place):
             np.add.at(nodal[:, :3], nodes, values)
             moment += np.cross(place[nodes], values).sum(axis=0)
         applied = -np.concatenate(
@@ -207,16 +241,15 @@ class FullInterior:
         state: InteriorState,
         residual: np.ndarray,
         increment: np.ndarray,
-        velocity: float,
-        position: float,
+        factors: StepFactors,
     ) -> Elimination:
         """Factor the interior's tangent and solve for everything that acts on it.
 
         residual : (n,) unbalanced generalised forces; increment : (3,) of the frame's rotation in this step
         """
         motion = self._motion(state)
-        factored = self._factored(motion, state.coordinates, velocity, position)
-        columns, rows, corner = self._border(motion, state, increment, velocity, position)
+        factored = self._factored(motion, state.coordinates, factors)
+        columns, rows, corner = self._border(motion, state, increment, factors)
         solved = -factored.factor.solve(np.column_stack([residual, columns]))
         p = 6 * len(self.full.interfaces)
         return Elimination(
@@ -228,38 +261,60 @@ class FullInterior:
             frame_corner=corner,
         )
 
-    def _factored(
-        self, motion: FullMotion, coordinates: np.ndarray, velocity: float, position: float
-    ) -> _Factored:
+    def _factored(self, motion: FullMotion, coordinates: np.ndarray, factors: StepFactors) -> _Factored:
         """The interior's tangent, factored; a linear body's is kept while it serves."""
         linear = self.full.body.model is None
-        if linear and (last := self._cache.serving(motion, velocity, position)) is not None:
+        if linear and (last := self._cache.serving(motion, factors)) is not None:
             return last
-        data = velocity * self.constant["damping"][0]
-        if position:
-            data = data + position * self._stiffness_data(coordinates)
-        for kind, factors in FullInertia.weights(motion, velocity, position).items():
-            data = data + factors @ self.constant[kind]
-        factor = self._analysed.refactorize(self._matrix(data))
-        constant = np.column_stack([self.interface_rows.T.toarray(), self.frame_rows.T])
-        factored = _Factored(
-            factor, velocity, position, motion.spin, motion.spin_rate, -factor.solve(constant)
-        )
+        factored = self._factor(motion.angular_velocity, motion.angular_acceleration, coordinates, factors)
         if linear:
             self._cache.keep(factored)
         return factored
+
+    def _factor(
+        self,
+        angular_velocity: np.ndarray,
+        angular_acceleration: np.ndarray,
+        coordinates: np.ndarray,
+        factors: StepFactors,
+    ) -> _Factored:
+        data = factors.by_velocity * self.constant["damping"][0]
+        if factors.by_position:
+            data = data + factors.by_position * self._stiffness_data(coordinates)
+        for kind, weight in FullInertia.weights(angular_velocity, angular_acceleration, factors).items():
+            data = data + weight @ self.constant[kind]
+        factor = self._analysed.refactorize(self._matrix(data))
+        constant = np.column_stack([self.interface_rows.T.toarray(), self.frame_rows.T])
+        return _Factored(factor, factors, angular_velocity, angular_acceleration, -factor.solve(constant))
+
+    @property
+    def factored_for(self) -> np.ndarray:
+        """What the kept tangent was factored for, (8,): step factors, angular velocity, angular acceleration.
+
+        NaN where none is kept. A run that goes on from here takes the same iterations with the same factor.
+        """
+        last = self._cache.last
+        if last is None:
+            return np.full(8, np.nan)
+        return np.concatenate([last.factors, last.angular_velocity, last.angular_acceleration])
+
+    def factor_again(self, factored_for: np.ndarray) -> None:
+        """Factor what a recorded run had kept."""
+        if np.isfinite(factored_for).all():
+            factors = StepFactors(float(factored_for[0]), float(factored_for[1]))
+            none = np.zeros(self.full.r)
+            self._cache.keep(self._factor(factored_for[2:5], factored_for[5:], none, factors))
 
     def _border(
         self,
         motion: FullMotion,
         state: InteriorState,
         increment: np.ndarray,
-        velocity: float,
-        position: float,
+        factors: StepFactors,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tangents with the frame, its force in global: columns (n, 6), rows (6, n), corner (6, 6)."""
-        columns, rows, corner = self.inertia.border(motion, velocity, position)
-        turn = position * np.asarray(_right_jacobian(increment))
+        columns, rows, corner = self.inertia.border(motion, factors)
+        turn = factors.by_position * np.asarray(_right_jacobian(increment))
         frame_force = self.inertia.terms(motion).frame[:3]
         # a = A^T (Rddot - g) changes with the frame's rotation, da = a x dpsi, and so does the force A p.
         swing = cross_matrix(motion.frame_acceleration) @ turn
@@ -272,12 +327,13 @@ class FullInterior:
         place = self.full.body.nodes + motion.displacement[:, :3]
         by_node = columns.reshape(-1, d, 6)
         row_by_node = rows.reshape(6, -1, d)
-        for nodes, values in self._load_forces(state):
-            # In body components dead forces turn against the frame: df = f x dpsi.
+        for nodes, values, by_rotation in self._load_forces(state, place):
+            # How forces follow the displacements of their own nodes is left to Newton's iteration.
             crosses = cross_matrices(values)
-            np.add.at(by_node[:, :3, 3:], nodes, -crosses @ turn)
-            np.add.at(row_by_node[3:, :, :3].swapaxes(0, 1), nodes, position * crosses)
-            corner[3:, 3:] -= np.einsum("kij,kjl->il", cross_matrices(place[nodes]), crosses) @ turn
+            np.add.at(by_node[:, :3, 3:], nodes, -by_rotation @ turn)
+            np.add.at(row_by_node[3:, :, :3].swapaxes(0, 1), nodes, factors.by_position * crosses)
+            corner[:3, 3:] -= (by_rotation - crosses).sum(axis=0) @ turn
+            corner[3:, 3:] -= np.einsum("kij,kjl->il", cross_matrices(place[nodes]), by_rotation) @ turn
 
         rotation = state.rotation
         columns[:, :3] = columns[:, :3] @ rotation.T
@@ -306,7 +362,7 @@ def _unit_rows(rows: np.ndarray) -> np.ndarray:
     return rows / np.linalg.norm(rows, axis=1, keepdims=True)
 
 
-def prepare_interior(index: int, full: FullBody, loads: tuple[DeadForce, ...]) -> FullInterior:
+def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -> FullInterior:
     """Everything of a full body that does not change from step to step."""
     body = full.body
     inertia = FullInertia(body)
@@ -340,6 +396,5 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[DeadForce, ...]) -
             for kind, group in matrices.items()
         },
         tangent_places=_places(pattern, shape.indices, columns),
-        # Put where JAX computes once: the table of a long run is many megabytes.
-        loads=tuple(replace(load, force=jax.device_put(load.law)) for load in loads),
+        loads=tuple(_LoadOnNodes(load.nodes, jax.device_put(prepared(load))) for load in loads),
     )

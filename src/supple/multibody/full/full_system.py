@@ -14,7 +14,8 @@ A Python loop over time steps is unavoidable here: each iteration is one sparse 
 
 from __future__ import annotations
 
-import time as clock
+from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
@@ -25,49 +26,25 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from supple.algebra.rotation import rotation_exp
-from supple.body.full_body import FullBody
-from supple.errors import ConvergenceError, ModelError
-from supple.integrate import (
-    Solution,
-    Statistics,
-    StepControl,
-    StepRule,
-    TimeIntegrator,
-    Tolerances,
-    concatenate,
-)
-from supple.machine import DeadForce
-from supple.machine.system import System
-from supple.multibody.compiled.initial_state import (
-    check_joints_closed,
-    independent_constraints,
-    joint_terms,
-    placed_velocity,
-)
-from supple.multibody.compiled.time_step import next_step, position_rounding
-from supple.multibody.equations.balance import (
-    Balance,
-    Configuration,
-    Linearization,
-    Motion,
-    balance,
-    constraint_rows,
-    tangent,
-)
-from supple.multibody.equations.model import Model, build_model, is_nodal_load_on_full_body
-from supple.multibody.full.full_interior import Elimination, FullInterior, InteriorState, prepare_interior
-from supple.multibody.run_parts import (
-    CHUNKS,
-    Checkpoint,
-    Progress,
-    Recorder,
-    body_motions,
-    failure_message,
-    joint_forces,
-    last_instant,
+from supple.body import FullBody
+from supple.errors import ModelError
+from supple.integrate import StepFactors, StepRule, TimeIntegrator, Tolerances
+from supple.machine import NodalLoad, System
+from supple.multibody.equations.balance import Balance, Linearization, balance, tangent
+from supple.multibody.equations.build_model import build_model, is_on_full_nodes
+from supple.multibody.equations.configuration import Configuration, SystemMotion
+from supple.multibody.equations.consistent_start import JointTerms, joint_terms
+from supple.multibody.equations.joint_force import constraint_rows
+from supple.multibody.equations.model import Model
+from supple.multibody.equations.step_size import position_rounding
+from supple.multibody.full.full_interior import (
+    Elimination,
+    FullInterior,
+    InteriorState,
+    prepare_interior,
 )
 
-__all__ = ["FullOrderSystem", "FullState", "simulate_full_order"]
+__all__ = ["FullState", "FullSystem"]
 
 
 class FullState(NamedTuple):
@@ -82,30 +59,19 @@ class FullState(NamedTuple):
     frame_multipliers: tuple[np.ndarray, ...]
 
 
-class _Border(NamedTuple):
-    """The compiled part of one evaluation: joints, forces, reduced and rigid bodies."""
-
-    terms: Balance
-    gap: jax.Array
-    matrix: jax.Array
-    rows: jax.Array
-    rows_by_increment: jax.Array
-
-
 _border_terms = jax.jit(balance)
 
 
 @jax.jit
 def _border_matrices(
     model: Model,
-    motion: Motion,
+    motion: SystemMotion,
     linearization: Linearization,
     increments: jax.Array,
-    velocity: jax.Array,
-    position: jax.Array,
+    factors: StepFactors,
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
     return (
-        tangent(model, motion, linearization, increments, velocity, position),
+        tangent(model, motion, linearization, increments, factors),
         constraint_rows(model, linearization.joints),
         constraint_rows(model, linearization.joints, increments),
     )
@@ -114,17 +80,17 @@ def _border_matrices(
 class _Evaluation(NamedTuple):
     """Residuals at one iterate."""
 
-    border_motion: Motion
+    border_motion: SystemMotion
     border: Balance
-    gap: np.ndarray
+    constraint_residual: np.ndarray
     interior_states: tuple[InteriorState, ...]
     interior_residuals: tuple[np.ndarray, ...]
     """(6 + n,) of each full body, its interface forces included in the last n."""
-    frame_gaps: tuple[np.ndarray, ...]
+    frame_residuals: tuple[np.ndarray, ...]
     relative_residual: np.ndarray
 
 
-class FullOrderSystem:
+class FullSystem:
     """A system with at least one full body, ready for stepping. Holds no state of the motion.
 
     active : the constraint equations to keep, redundant ones left out; all of them until `start` finds out
@@ -144,13 +110,17 @@ class FullOrderSystem:
         self.model = build_model(system, active)
         self.interior_of = {interior.index: interior for interior in self.interiors}
 
-    def _nodal_loads(self, full: FullBody) -> tuple[DeadForce, ...]:
+    def restricted(self, active: tuple[int, ...]) -> FullSystem:
+        """Without some of the constraint equations."""
+        other = copy(self)
+        other.model = replace(self.model, active=active)
+        return other
+
+    def _nodal_loads(self, full: FullBody) -> tuple[NodalLoad, ...]:
         return tuple(
             load
             for load in self.system.loads
-            if isinstance(load, DeadForce)
-            and load.body == full.name
-            and is_nodal_load_on_full_body(self.system, load)
+            if isinstance(load, NodalLoad) and load.body == full.name and is_on_full_nodes(self.system, load)
         )
 
     def to_border(self, vector: np.ndarray) -> np.ndarray:
@@ -166,28 +136,27 @@ class FullOrderSystem:
 
     def border_configuration(self, configuration: Configuration) -> Configuration:
         """Configuration of the compiled part."""
-        coordinates = tuple(
-            np.asarray(own if index not in self.interior_of else self.interior_of[index].interface_rows @ own)
-            for index, own in enumerate(configuration.coordinates)
-        )
+        coordinates = []
+        for index, part in enumerate(self.coordinate_slices):
+            own, interior = configuration.coordinates[part], self.interior_of.get(index)
+            coordinates.append(own if interior is None else interior.interface_rows @ own)
+        return configuration._replace(coordinates=np.concatenate(coordinates))
+
+    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
+        """The configuration after an increment (n,)."""
+        frames = np.array([increment[part.start : part.start + 6] for part in self.slices])
+        turns = np.asarray(_rotations_exp(frames[:, 3:]))
         return Configuration(
-            np.asarray(configuration.origins), np.asarray(configuration.rotations), coordinates
+            origins=configuration.origins + frames[:, :3],
+            rotations=configuration.rotations @ turns,
+            coordinates=configuration.coordinates
+            + np.concatenate([increment[part.start + 6 : part.stop] for part in self.slices]),
         )
 
-    def advance(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
-        """The configuration moved by an increment (n,)."""
-        steps = [increment[part] for part in self.slices]
-        turns = [np.asarray(_rotation_exp(step[3:6])) for step in steps]
-        return Configuration(
-            origins=configuration.origins + np.array([step[:3] for step in steps]),
-            rotations=np.array([a @ b for a, b in zip(configuration.rotations, turns, strict=True)]),
-            coordinates=tuple(q + s[6:] for q, s in zip(configuration.coordinates, steps, strict=True)),
-        )
-
-    def evaluate(self, state: FullState, position: float) -> _Evaluation:
-        """All residuals at a state; `position` scales the constraints' relative_residual."""
+    def evaluate(self, state: FullState, by_position: float) -> _Evaluation:
+        """All residuals at a state; `by_position`, of the step, scales those of the constraints."""
         configuration = self.border_configuration(state.configuration)
-        motion = Motion(
+        motion = SystemMotion(
             np.float64(state.time),
             configuration,
             self.to_border(state.velocity),
@@ -213,39 +182,39 @@ class FullOrderSystem:
                 ]
                 states.append(inner)
                 residuals.append(np.sum(rows, axis=0))
-                gaps.append(forces.frame_gap)
+                gaps.append(forces.frame_residual)
             squares += np.array([_squares_by_kind(row) for row in rows])
             unbalanced += _squares_by_kind(np.sum(rows, axis=0))
         scale = np.sqrt(squares.max(axis=0))
-        forces_imbalance = np.sqrt(unbalanced) / np.where(scale > 0, scale, 1.0)
-        gap = terms.gap
-        constraint = self._constraint_imbalance(state, np.concatenate([gap, *gaps]), position)
+        relative = np.sqrt(unbalanced) / np.where(scale > 0, scale, 1.0)
+        of_joints = terms.constraint_residual
+        constraint = self._relative_constraint(state, np.concatenate([of_joints, *gaps]), by_position)
         return _Evaluation(
             motion,
             terms,
-            gap,
+            of_joints,
             tuple(states),
             tuple(residuals),
             tuple(gaps),
-            np.append(forces_imbalance, constraint),
+            np.append(relative, constraint),
         )
 
-    def _constraint_imbalance(self, state: FullState, gap: np.ndarray, position: float) -> float:
-        largest = float(np.max(abs(gap), initial=0.0))
+    def _relative_constraint(self, state: FullState, residual: np.ndarray, by_position: float) -> float:
+        largest = float(np.max(abs(residual), initial=0.0))
         floor = self.model.length * float(position_rounding(self.model.length, state.configuration.origins))
-        if largest <= floor or position == 0:
+        if largest <= floor or by_position == 0:
             return 0.0
         accelerations = self.model.length * np.max(abs(state.acceleration) / self.position_scale)
-        return largest / position / (accelerations + floor / position)
+        return largest / by_position / (accelerations + floor / by_position)
 
     @cached_property
     def position_scale(self) -> np.ndarray:
         """What counts as a large change of each freedom, (n,)."""
         length = self.model.length
         parts = []
-        for index, part in enumerate(self.slices):
+        for index, (placed, part) in enumerate(zip(self.system.bodies, self.slices, strict=True)):
             r = part.stop - part.start - 6
-            scale = length if index in self.interior_of else self.model.bodies[index].coordinate_scale
+            scale = length if index in self.interior_of else length * np.sqrt(placed.body.mass)
             parts += [np.full(3, length), np.ones(3), np.full(r, scale)]
         return np.concatenate(parts)
 
@@ -254,12 +223,12 @@ class FullOrderSystem:
         velocity, acceleration = state.velocity[part], state.acceleration[part]
         return InteriorState(
             rotation=state.configuration.rotations[interior.index],
-            coordinates=state.configuration.coordinates[interior.index],
+            coordinates=state.configuration.coordinates[self.coordinate_slices[interior.index]],
             rates=velocity[6:],
             accelerations=acceleration[6:],
-            spin=velocity[3:6],
-            spin_rate=acceleration[3:6],
-            acceleration=acceleration[:3] - self.system.gravity,
+            angular_velocity=velocity[3:6],
+            angular_acceleration=acceleration[3:6],
+            acceleration=acceleration[:3] - np.asarray(self.model.gravity_at(state.time)),
             frame_multipliers=state.frame_multipliers[self.interiors.index(interior)],
             time=state.time,
         )
@@ -269,8 +238,7 @@ class FullOrderSystem:
         evaluation: _Evaluation,
         targets: tuple[np.ndarray, tuple[np.ndarray, ...]],
         increments: np.ndarray,
-        velocity: float,
-        position: float,
+        factors: StepFactors,
     ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
         """Solve the bordered system for the change of accelerations, multipliers and frame multipliers.
 
@@ -285,8 +253,7 @@ class FullOrderSystem:
                 motion,
                 evaluation.border.linearization,
                 self.to_border(increments),
-                np.float64(velocity),
-                np.float64(position),
+                StepFactors(*map(np.float64, factors)),
             )
         )
         joint_targets, frame_targets = targets
@@ -308,8 +275,7 @@ class FullOrderSystem:
                 evaluation.interior_states[number],
                 residual[6:],
                 increments[part][3:6],
-                velocity,
-                position,
+                factors,
             )
             eliminations.append(out)
             self._condense(interior, number, out, residual[:6], frame_targets[number], small, right, m)
@@ -374,57 +340,72 @@ class FullOrderSystem:
         small[mu] += held
         right[mu] = frame_target - held_particular
 
-    def start(self, time: float) -> FullState:
-        """Consistent initial state: velocities on the joints and in the frames, first accelerations."""
-        system = self.system
-        configuration = Configuration(
-            origins=np.array([placed.position for placed in system.bodies]),
-            rotations=np.array([placed.rotation for placed in system.bodies]),
-            coordinates=tuple(np.array(placed.coordinates) for placed in system.bodies),
-        )
-        for interior in self.interiors:
-            held = interior.frame_rows @ configuration.coordinates[interior.index]
-            if np.max(abs(held)) > 1e-9 * self.model.length:
-                raise ModelError(
-                    f"the initial deformation of body '{interior.full.name}' moves its frame by "
-                    f"{np.max(abs(held)):.3g}: subtract the rigid motion (frame_projector) first"
-                )
-        now = jnp.asarray(float(time))
-        velocity = placed_velocity(system)
-        rest = np.zeros(self.n)
+    def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
+        """Constraints and their derivatives, for the velocities of the compiled part."""
         border = self.border_configuration(configuration)
-        terms = joint_terms(self.model, now, border, jnp.asarray(self.to_border(velocity)))
-        check_joints_closed(system, self.model, np.asarray(terms.gap))
-        # Judged by the motions of the interfaces: a massless stand-in has no mass to measure them with.
-        kept = independent_constraints(system, np.asarray(terms.jacobian), np.eye(self.model.n_velocities))
-        self.model = build_model(system, active=kept)
-        state = FullState(
-            float(time),
-            configuration,
-            velocity,
-            rest,
-            rest,
-            np.zeros(len(kept)),
-            tuple(np.zeros(6) for _ in self.interiors),
+        at = jnp.asarray(float(time))
+        return JointTerms(
+            *map(np.asarray, joint_terms(self.model, at, border, jnp.asarray(self.to_border(velocity))))
         )
-        # Velocities: the least change in the mass norm that closes the rates of joints and frames.
-        drift = np.asarray(joint_terms(self.model, now, border, jnp.asarray(self.to_border(velocity))).rate)
-        frame_drift = tuple(i.frame_rows @ velocity[self.slices[i.index]][6:] for i in self.interiors)
-        still = self.evaluate(state._replace(velocity=rest), 0.0)
+
+    def metric(self, configuration: Configuration) -> np.ndarray:  # noqa: ARG002
+        """One: rows are judged by the motions of the interfaces, which here have no mass of their own."""
+        return np.eye(self.model.n_velocities)
+
+    def least_change(
+        self,
+        configuration: Configuration,
+        velocity: np.ndarray,
+        terms: JointTerms,  # noqa: ARG002 - the border finds them again
+        joint_residual: np.ndarray,
+    ) -> np.ndarray:
+        """`M x + G^T y + D^T z = 0`, `G x = - residual`, `D x = - D velocity` of every full body."""
+        at_rest = self.state_at(0.0, configuration, np.zeros(self.n))
+        still = self.evaluate(at_rest, 0.0)
         balanced = still._replace(
             border=_zero_residual(still.border),
             interior_residuals=tuple(np.zeros_like(r) for r in still.interior_residuals),
         )
-        change, _, _ = self.correction(balanced, (-drift, tuple(-d for d in frame_drift)), rest, 0.0, 0.0)
-        state = state._replace(velocity=velocity + change)
-        # Accelerations and multipliers, with the second derivative of the constraints at constant velocity.
-        bending = np.asarray(
-            joint_terms(self.model, now, border, jnp.asarray(self.to_border(state.velocity))).bending
+        drifts = tuple(-interior.frame_rows @ velocity[self._coordinates(interior)] for interior in self.interiors)
+        change, _, _ = self.correction(
+            balanced, (-joint_residual, drifts), np.zeros(self.n), StepFactors(0.0, 0.0)
         )
-        evaluation = self.evaluate(state, 0.0)
+        return change
+
+    def _coordinates(self, interior: FullInterior) -> slice:
+        """Where the coordinates of a full body stand in the velocities."""
+        part = self.slices[interior.index]
+        return slice(part.start + 6, part.stop)
+
+    def check_frames(self, configuration: Configuration) -> None:
+        """Raise ModelError for an initial deformation that moves a body's frame."""
+        for interior in self.interiors:
+            moved = interior.frame_rows @ configuration.coordinates[self.coordinate_slices[interior.index]]
+            if np.max(abs(moved)) > 1e-9 * self.model.length:
+                raise ModelError(
+                    f"the initial deformation of body '{interior.full.name}' moves its frame by "
+                    f"{np.max(abs(moved)):.3g}: subtract the rigid motion (frame_projector) first"
+                )
+
+    def state_at(self, time: float, configuration: Configuration, velocity: np.ndarray) -> FullState:
+        """A state without accelerations and multipliers."""
+        none = np.zeros(self.n)
+        return FullState(
+            float(time),
+            configuration,
+            velocity,
+            none,
+            none,
+            np.zeros(len(self.model.active)),
+            tuple(np.zeros(6) for _ in self.interiors),
+        )
+
+    def accelerated(self, state: FullState) -> FullState:
+        """The state with the accelerations and multipliers that belong to its positions and velocities."""
+        bias = self.joint_terms(state.time, state.configuration, state.velocity).acceleration_bias
         none = tuple(np.zeros(6) for _ in self.interiors)
         acceleration, multipliers, frame_multipliers = self.correction(
-            evaluation, (-bending, none), rest, 0.0, 0.0
+            self.evaluate(state, 0.0), (-bias, none), np.zeros(self.n), StepFactors(0.0, 0.0)
         )
         return state._replace(
             acceleration=acceleration,
@@ -436,8 +417,9 @@ class FullOrderSystem:
     def step(
         self, start: FullState, h: float, method: TimeIntegrator, tolerances: Tolerances
     ) -> tuple[FullState, np.ndarray, int, bool]:
-        """One time step: the new state, its relative_residual, the iterations, and whether it converged."""
+        """One time step: the new state, its relative residual, the iterations, and whether it converged."""
         rule = StepRule(method.coefficients, h)
+        by_position = rule.factors.by_position
         acceleration, multipliers = start.acceleration, start.multipliers
         frame_multipliers = start.frame_multipliers
         moved = np.inf
@@ -447,170 +429,50 @@ class FullOrderSystem:
             increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
             state = FullState(
                 start.time + h,
-                self.advance(start.configuration, increments),
+                self.moved(start.configuration, increments),
                 rule.new_velocity(start.velocity, start.auxiliary, auxiliary),
                 acceleration,
                 auxiliary,
                 multipliers,
                 frame_multipliers,
             )
-            evaluation = self.evaluate(state, rule.position)
-            relative_residual = evaluation.relative_residual
+            evaluation = self.evaluate(state, by_position)
+            relative = evaluation.relative_residual
             rounding = position_rounding(self.model.length, state.configuration.origins)
-            settled = moved <= rounding and relative_residual[3] <= 1e-6
-            if np.all(relative_residual <= tolerances.residual) or settled:
-                return state, relative_residual, iteration, True
-            if not np.isfinite(relative_residual).all() or iteration == tolerances.max_iterations:
-                return state, relative_residual, iteration, False
+            settled = moved <= rounding and relative[3] <= 1e-6
+            if np.all(relative <= tolerances.residual) or settled:
+                return state, relative, iteration, True
+            if not np.isfinite(relative).all() or iteration == tolerances.max_iterations:
+                return state, relative, iteration, False
             targets = (
-                -evaluation.gap / rule.position,
-                tuple(-gap / rule.position for gap in evaluation.frame_gaps),
+                -evaluation.constraint_residual / by_position,
+                tuple(-residual / by_position for residual in evaluation.frame_residuals),
             )
             change, joint_change, frame_change = self.correction(
-                evaluation, targets, increments, rule.velocity, rule.position
+                evaluation, targets, increments, rule.factors
             )
             acceleration = acceleration + change
             multipliers = multipliers + joint_change
             frame_multipliers = tuple(
                 old + new for old, new in zip(frame_multipliers, frame_change, strict=True)
             )
-            moved = rule.position * np.max(abs(change) / self.position_scale)
+            moved = by_position * np.max(abs(change) / self.position_scale)
             iteration += 1
 
-    def local_error(self, start: FullState, end: FullState, h: float, method: TimeIntegrator) -> float:
-        """Leading local error of the step, relative to the scale of each freedom."""
-        error = StepRule(method.coefficients, h).position_error(start.auxiliary, end.auxiliary)
-        return float(np.max(abs(error) / self.position_scale))
+
+_rotations_exp = jax.jit(jax.vmap(rotation_exp))
 
 
-_rotation_exp = jax.jit(rotation_exp)
+def _slices(sizes: list[int]) -> tuple[slice, ...]:
+    ends = np.cumsum([0, *sizes])
+    return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
 
 
 def _zero_residual(terms: Balance) -> Balance:
     nothing = np.zeros_like(terms.inertia)
-    return Balance(nothing, nothing, nothing, nothing, terms.gap, terms.linearization)
+    return Balance(nothing, nothing, nothing, nothing, terms.constraint_residual, terms.linearization)
 
 
 def _squares_by_kind(row: np.ndarray) -> np.ndarray:
+    """Squared norms of forces, moments and deformation forces of one body's row (6 + r,)."""
     return np.array([row[:3] @ row[:3], row[3:6] @ row[3:6], row[6:] @ row[6:]])
-
-
-def simulate_full_order(
-    system: System,
-    times: np.ndarray,
-    step: StepControl,
-    method: TimeIntegrator,
-    tolerances: Tolerances,
-    resume: Checkpoint | None,
-    progress: Progress,
-    record: Recorder,
-) -> Solution:
-    """`simulate` for systems with full bodies; see there."""
-    began = clock.perf_counter()
-    prepared = FullOrderSystem(system)
-    state = prepared.start(float(times[0]))
-    parts: list[Solution] = []
-    if resume is None:
-        ready = clock.perf_counter()
-        first = _as_solution(prepared, [state], Statistics(compile_seconds=ready - began))
-        parts.append(first)
-        record(first)
-        times = times[1:]
-    else:
-        state = _resumed(prepared, state, resume.solution)
-        times = times[times > resume.solution.times[-1] * (1 + 1e-12)]
-    size = max(1, int(np.ceil(len(times) / CHUNKS)))
-    march = _March(step.first)
-    for begin in range(0, len(times), size):
-        states: list[FullState] = []
-        mark, before = clock.perf_counter(), march
-        failure = None
-        for end in times[begin : begin + size]:
-            state, march, failure = _to_output(prepared, state, float(end), march, step, method, tolerances)
-            if failure is not None:
-                break
-            states.append(state)
-        statistics = Statistics(
-            steps=march.steps - before.steps,
-            iterations=march.iterations - before.iterations,
-            rejected_steps=march.rejected_steps - before.rejected_steps,
-            seconds=clock.perf_counter() - mark,
-        )
-        if states:
-            parts.append(_as_solution(prepared, states, statistics))
-            record(parts[-1])
-        if failure is not None:
-            raise ConvergenceError(failure_message(state.time, failure))
-        progress(min(begin + size, len(times)) / len(times))
-    return concatenate(parts)
-
-
-class _March(NamedTuple):
-    """Step size to try next, and the counts so far."""
-
-    h: float
-    steps: int = 0
-    iterations: int = 0
-    rejected_steps: int = 0
-
-
-def _to_output(
-    prepared: FullOrderSystem,
-    state: FullState,
-    end: float,
-    march: _March,
-    control: StepControl,
-    method: TimeIntegrator,
-    tolerances: Tolerances,
-) -> tuple[FullState, _March, np.ndarray | None]:
-    """Steps up to an output time; the relative_residual instead of None when the smallest step fails."""
-    while state.time < end:
-        remaining = end - state.time
-        # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
-        h = remaining / max(np.ceil(remaining / march.h * (1 - 1e-9)), 1.0)
-        new, relative_residual, iterations, converged = prepared.step(state, h, method, tolerances)
-        error = prepared.local_error(state, new, h, method) if converged else np.inf
-        proposed = next_step(h, march.h, error, control.tolerance, control.largest) if converged else h / 2
-        if converged and error <= control.tolerance:
-            if h >= remaining * (1 - 1e-9):
-                new = new._replace(time=end)
-            state = new
-            march = _March(
-                float(proposed), march.steps + 1, march.iterations + iterations, march.rejected_steps
-            )
-        else:
-            march = _March(
-                float(proposed), march.steps, march.iterations + iterations, march.rejected_steps + 1
-            )
-            if march.h < control.smallest:
-                return state, march, relative_residual
-    return state, march, None
-
-
-def _as_solution(prepared: FullOrderSystem, states: list[FullState], statistics: Statistics) -> Solution:
-    configuration = Configuration(
-        origins=np.array([s.configuration.origins for s in states]),
-        rotations=np.array([s.configuration.rotations for s in states]),
-        coordinates=tuple(
-            np.array([s.configuration.coordinates[index] for s in states])
-            for index in range(len(prepared.slices))
-        ),
-    )
-    return Solution(
-        times=np.array([s.time for s in states]),
-        bodies=body_motions(
-            prepared.system,
-            prepared.slices,
-            configuration,
-            np.array([s.velocity for s in states]),
-            np.array([s.acceleration for s in states]),
-        ),
-        joint_forces=joint_forces(prepared.system, prepared.model, np.array([s.multipliers for s in states])),
-        statistics=statistics,
-    )
-
-
-def _resumed(prepared: FullOrderSystem, start: FullState, done: Solution) -> FullState:
-    """State at the end of a recorded part; the frame multipliers are found again by the first iteration."""
-    last = last_instant(prepared.system, prepared.model, done)
-    return start._replace(**last._asdict(), auxiliary=last.acceleration)

@@ -1,49 +1,17 @@
-"""A run in parts: what is handed on as each completes, and where a later one takes over."""
+"""States of floating-frame engines as solutions, and back."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from supple.errors import ModelError
 from supple.integrate import FloatingMotion, Solution
-from supple.machine.system import System
-from supple.multibody.equations.balance import Configuration
-from supple.multibody.equations.model import Model
+from supple.machine import System
+from supple.multibody.equations.configuration import Configuration
 
-__all__ = [
-    "CHUNKS",
-    "Checkpoint",
-    "LastInstant",
-    "Progress",
-    "Recorder",
-    "body_motions",
-    "failure_message",
-    "joint_forces",
-    "last_instant",
-]
-
-Progress = Callable[[float], None]
-"""Called with the completed fraction of a run, 0 to 1."""
-Recorder = Callable[[Solution], None]
-"""Called with each completed chunk of a run; the first holds the initial state."""
-
-CHUNKS = 50
-"""A run is handed on in so many parts."""
-
-
-@dataclass(frozen=True)
-class Checkpoint:
-    """A finished part of a run, from whose last instant a new run goes on.
-
-    Made by `Checkpoint(solution)` from what was recorded; the auxiliary acceleration of the integrator is
-    taken equal to the true one, which keeps the order of accuracy.
-    """
-
-    solution: Solution
+__all__ = ["LastInstant", "body_motions", "failure_message", "joint_forces", "last_instant"]
 
 
 def body_motions(
@@ -53,14 +21,19 @@ def body_motions(
     velocity: np.ndarray,
     acceleration: np.ndarray,
 ) -> dict[str, FloatingMotion]:
-    """Split stacked states (leading axis: time) by body."""
+    """Split stacked states (leading axis: time) by body.
+
+    slices : where the velocities of each body stand
+    """
     motions = {}
+    first = 0
     for index, (placed, part) in enumerate(zip(system.bodies, slices, strict=True)):
         own, rate = velocity[..., part], acceleration[..., part]
+        after = first + part.stop - part.start - 6
         motions[placed.body.name] = FloatingMotion(
             position=configuration.origins[..., index, :],
             rotation=configuration.rotations[..., index, :, :],
-            coordinates=configuration.coordinates[index],
+            coordinates=configuration.coordinates[..., first:after],
             velocity=own[..., :3],
             angular_velocity=own[..., 3:6],
             coordinate_rates=own[..., 6:],
@@ -68,13 +41,17 @@ def body_motions(
             angular_acceleration=rate[..., 3:6],
             coordinate_accelerations=rate[..., 6:],
         )
+        first = after
     return motions
 
 
-def joint_forces(system: System, model: Model, multipliers: np.ndarray) -> dict[str, np.ndarray]:
+def joint_forces(
+    system: System, active: tuple[int, ...], multipliers: np.ndarray
+) -> dict[str, np.ndarray]:
     """Multipliers by joint; zero for the equations that were left out as redundant."""
-    every = np.zeros((*multipliers.shape[:-1], model.n_equations))
-    every[..., list(model.active)] = multipliers
+    n_equations = sum(joint.n_constraints for joint in system.joints)
+    every = np.zeros((*multipliers.shape[:-1], n_equations))
+    every[..., list(active)] = multipliers
     forces, start = {}, 0
     for joint in system.joints:
         forces[joint.name] = every[..., start : start + joint.n_constraints]
@@ -90,9 +67,10 @@ class LastInstant(NamedTuple):
     velocity: np.ndarray
     acceleration: np.ndarray
     multipliers: np.ndarray
+    """Of all equations"""
 
 
-def last_instant(system: System, model: Model, done: Solution) -> LastInstant:
+def last_instant(system: System, done: Solution) -> LastInstant:
     """Where a recorded part ends; ModelError when it has other bodies or joints than the system."""
     last = done.bodies
     names = [placed.body.name for placed in system.bodies]
@@ -104,17 +82,18 @@ def last_instant(system: System, model: Model, done: Solution) -> LastInstant:
     def joined(*items: str) -> np.ndarray:
         return np.concatenate([getattr(last[name], item)[-1] for name in names for item in items])
 
-    every = np.concatenate([np.zeros(0)] + [done.joint_forces[joint.name][-1] for joint in system.joints])
     return LastInstant(
         time=float(done.times[-1]),
         configuration=Configuration(
             origins=np.array([last[name].position[-1] for name in names]),
             rotations=np.array([last[name].rotation[-1] for name in names]),
-            coordinates=tuple(np.array(last[name].coordinates[-1]) for name in names),
+            coordinates=joined("coordinates"),
         ),
         velocity=joined("velocity", "angular_velocity", "coordinate_rates"),
         acceleration=joined("acceleration", "angular_acceleration", "coordinate_accelerations"),
-        multipliers=every[list(model.active)],
+        multipliers=np.concatenate(
+            [np.zeros(0)] + [done.joint_forces[joint.name][-1] for joint in system.joints]
+        ),
     )
 
 

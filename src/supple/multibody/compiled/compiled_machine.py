@@ -1,0 +1,106 @@
+"""A machine of rigid and reduced bodies as its consistent start needs it: dense, in the mass norm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.machine import System
+from supple.multibody.equations.balance import balance
+from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.compiler_options import STARTING
+from supple.multibody.equations.configuration import Configuration, SystemMotion, advance
+from supple.multibody.equations.consistent_start import JointTerms, consistent_start, joint_terms
+from supple.multibody.equations.inertia import mass_matrix
+from supple.multibody.equations.model import Model
+
+__all__ = ["CompiledMachine", "CompiledStart", "compiled_start"]
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledMachine:
+    """A `StartingMachine` by its dense mass matrix."""
+
+    system: System
+    model: Model
+
+    def restricted(self, active: tuple[int, ...]) -> CompiledMachine:
+        """Without some of the constraint equations."""
+        return CompiledMachine(self.system, replace(self.model, active=active))
+
+    def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
+        """Constraints and their derivatives."""
+        terms = joint_terms(self.model, jnp.asarray(float(time)), configuration, jnp.asarray(velocity))
+        return JointTerms(*map(np.asarray, terms))
+
+    def metric(self, configuration: Configuration) -> np.ndarray:
+        """The mass matrix."""
+        return np.asarray(_mass(self.model, configuration))
+
+    def least_change(
+        self,
+        configuration: Configuration,
+        velocity: np.ndarray,  # noqa: ARG002 - nothing but joints restricts it
+        terms: JointTerms,
+        joint_residual: np.ndarray,
+    ) -> np.ndarray:
+        """`M x + G^T y = 0`, `G x = - residual`."""
+        mass = self.metric(configuration)
+        return _bordered_solve(mass, terms.jacobian, np.zeros(len(mass)), -joint_residual)[: len(mass)]
+
+    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
+        """The configuration after an increment."""
+        return jax.tree.map(np.asarray, _moved(self.model, configuration, jnp.asarray(increment)))
+
+
+class CompiledStart(NamedTuple):
+    """A consistent initial state."""
+
+    model: Model
+    """Without redundant constraints"""
+    configuration: Configuration
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    multipliers: np.ndarray
+
+
+def compiled_start(system: System, time: float) -> CompiledStart:
+    """Consistent positions and velocities, and the accelerations and multipliers that belong to them.
+
+    `M vdot + G^T lambda = - forces`, `G vdot = - d2g/dt2` at constant velocity.
+    """
+    every = CompiledMachine(system, build_model(system))
+    machine, configuration, velocity = consistent_start(every, time)
+    model = machine.model
+    terms = machine.joint_terms(time, configuration, velocity)
+    mass = machine.metric(configuration)
+    forces = np.asarray(_forces(model, jnp.asarray(float(time)), configuration, jnp.asarray(velocity)))
+    solution = _bordered_solve(mass, terms.jacobian, -forces, -terms.acceleration_bias)
+    return CompiledStart(model, configuration, velocity, solution[: len(mass)], solution[len(mass) :])
+
+
+_moved = jax.jit(advance, compiler_options=STARTING)
+_mass = jax.jit(mass_matrix, compiler_options=STARTING)
+
+
+@partial(jax.jit, compiler_options=STARTING)
+def _forces(model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array) -> jax.Array:
+    """The residual without accelerations and multipliers, (n,)."""
+    still = SystemMotion(time, configuration, velocity, jnp.zeros_like(velocity), jnp.zeros(len(model.active)))
+    return balance(model, still).residual
+
+
+def _bordered_solve(
+    mass: np.ndarray, jacobian: np.ndarray, top: np.ndarray, bottom: np.ndarray
+) -> np.ndarray:
+    m = len(jacobian)
+    scale = np.trace(mass) / len(mass)
+    matrix = np.block([[mass, scale * jacobian.T], [scale * jacobian, np.zeros((m, m))]])
+    solution = np.linalg.solve(matrix, np.concatenate([top, scale * bottom]))
+    solution[len(mass) :] *= scale
+    return solution

@@ -1,0 +1,159 @@
+"""The compiled engine: machines of rigid and reduced bodies, marched from output time to output time."""
+
+from __future__ import annotations
+
+import time as clock
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.integrate import Leg, Run, Solution, Statistics
+from supple.machine import System
+from supple.multibody.compiled.compiled_machine import compiled_start
+from supple.multibody.compiled.time_step import Controls, State, march
+from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.compiler_options import MARCHING
+from supple.multibody.equations.floating_solution import (
+    body_motions,
+    failure_message,
+    joint_forces,
+    last_instant,
+)
+from supple.multibody.equations.model import Model
+
+__all__ = ["CompiledEngine", "as_solution", "controls", "initial_state"]
+
+_SHORTEST = 16
+"""Output times of the shortest program: the compiler unrolls shorter loops, which would change last digits."""
+
+
+def controls(run: Run) -> Controls:
+    """The numbers that steer a compiled run."""
+    step = run.step_control
+    return Controls(
+        coefficients=run.method.coefficients,
+        first=float(step.first),
+        largest=float(step.largest),
+        smallest=float(step.smallest),
+        error_tolerance=float(step.tolerance),
+        residual_tolerance=float(run.tolerances.residual),
+        max_iterations=run.tolerances.max_iterations,
+    )
+
+
+def initial_state(system: System, time: float, first_step: float) -> tuple[Model, State]:
+    """The compiled model (redundant constraints left out) and the consistent state at the initial time."""
+    start = compiled_start(system, time)
+    acceleration = jnp.asarray(start.acceleration)
+    return start.model, _state(
+        time=time,
+        step=first_step,
+        configuration=start.configuration,
+        velocity=start.velocity,
+        acceleration=acceleration,
+        auxiliary=acceleration,
+        multipliers=start.multipliers,
+    )
+
+
+def _state(**known: Any) -> State:
+    count = jnp.zeros((), dtype=int)
+    fresh = {"steps": count, "iterations": count, "rejected_steps": count, "failed": jnp.zeros((), dtype=bool)}
+    known = jax.tree.map(lambda leaf: jnp.asarray(np.asarray(leaf)), known)
+    return State(**known, **fresh, relative_residual=jnp.zeros(4))
+
+
+class CompiledEngine:
+    """An `Engine` whose steps are one compiled program; `State` is its state."""
+
+    def __init__(self, system: System, run: Run) -> None:
+        self._system = system
+        self._run = run
+        self._controls = controls(run)
+        self._model: Model | None = None
+        self._programs: dict[int, Any] = {}
+
+    def start(self, time: float) -> State:
+        """Consistent positions, velocities, accelerations and multipliers."""
+        model, state = initial_state(self._system, time, self._run.step_control.first)
+        self._model = jax.device_put(model)  # once, not with every leg
+        return state
+
+    def resumed(self, last: Solution) -> State:
+        """The state at the end of a recorded part.
+
+        Without the `engine_state` the auxiliary acceleration of the integrator is taken equal to the true
+        one, which keeps the order of accuracy but not the last digits.
+        """
+        known = last.engine_state
+        if "active" in known:
+            active = tuple(int(index) for index in known["active"])
+        else:
+            active = compiled_start(self._system, self._run.start).model.active
+        instant = last_instant(self._system, last)
+        self._model = jax.device_put(build_model(self._system, active))
+        return _state(
+            time=instant.time,
+            step=known.get("step", self._run.step_control.first),
+            configuration=instant.configuration,
+            velocity=instant.velocity,
+            acceleration=instant.acceleration,
+            auxiliary=known.get("auxiliary", instant.acceleration),
+            multipliers=instant.multipliers[list(active)],
+        )
+
+    def march(self, state: State, times: np.ndarray) -> Leg[State]:
+        """To each of the output times, in one call of the compiled program."""
+        began = clock.perf_counter()
+        length = self._length(len(times))
+        # A short leg repeats its end, where nothing is left to do: all legs share one program.
+        padded = jnp.asarray(np.pad(times, (0, length - len(times)), mode="edge"))
+        if length not in self._programs:
+            lowered = march.lower(self._model, self._controls, state, padded)
+            self._programs[length] = lowered.compile(compiler_options=MARCHING)
+        ready = clock.perf_counter()
+        last, states = self._programs[length](self._model, self._controls, state, padded)
+        states = jax.device_get(states)
+        n_reached = int(np.sum(~states.failed[: len(times)]))
+        before, after = jax.device_get(state), jax.tree.map(lambda leaf: leaf[-1], states)
+        return Leg(
+            states=jax.tree.map(lambda leaf: leaf[:n_reached], states),
+            n_reached=n_reached,
+            last=last,
+            statistics=Statistics(
+                steps=int(after.steps - before.steps),
+                iterations=int(after.iterations - before.iterations),
+                rejected_steps=int(after.rejected_steps - before.rejected_steps),
+                seconds=clock.perf_counter() - ready,
+                compile_seconds=ready - began,
+            ),
+            stopped=failure_message(float(after.time), after.relative_residual) if after.failed else None,
+        )
+
+    def _length(self, n_times: int) -> int:
+        """Output times of the program to take: one that is there, or the next power of two."""
+        enough = [length for length in self._programs if length >= n_times]
+        return min(enough, default=max(_SHORTEST, 2 ** int(np.ceil(np.log2(n_times)))))
+
+    def solution(self, leg: Leg[State]) -> Solution:
+        """The motion of a leg."""
+        assert self._model is not None
+        return as_solution(self._system, self._model, leg.states, leg.statistics)
+
+
+def as_solution(system: System, model: Model, states: State, statistics: Statistics) -> Solution:
+    """Stacked states (leading axis: time) as a solution."""
+    states = jax.tree.map(np.asarray, states)
+    return Solution(
+        times=states.time,
+        bodies=body_motions(system, model.slices, states.configuration, states.velocity, states.acceleration),
+        joint_forces=joint_forces(system, model.active, states.multipliers),
+        statistics=statistics,
+        engine_state={
+            "active": np.array(model.active, dtype=float),
+            "auxiliary": states.auxiliary[-1],
+            "step": states.step[-1],
+        },
+    )

@@ -1,0 +1,249 @@
+"""A consistent start: positions and velocities on the joints, dependent constraint equations left out.
+
+Positions are corrected by the least motion in the mass norm until `g(q, t_0) = 0`, velocities likewise until
+`dg/dt = 0`. Both engines start here; what differs between them is how such a least motion is found.
+Constraint equations that repeat others are found by orthogonalising the rows of the Jacobian, and named.
+"""
+
+from __future__ import annotations
+
+import warnings
+from functools import partial
+from typing import NamedTuple, Protocol, Self, TypeVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import scipy.linalg
+
+from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning
+from supple.machine import System
+from supple.multibody.equations.balance import constraint_jacobian
+from supple.multibody.equations.compiler_options import STARTING
+from supple.multibody.equations.configuration import Configuration, advance
+from supple.multibody.equations.joint_force import constraints
+from supple.multibody.equations.model import Model
+from supple.multibody.equations.step_size import position_rounding
+
+__all__ = ["JointTerms", "StartingMachine", "consistent_start", "joint_terms"]
+
+_REDUNDANT = 1e-9
+"""A constraint row of which those before it leave less than this part adds nothing."""
+_OPEN = 1e-3
+"""A joint open by more than this part of the system's size is a mistake, not a rounding error."""
+
+
+class JointTerms(NamedTuple):
+    """The constraints at one position and velocity."""
+
+    residual: jax.Array
+    """`g`, (m,)"""
+    jacobian: jax.Array
+    """`G`, (m, n)"""
+    rate: jax.Array
+    """`dg/dt`, (m,)"""
+    acceleration_bias: jax.Array
+    """`d2g/dt2` while the velocities stay constant, (m,)"""
+
+
+@partial(jax.jit, compiler_options=STARTING)
+def joint_terms(
+    model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array
+) -> JointTerms:
+    """Constraints, their Jacobian, and their first two time derivatives at constant velocity."""
+
+    def residual_after(duration: jax.Array) -> jax.Array:
+        return constraints(model, time + duration, advance(model, configuration, duration * velocity))
+
+    def rate_after(duration: jax.Array) -> jax.Array:
+        return jax.jvp(residual_after, (duration,), (jnp.ones(()),))[1]
+
+    rate, bias = jax.jvp(rate_after, (jnp.zeros(()),), (jnp.ones(()),))
+    return JointTerms(
+        residual=constraints(model, time, configuration),
+        jacobian=constraint_jacobian(model, time, configuration),
+        rate=rate,
+        acceleration_bias=bias,
+    )
+
+
+class StartingMachine(Protocol):
+    """A machine in the hands of one engine, as its start needs it. Vectors (n,) are the engine's own."""
+
+    @property
+    def system(self) -> System:
+        """The machine itself."""
+        ...
+
+    @property
+    def model(self) -> Model:
+        """What joints and forces see of it."""
+        ...
+
+    def restricted(self, active: tuple[int, ...]) -> Self:
+        """The machine with some of its constraint equations left out."""
+        ...
+
+    def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
+        """Constraints and their derivatives as NumPy arrays; the Jacobian for `model`'s velocities."""
+        ...
+
+    def metric(self, configuration: Configuration) -> np.ndarray:
+        """Positive matrix for `model`'s velocities, in whose inverse rows of the Jacobian are compared."""
+        ...
+
+    def least_change(
+        self,
+        configuration: Configuration,
+        velocity: np.ndarray,
+        terms: JointTerms,
+        joint_residual: np.ndarray,
+    ) -> np.ndarray:
+        """The vector (n,) of least mass norm that takes away a residual of the joints, to first order.
+
+        `velocity` is what it is added to: conditions on it beside the joints' hold afterwards as well. The
+        `terms` are those of the joints in this configuration.
+        """
+        ...
+
+    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
+        """The configuration after an increment (n,)."""
+        ...
+
+
+M = TypeVar("M", bound=StartingMachine)
+
+
+def consistent_start(machine: M, time: float) -> tuple[M, Configuration, np.ndarray]:
+    """The machine without redundant constraints, and configuration and velocities that fit its joints.
+
+    Raises
+    ------
+    ModelError          a joint open by more than a thousandth of the size; joints that contradict each other
+    ConvergenceError    joints that cannot be closed
+
+    Warns
+    -----
+    RedundantConstraintWarning
+    """
+    every, system = machine, machine.system
+    configuration, velocity = placed_configuration(system), placed_velocity(system)
+    terms = machine.joint_terms(time, configuration, velocity)
+    _check_joints_closed(system, machine.model, terms.residual)
+    active = independent_constraints(system, terms.jacobian, machine.metric(configuration))
+    if active != machine.model.active:
+        machine = machine.restricted(active)
+    configuration = _joints_closed(machine, time, configuration, velocity)
+    left = every.joint_terms(time, configuration, velocity).residual
+    _check_redundant_closed(system, every.model, active, left)
+    terms = machine.joint_terms(time, configuration, velocity)
+    change = machine.least_change(configuration, velocity, terms, terms.rate)
+    return machine, configuration, velocity + change
+
+
+def placed_configuration(system: System) -> Configuration:
+    """Where the system's bodies were placed."""
+    return Configuration(
+        origins=np.array([placed.position for placed in system.bodies]),
+        rotations=np.array([placed.rotation for placed in system.bodies]),
+        coordinates=np.concatenate([placed.coordinates for placed in system.bodies]),
+    )
+
+
+def placed_velocity(system: System) -> np.ndarray:
+    """Initial velocities of all bodies, (n,)."""
+    parts = [(b.velocity, b.angular_velocity, b.coordinate_rates) for b in system.bodies]
+    return np.concatenate([item for part in parts for item in part])
+
+
+def _joints_closed(
+    machine: StartingMachine, time: float, configuration: Configuration, velocity: np.ndarray
+) -> Configuration:
+    """Project the configuration on the joints by Newton's method, as closely as arithmetic allows."""
+    still = np.zeros_like(velocity)
+    largest, before = 0.0, np.inf
+    for _ in range(20):
+        terms = machine.joint_terms(time, configuration, velocity)
+        largest = float(np.max(abs(terms.residual), initial=0.0))
+        rounding = machine.model.length * float(position_rounding(machine.model.length, configuration.origins))
+        # A further iteration takes away what is left of rounding errors, until it gains nothing.
+        if largest <= 0.01 * rounding or (largest <= rounding and largest > 0.1 * before):
+            return configuration
+        before = largest
+        change = machine.least_change(configuration, still, terms, terms.residual)
+        configuration = machine.moved(configuration, change)
+    raise ConvergenceError(
+        f"the joints could not be closed at the start: largest gap {largest:.3g} after 20 iterations. "
+        "Place the bodies closer to a configuration in which every joint fits"
+    )
+
+
+def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) -> None:
+    """Raise ModelError for a joint whose ends lie apart in the initial configuration."""
+    start = 0
+    for joint in system.joints:
+        own = residuals[start : start + joint.n_constraints]
+        start += joint.n_constraints
+        for row, residual in zip(joint.rows, own, strict=True):
+            scale = float(model.length) if row.startswith("position") else 1.0
+            if abs(residual) > _OPEN * scale:
+                raise ModelError(
+                    f"joint '{joint.name}' is open in the initial configuration: {row} is off by "
+                    f"{residual:.3g}. "
+                    "Place the bodies so that both ends meet, or let the prescribed motion start at zero"
+                )
+
+
+def _check_redundant_closed(
+    system: System, model: Model, active: tuple[int, ...], residuals: np.ndarray
+) -> None:
+    """Raise ModelError when an equation left out is not met by the others: joints that contradict."""
+    labels = _row_labels(system)
+    for index in sorted(set(range(len(residuals))) - set(active)):
+        if abs(residuals[index]) > 1e-9 * max(float(model.length), 1.0):
+            raise ModelError(
+                f"the joints contradict each other at the start: with all others closed, {labels[index]} is "
+                f"off by {residuals[index]:.3g}. Correct the placement, or start away from a dead point"
+            )
+
+
+def _row_labels(system: System) -> list[str]:
+    return [f"'{joint.name}' ({row})" for joint in system.joints for row in joint.rows]
+
+
+def independent_constraints(system: System, jacobian: np.ndarray, metric: np.ndarray) -> tuple[int, ...]:
+    """Indices of a largest set of independent constraint equations; the others are named in a warning.
+
+    Joints are taken in their order, so that a closed loop loses rows of the joint that closes it. (The best
+    conditioned rows of several joints may turn dependent as soon as the mechanism moves.)
+    """
+    if not len(jacobian):
+        return ()
+    scaled = scipy.linalg.solve_triangular(np.linalg.cholesky(metric), jacobian.T, lower=True)
+    kept = _independent_columns(scaled)
+    if kept.size == len(jacobian):
+        return tuple(range(len(jacobian)))
+    labels = _row_labels(system)
+    redundant = [labels[i] for i in np.setdiff1d(np.arange(len(jacobian)), kept)]
+    warnings.warn(
+        f"{len(redundant)} redundant constraint equation(s) left out: {', '.join(redundant)}. The motion is "
+        "the same without them, but how the joints share these forces is undetermined; a flexible body, or "
+        "a joint with more freedom, removes the redundancy",
+        RedundantConstraintWarning,
+        stacklevel=4,
+    )
+    return tuple(int(i) for i in kept)
+
+
+def _independent_columns(columns: np.ndarray) -> np.ndarray:
+    """Indices of the columns that those before them do not span (Gram-Schmidt, orthogonalised twice)."""
+    basis = np.zeros((len(columns), 0))
+    kept = []
+    for index, column in enumerate(columns.T):
+        new = column - basis @ (basis.T @ column)
+        new = new - basis @ (basis.T @ new)
+        size = np.linalg.norm(new)
+        if size > _REDUNDANT * np.linalg.norm(column):
+            basis = np.column_stack([basis, new / size])
+            kept.append(index)
+    return np.array(kept, dtype=int)

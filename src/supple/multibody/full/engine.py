@@ -1,0 +1,162 @@
+"""The full-order engine: machines with bodies that keep all their finite-element freedoms, as references.
+
+A Python loop over time steps is unavoidable here: each iteration is one sparse factorisation.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.integrate import Leg, Run, Solution, Statistics, StepRule
+from supple.machine import System
+from supple.multibody.equations.configuration import Configuration
+from supple.multibody.equations.consistent_start import consistent_start
+from supple.multibody.equations.floating_solution import (
+    body_motions,
+    failure_message,
+    joint_forces,
+    last_instant,
+)
+from supple.multibody.equations.step_size import next_step
+from supple.multibody.full.full_system import FullState, FullSystem
+
+__all__ = ["FullEngine", "March"]
+
+
+class March(NamedTuple):
+    """A state, the size of the next step to try, and the counts so far."""
+
+    state: FullState
+    step: float
+    steps: int = 0
+    iterations: int = 0
+    rejected_steps: int = 0
+
+
+class FullEngine:
+    """An `Engine` of sparse bordered Newton steps; `March` is its state."""
+
+    def __init__(self, system: System, run: Run) -> None:
+        self._run = run
+        self._machine = FullSystem(system)
+
+    def start(self, time: float) -> March:
+        """Consistent positions and velocities on the joints and in the frames, first accelerations."""
+        every = FullSystem(self._machine.system)
+        self._machine, configuration, velocity = consistent_start(every, time)
+        self._machine.check_frames(configuration)
+        state = self._machine.accelerated(self._machine.state_at(time, configuration, velocity))
+        return March(state, self._run.step_control.first)
+
+    def resumed(self, last: Solution) -> March:
+        """The state at the end of a recorded part.
+
+        Without the `engine_state` the auxiliary acceleration of the integrator is taken equal to the true
+        one, which keeps the order of accuracy but not the last digits.
+        """
+        known = last.engine_state
+        machine = self._machine
+        instant = last_instant(machine.system, last)
+        if "active" in known:
+            self._machine = machine = machine.restricted(tuple(int(index) for index in known["active"]))
+        else:
+            self._machine, *_ = consistent_start(machine, self._run.start)
+            machine = self._machine
+        fresh = machine.state_at(instant.time, instant.configuration, instant.velocity)
+        state = fresh._replace(
+            acceleration=instant.acceleration,
+            auxiliary=known.get("auxiliary", instant.acceleration),
+            multipliers=instant.multipliers[list(machine.model.active)],
+            frame_multipliers=tuple(known.get("frame_multipliers", fresh.frame_multipliers)),
+        )
+        for interior, factored_for in zip(machine.interiors, known.get("factored_for", ()), strict=False):
+            interior.factor_again(factored_for)
+        return March(state, float(known.get("step", self._run.step_control.first)))
+
+    def march(self, state: March, times: np.ndarray) -> Leg[March]:
+        """Step by step to each of the output times."""
+        began = clock.perf_counter()
+        reached: list[FullState] = []
+        before, stopped = state, None
+        for end in times:
+            state, residual = self._to_output(state, float(end))
+            if residual is not None:
+                stopped = failure_message(state.state.time, residual)
+                break
+            reached.append(state.state)
+        statistics = Statistics(
+            steps=state.steps - before.steps,
+            iterations=state.iterations - before.iterations,
+            rejected_steps=state.rejected_steps - before.rejected_steps,
+            seconds=clock.perf_counter() - began,
+        )
+        return Leg((reached, state.step), len(reached), state, statistics, stopped)
+
+    def _to_output(self, march: March, end: float) -> tuple[March, np.ndarray | None]:
+        """Steps up to an output time; the relative residual instead of None when the smallest step fails."""
+        control, method = self._run.step_control, self._run.method
+        while march.state.time < end:
+            remaining = end - march.state.time
+            # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
+            h = remaining / max(np.ceil(remaining / march.step * (1 - 1e-9)), 1.0)
+            new, residual, iterations, converged = self._machine.step(
+                march.state, h, method, self._run.tolerances
+            )
+            error = self._local_error(march.state, new, h) if converged else np.inf
+            proposed = (
+                float(next_step(h, march.step, error, control.tolerance, control.largest))
+                if converged
+                else h / 2
+            )
+            march = march._replace(step=proposed, iterations=march.iterations + iterations)
+            if converged and error <= control.tolerance:
+                if h >= remaining * (1 - 1e-9):
+                    new = new._replace(time=end)
+                march = march._replace(state=new, steps=march.steps + 1)
+            else:
+                march = march._replace(rejected_steps=march.rejected_steps + 1)
+                if march.step < control.smallest:
+                    return march, residual
+        return march, None
+
+    def _local_error(self, start: FullState, end: FullState, h: float) -> float:
+        """Leading local error of the step, relative to the scale of each freedom."""
+        rule = StepRule(self._run.method.coefficients, h)
+        error = rule.position_error(start.auxiliary, end.auxiliary)
+        return float(np.max(abs(error) / self._machine.position_scale))
+
+    def solution(self, leg: Leg[March]) -> Solution:
+        """The motion of a leg."""
+        states, step = leg.states
+        machine = self._machine
+        configuration = Configuration(
+            *(
+                np.array([getattr(state.configuration, name) for state in states])
+                for name in Configuration._fields
+            )
+        )
+        active = machine.model.active
+        return Solution(
+            times=np.array([state.time for state in states]),
+            bodies=body_motions(
+                machine.system,
+                machine.slices,
+                configuration,
+                np.array([state.velocity for state in states]),
+                np.array([state.acceleration for state in states]),
+            ),
+            joint_forces=joint_forces(
+                machine.system, active, np.array([state.multipliers for state in states])
+            ),
+            statistics=leg.statistics,
+            engine_state={
+                "active": np.array(active, dtype=float),
+                "auxiliary": states[-1].auxiliary,
+                "step": np.array(step),
+                "frame_multipliers": np.array(states[-1].frame_multipliers),
+                "factored_for": np.array([interior.factored_for for interior in machine.interiors]),
+            },
+        )

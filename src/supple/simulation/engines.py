@@ -1,0 +1,36 @@
+"""Which engine a machine needs: the form of its bodies says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from supple.integrate import Engine, Run
+from supple.machine import System
+from supple.multibody import CompiledEngine, FullEngine
+
+__all__ = ["EngineFactory", "engine_for", "register_engine"]
+
+EngineFactory = Callable[[System, Run], Engine[Any]]
+"""Makes a machine ready for one method."""
+
+_ENGINES: dict[str, EngineFactory] = {}
+"""By the kind of body that needs it; the first that applies to any body of the machine is taken."""
+
+
+def register_engine(kind: str, factory: EngineFactory) -> None:
+    """Simulate machines with bodies of a kind (`BodyForm.kind`) by the engine that `factory` makes.
+
+    Bodies of other kinds in the same machine are that engine's business as well.
+    """
+    _ENGINES[kind] = factory
+
+
+def engine_for(system: System, run: Run) -> Engine[Any]:
+    """The machine made ready for the method that the form of its bodies chooses."""
+    kinds = {placed.body.kind for placed in system.bodies}
+    factory = next((factory for kind, factory in _ENGINES.items() if kind in kinds), CompiledEngine)
+    return factory(system, run)
+
+
+register_engine("full", FullEngine)

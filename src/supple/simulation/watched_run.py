@@ -1,0 +1,71 @@
+"""A run in memory, checked before it begins and watched while it goes on."""
+
+from __future__ import annotations
+
+import warnings
+
+from supple.errors import ModelError, StepCutWarning
+from supple.integrate import FixedStep, Progress, Recorder, Run, Solution, Statistics, StepControl
+from supple.integrate import run as march_through
+from supple.machine import System
+from supple.multibody.checks.validity import Peaks, watch
+from supple.simulation.engines import engine_for
+
+__all__ = ["check_laws_cover", "watched_run"]
+
+
+def watched_run(
+    system: System,
+    run: Run,
+    *,
+    resume: Solution | None = None,
+    progress: Progress | None = None,
+    record: Recorder | None = None,
+    check: bool = True,
+) -> Solution:
+    """March a machine by the engine that the form of its bodies chooses; parameters as for `simulate`."""
+    times = run.times
+    check_laws_cover(system, times[0], times[-1])
+    limits = watch(system, run.validity)
+    peaks: dict[str, Peaks] = {}
+
+    def observed(leg: Solution) -> None:
+        if record is not None:
+            record(leg)
+        peaks.update(limits.observe(peaks, leg))
+
+    engine = engine_for(system, run)
+    solution = march_through(
+        engine, times, resume=resume, progress=progress, record=observed, check=check
+    )
+    _report_rejected_steps(solution.statistics, run.step_control)
+    limits.report(peaks)
+    return solution
+
+
+def check_laws_cover(system: System, begin: float, end: float) -> None:
+    """Raise ModelError for a tabulated load or motion that starts after the run does, or stops before."""
+    laws = [(f"joint '{joint.name}'", joint.law) for joint in system.joints]
+    laws += [(load.label, load.law) for load in system.loads]
+    for what, law in laws:
+        if law is not None and law.begin > begin:
+            raise ModelError(
+                f"{what}: its table begins at t = {law.begin:g}, after the run does (t = {begin:g}). "
+                "Extend the table backwards"
+            )
+        if law is not None and law.end < end * (1 - 1e-12):
+            raise ModelError(
+                f"{what}: its table ends at t = {law.end:g}, before the run does (t = {end:g}). "
+                "Extend the table or shorten the run"
+            )
+
+
+def _report_rejected_steps(statistics: Statistics, step: StepControl) -> None:
+    """Warn when steps of a fixed size had to be cut: the answer is good, the step was too long."""
+    if statistics.rejected_steps and isinstance(step, FixedStep):
+        warnings.warn(
+            f"{statistics.rejected_steps} steps did not converge and were cut "
+            f"({statistics.steps} steps were taken); a fixed step below {step.size:g} avoids this",
+            StepCutWarning,
+            stacklevel=3,
+        )
