@@ -112,7 +112,7 @@ def _check_stress(
     drawn = with_faces(meshes)
     mistakes = [] if drawn else ["stress colours faces, and beams have none; remove the key"]
     for name, mesh in drawn.items():
-        # A linear body has left its elements behind.
+        # A body from matrices has no elements of its own.
         model = flexible[name].model or build_model(case_file, tables[name], mesh)
         try:
             stress_recovery(model)

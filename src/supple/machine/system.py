@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -19,6 +20,7 @@ from supple.reduction import ReducedBody
 __all__ = ["Body", "Placed", "System"]
 
 Body = RigidBody | ReducedBody | FullBody
+_Form = TypeVar("_Form", RigidBody, ReducedBody, FullBody)
 
 
 def _vector(name: str, value: object) -> np.ndarray:
@@ -152,6 +154,10 @@ class System:
                 f"but the body has nodes 0 to {len(body.nodes) - 1}"
             )
         check_law_shape(load.label, load.law, (3,), (nodes.size, 3))
+
+    def bodies_of(self, form: type[_Form]) -> dict[str, _Form]:
+        """The bodies of one form, by name, in the system's order: `system.bodies_of(FullBody)`."""
+        return {placed.body.name: placed.body for placed in self.bodies if isinstance(placed.body, form)}
 
     def body_index(self, name: str, what: str = "lookup") -> int:
         """Position of the body of that name among `bodies`."""

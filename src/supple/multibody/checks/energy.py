@@ -8,7 +8,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.body import FlexibleBody
 from supple.body.full_body import FullBody
 from supple.integrate import FloatingMotion, Solution
 from supple.machine.system import System
@@ -48,14 +47,15 @@ def balances(system: System, solution: Solution) -> Balances:
     A full body counts node by node, `T = V^T M V / 2`, with the strain energy of its elements; a reduced one
     through its Gram matrix and tensors, which is the same where its basis can follow.
     """
-    gravity = system.gravity
+    gravity, fulls = system.gravity, system.bodies_of(FullBody)
     parts = []
     for placed, arrays in zip(system.bodies, build_model(system).bodies, strict=True):
-        body, motion = placed.body, solution.bodies[placed.body.name]
-        if isinstance(body, FullBody):
-            parts.append(_of_full_body(body, gravity, motion))
+        name = placed.body.name
+        motion = solution.bodies[name]
+        if name in fulls:
+            parts.append(_of_full_body(fulls[name], gravity, motion))
         else:
-            moving = _Motion(*(jnp.asarray(getattr(motion, name)) for name in _Motion._fields))
+            moving = _Motion(*(jnp.asarray(getattr(motion, item)) for item in _Motion._fields))
             parts.append(_of_reduced_body(arrays, jnp.asarray(gravity), moving))
     return Balances(*(np.asarray(sum(items)) for items in zip(*parts, strict=True)))
 
@@ -137,14 +137,8 @@ def _at_instants(inertia: FullInertia, gravity: np.ndarray, motion: FloatingMoti
     )
     return Balances(
         kinetic=local.kinetic,
-        strain=_strain_energies(body, motion.coordinates),
+        strain=body.force.energies(motion.coordinates.T),
         potential=-(inertia.mass * motion.position + centre) @ gravity,
         momentum=linear,
         angular_momentum=angular + np.cross(motion.position, linear),
     )
-
-
-def _strain_energies(body: FlexibleBody, coordinates: np.ndarray) -> np.ndarray:
-    if body.model is None:
-        return (coordinates * (body.stiffness @ coordinates.T).T).sum(axis=1) / 2
-    return body.assembly.energies(coordinates.T)

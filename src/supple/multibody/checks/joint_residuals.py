@@ -8,7 +8,7 @@ import numpy as np
 
 from supple.body.full_body import FullBody
 from supple.integrate import Solution
-from supple.machine.system import Body, System
+from supple.machine.system import System
 from supple.multibody.equations.balance import Configuration, constraints
 from supple.multibody.equations.model import Model, build_model
 
@@ -23,17 +23,16 @@ def _gaps(model: Model, times: jax.Array, configurations: Configuration) -> jax.
 def joint_residuals(system: System, solution: Solution) -> np.ndarray:
     """Constraint equations g (t, m) of all joints at the output times: m and rad, zero where exact."""
     motions = [solution.bodies[placed.body.name] for placed in system.bodies]
+    fulls = system.bodies_of(FullBody)
+
+    def seen_by_joints(body: str) -> np.ndarray:
+        # Of a full body the motions of its interfaces, which stand for it in the compiled equations.
+        coordinates = solution.bodies[body].coordinates
+        return coordinates @ fulls[body].interface_motions.T if body in fulls else coordinates
+
     configurations = Configuration(
         origins=jnp.stack([jnp.asarray(motion.position) for motion in motions], axis=1),
         rotations=jnp.stack([jnp.asarray(motion.rotation) for motion in motions], axis=1),
-        coordinates=tuple(
-            jnp.asarray(_seen_by_joints(placed.body, motion.coordinates))
-            for placed, motion in zip(system.bodies, motions, strict=True)
-        ),
+        coordinates=tuple(jnp.asarray(seen_by_joints(placed.body.name)) for placed in system.bodies),
     )
     return np.asarray(_gaps(build_model(system), jnp.asarray(solution.times), configurations))
-
-
-def _seen_by_joints(body: Body, coordinates: np.ndarray) -> np.ndarray:
-    """Of a full body the motions of its interfaces, which stand for it in the compiled equations."""
-    return coordinates @ body.interface_motions.T if isinstance(body, FullBody) else coordinates

@@ -151,10 +151,7 @@ class FullInterior:
         )
 
     def _internal_force(self, coordinates: np.ndarray) -> np.ndarray:
-        body = self.full.body
-        if body.model is None:
-            return body.stiffness @ coordinates
-        return body.assembly.internal_force(coordinates)
+        return self.full.body.force.internal_force(coordinates)
 
     def _load_forces(self, state: InteriorState) -> list[tuple[np.ndarray, np.ndarray]]:
         """Nodes (k,) and forces (k, 3) in body components of every nodal load."""
@@ -196,7 +193,7 @@ class FullInterior:
         return factorize_general(self._matrix(self.constant["mass"][0]))
 
     def _stiffness_data(self, coordinates: np.ndarray) -> np.ndarray:
-        if self.full.body.model is None:
+        if self.full.is_linear:
             return self.constant["stiffness"][0]
         data = np.zeros(self.pattern.nnz)
         data[self.tangent_places] = self.full.body.assembly.tangent(coordinates).data
@@ -232,7 +229,7 @@ class FullInterior:
         self, motion: FullMotion, coordinates: np.ndarray, velocity: float, position: float
     ) -> _Factored:
         """The interior's tangent, factored; a linear body's is kept while it serves."""
-        linear = self.full.body.model is None
+        linear = self.full.is_linear
         if linear and (last := self._cache.serving(motion, velocity, position)) is not None:
             return last
         data = velocity * self.constant["damping"][0]
@@ -319,7 +316,7 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[DeadForce, ...]) -
     }
     pattern = sum((abs(matrix) for group in matrices.values() for matrix in group), start=none)
     shape = csc_array(body.mass.shape)
-    if body.model is not None:
+    if not body.is_linear:
         assembly = body.assembly
         ones = np.ones(len(assembly.indices))
         shape = csc_array((ones, assembly.indices, assembly.indptr), shape=body.mass.shape)
