@@ -114,7 +114,11 @@ def test_the_nonlinear_assembly_starts_from_the_stiffness(body):
 
 def test_a_linearised_body_has_no_nonlinear_force(body):
     linear = body.linearized()
-    assert linear.model is None
+    assert linear.is_linear
+    assert linear.model is body.model
+    q = np.random.default_rng(2).standard_normal(body.n)
+    np.testing.assert_array_equal(linear.force.internal_force(q), body.stiffness @ q)
+    assert linear.force.tangent(q) is body.stiffness
     assert linear.stiffness is body.stiffness
     assert linear.grounded_stiffness is body.grounded_stiffness
     with pytest.raises(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from supple.body import FullBody, RigidBody
 from supple.errors import ModelError
 from supple.machine import (
     GROUND,
@@ -16,6 +17,7 @@ from supple.machine import (
     PrescribedRotation,
     System,
 )
+from supple.reduction import ReducedBody
 
 
 @pytest.fixture
@@ -175,3 +177,11 @@ def test_functions_of_time_are_written_with_jax(placed):
         ModelError, match=r"joint 'motor': its function of time must be written with jax.numpy"
     ):
         System((placed,), (joint,))
+
+
+def test_bodies_of_a_form_come_by_name_in_their_order(rod, floating_blade):
+    bodies = (rod("crank", 1.0), floating_blade, rod("slider", 2.0))
+    system = System(tuple(Placed(body) for body in bodies))
+    assert list(system.bodies_of(RigidBody)) == ["crank", "slider"]
+    assert system.bodies_of(ReducedBody) == {"blade": floating_blade}
+    assert system.bodies_of(FullBody) == {}

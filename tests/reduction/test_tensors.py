@@ -46,7 +46,8 @@ def random_body():
     stiffness = np.einsum("eg,egsn,est,egtm->nm", block.w, strain, block.D, strain)
     return SimpleNamespace(
         name="random",
-        model=SimpleNamespace(blocks=(block,)),
+        is_linear=False,
+        force=SimpleNamespace(blocks=(block,)),
         stiffness=sparse.csc_array(stiffness),
         expansion=sparse.eye_array(n, format="csc"),
         n=n,
@@ -82,7 +83,7 @@ def test_force_is_the_gradient_of_energy_and_tangent_that_of_force():
 
 def test_random_strains_give_their_own_energy():
     body = random_body()
-    (block,) = body.model.blocks
+    (block,) = body.force.blocks
     V = np.random.default_rng(1).standard_normal((30, 4))
     gamma = np.random.default_rng(4).standard_normal(4)
     q = (V @ gamma)[block.dofs]

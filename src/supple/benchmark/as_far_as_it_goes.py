@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from supple.errors import ConvergenceError
-from supple.integrate import Run, Solution, concatenate
+from supple.integrate import Progress, Run, Solution, concatenate
 from supple.machine import System
-from supple.integrate import Progress
 from supple.simulation import simulate
 
 

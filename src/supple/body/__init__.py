@@ -10,6 +10,7 @@ from supple.body.frame import Frame, MeanAxisFrame, NodalFixedFrame, frame_proje
 from supple.body.full_body import FullBody
 from supple.body.inertia_gram import inertia_gram
 from supple.body.interface import AveragingInterface, BodyInterface, Interface, PointInterface, RigidInterface
+from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.body.labelled_superelement import (
     NodalMatrices,
     labelled_superelement,
@@ -39,6 +40,7 @@ __all__ = [
     "Frame",
     "FullBody",
     "Interface",
+    "LinearForce",
     "MassProperties",
     "MeanAxisFrame",
     "ModalDamping",
@@ -46,6 +48,7 @@ __all__ = [
     "NodalFixedFrame",
     "NodalMatrices",
     "PointInterface",
+    "QuadraticStrainForce",
     "RayleighDamping",
     "RigidBody",
     "RigidInterface",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,10 +13,9 @@ from scipy import sparse
 from supple.algebra import ConstrainedFactor, GroundedFactor, constrained_factor
 from supple.body.checks import checked_grounded_stiffness
 from supple.body.interface import BodyInterface, interface_named
+from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.errors import ModelError
-
-if TYPE_CHECKING:
-    from supple.fem import Assembly, FiniteElementModel
+from supple.fem import Assembly, FiniteElementModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +33,8 @@ class FlexibleBody:
     stiffness     : csc (n, n), T^T K T, N/m
     interfaces    : virtual nodes, in the order given
     rigid_modes   : (n, 6), R: translations e_i, rotations e_i x x_a about the mesh origin; K R = 0
-    model         : its elements; None for a body that is linear (it has no quadratic strains)
+    model         : the elements it is made of; None for a body from matrices
+    force         : how its internal force is evaluated, linear or from quadratic strains
     rotation_operator : csc (3 P, n_nodal), rotation vectors at P points; None where rotations are unknown
     rotation_limit    : rad against the body's frame up to which its kinematics hold
     """
@@ -49,6 +49,7 @@ class FlexibleBody:
     interfaces: tuple[BodyInterface, ...] = field(repr=False)
     rigid_modes: NDArray[np.float64] = field(repr=False)
     model: FiniteElementModel | None = field(repr=False)
+    force: LinearForce | QuadraticStrainForce = field(repr=False)
     rotation_operator: sparse.csc_array | None = field(repr=False)
     rotation_limit: float
 
@@ -69,26 +70,24 @@ class FlexibleBody:
     @property
     def is_linear(self) -> bool:
         """Whether the internal force is K q alone."""
-        return self.model is None
+        return self.force.is_linear
 
     def linearized(self) -> FlexibleBody:
-        """The same body without quadratic strains: its internal force is K q."""
-        linear = replace(self, model=None)
+        """The same body, of the same elements, without quadratic strains: its internal force is K q."""
+        linear = replace(self, force=LinearForce(self.stiffness))
         if "grounded_stiffness" in vars(self):  # the same K need not be factored twice
             vars(linear)["grounded_stiffness"] = self.grounded_stiffness
         return linear
 
-    @cached_property
+    @property
     def assembly(self) -> Assembly:
         """Nonlinear force and tangent in the body's coordinates; ModelError for a linear body."""
-        if self.model is None:
+        if isinstance(self.force, LinearForce):
             raise ModelError(
                 f"body '{self.name}' is linear: it has matrices but no quadratic strains, so no nonlinear "
                 "force, tangent or modal derivative; build it from a finite-element model"
             )
-        from supple.fem import assemble
-
-        return assemble(self.model, self.expansion)
+        return self.force.assembly
 
     @cached_property
     def grounded_stiffness(self) -> GroundedFactor:
@@ -101,5 +100,4 @@ class FlexibleBody:
 
     def __getstate__(self) -> dict[str, Any]:
         # Factors live in the memory of a solver library and cannot travel between processes: made anew.
-        cached = ("assembly", "grounded_stiffness")
-        return {key: value for key, value in self.__dict__.items() if key not in cached}
+        return {key: value for key, value in self.__dict__.items() if key != "grounded_stiffness"}

@@ -17,6 +17,7 @@ from supple.body.checks import (
 )
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
+from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.body.rigid_elimination import rigid_elimination
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.body.virtual_node import interface_motions, virtual_nodes
@@ -76,6 +77,7 @@ def free_body(
         interfaces=interface_motions(nodes, dofs_per_node, T, virtual),
         rigid_modes=read_only(R),
         model=model,
+        force=LinearForce(K) if model is None else QuadraticStrainForce(model, T),
         rotation_operator=rotation_operator,
         rotation_limit=rotation_limit,
     )

@@ -59,7 +59,7 @@ def build_start(table: schema.Body, body: FlexibleBody) -> ReductionStart:
     assert isinstance(reduction, schema.CorrectableOrder)  # the others have no start
     accuracy = reduction.accuracy or schema.Accuracy.model_validate({})
     derivatives = build_derivatives(reduction.derivatives)
-    if reduction.derivatives is None and body.model is not None:
+    if reduction.derivatives is None and not body.is_linear:
         derivatives = CompressedDerivatives(FIRST_DERIVATIVES)
     return ReductionStart(_target(accuracy), build_basis(reduction), derivatives)
 

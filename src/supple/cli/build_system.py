@@ -50,7 +50,6 @@ from supple.machine import (
     Universal,
 )
 from supple.mesh import Mesh
-from supple.multibody.equations.model import initial_point
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +111,7 @@ def _check_stress(
     drawn = with_faces(meshes)
     mistakes = [] if drawn else ["stress colours faces, and beams have none; remove the key"]
     for name, mesh in drawn.items():
-        # A linear body has left its elements behind.
+        # A body from matrices has no elements of its own.
         model = flexible[name].model or build_model(case_file, tables[name], mesh)
         try:
             stress_recovery(model)
@@ -227,7 +226,7 @@ def build_spring(table: schema.Spring, system: System) -> SpringDamper | Torsion
         )
     length = table.free_length
     if length is None:
-        length = float(np.linalg.norm(initial_point(system, second) - initial_point(system, first)))
+        length = float(np.linalg.norm(system.initial_point(second) - system.initial_point(first)))
     return SpringDamper(
         first=first, second=second, stiffness=table.stiffness, damping=table.damping, rest_length=length
     )

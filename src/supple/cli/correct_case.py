@@ -17,8 +17,7 @@ from supple.cli.correction_summary import best_round, correction_numbers, correc
 from supple.cli.kept_bodies import kept_path
 from supple.correction import CorrectionFolder, Round, SelfCorrectionError, self_correct
 from supple.errors import ValidityWarning
-from supple.integrate import Solution
-from supple.multibody import Validity
+from supple.integrate import Solution, Validity
 from supple.multibody.checks.validity import watch
 from supple.reduction import ReducedBody
 from supple.storage import ResultFile, write_json, write_reduced_body, write_solution

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Self
 
@@ -19,14 +19,12 @@ import numpy as np
 from supple.body import FullBody
 from supple.correction.round_archive import MissedMotion, RoundBases
 from supple.errors import ResultFileError
-from supple.integrate import Run, Solution
+from supple.integrate import Progress, Run, Solution
 from supple.machine import System
-from supple.integrate import Progress, Recorder
 from supple.reduction import ReductionBasis, ReductionReport
 from supple.simulation.recorded_run import simulate_recorded
 from supple.storage.atomic_write import replacing
 from supple.storage.file_errors import file_errors
-from supple.storage.result_file import ResultFile
 from supple.storage.result_reader import read_header, read_solution
 
 
@@ -125,7 +123,7 @@ class CorrectionFolder:
             np.savez(file, **arrays)
 
     def simulate(self, number: int, system: System, run: Run, *, progress: Progress) -> Solution:
-        """Run a round; go on with one that was cut off; read it where it is complete, or stopped by itself."""
+        """Run a round, or what is left of it; read it where it is complete, or stopped by itself."""
         path = self.motion(number)
         stopped = self._stopped(number)
         if stopped.exists():

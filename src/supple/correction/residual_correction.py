@@ -24,16 +24,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from supple.algebra import read_only
-from supple.body import MeanAxisFrame, frame_projector, in_space
+from supple.body import BodyForm, MeanAxisFrame, frame_projector, in_space
 from supple.body.full_body import FullBody
 from supple.errors import ModelError, RedundantConstraintWarning
-from supple.integrate import StepFactors, Solution
+from supple.integrate import Progress, Solution, StepFactors
 from supple.machine.system import System
-from supple.integrate import Progress
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.equations.configuration import Configuration
 from supple.multibody.full.full_system import FullState, FullSystem
-from supple.reduction import ReducedBody, ReductionBasis
+from supple.reduction import ReductionBasis
 
 __all__ = ["ResidualCorrections", "residual_corrections", "system_corrections"]
 
@@ -110,7 +109,7 @@ def system_corrections(
         warnings.simplefilter("ignore", RedundantConstraintWarning)
         active = compiled_start(system, float(solution.times[0])).model.active
     prepared = FullSystem(replace(system, bodies=placed), active)
-    position = (_SLOWNESS / min(body.frequencies[0] for body in reduced)) ** 2
+    position = (_SLOWNESS / min(body.lowest_frequency() for body in reduced)) ** 2
     vectors = {full.name: bases[full.name].vectors for full in fulls}
     states, steps = [], np.empty((len(instants), prepared.n))
     for row, instant in enumerate(instants):
@@ -133,11 +132,11 @@ def system_corrections(
     }
 
 
-def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, ReducedBody]:
+def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, BodyForm]:
     """Place of a body in the system, and its reduced form there."""
     index = system.body_index(full.name, "residual correction")
     body = system.bodies[index].body
-    if not isinstance(body, ReducedBody) or body.r != basis.r:
+    if body.n_coordinates != basis.r:
         raise ModelError(
             f"residual correction: the system holds body '{full.name}' as a {type(body).__name__}, "
             f"but the run to correct has it reduced to {basis.r} coordinates"

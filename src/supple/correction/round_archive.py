@@ -52,9 +52,7 @@ class RoundArchive(Protocol):
         """Called before the run starts."""
         ...
 
-    def simulate(
-        self, number: int, system: System, run: Run, *, progress: Progress
-    ) -> Solution:
+    def simulate(self, number: int, system: System, run: Run, *, progress: Progress) -> Solution:
         """The motion from its start, as far as it goes: `Solution.stopped` says why it does not go on."""
         ...
 

@@ -91,14 +91,15 @@ def _starts(
     if isinstance(target, Mapping):
         return target
     start = ReductionStart(target) if isinstance(target, SelfCorrection) else target
-    return {placed.body.name: start for placed in system.bodies if isinstance(placed.body, FullBody)}
+    return dict.fromkeys(system.bodies_of(FullBody), start)
 
 
 def _full(system: System, name: str) -> FullBody:
     body = system.bodies[system.body_index(name, "self-correction")].body
-    if not isinstance(body, FullBody):
+    fulls = system.bodies_of(FullBody)
+    if name not in fulls:
         raise ModelError(
             f"self-correction: body '{name}' is in the system as a {type(body).__name__}; place it as a "
             "FullBody(flexible_body, frame, damping), which is then reduced"
         )
-    return body
+    return fulls[name]

@@ -36,15 +36,16 @@ CorrectionProgress = Callable[[str, float], None]
 
 def _with_reduced(system: System, runs: Mapping[str, ReducedBody], bases: RoundBases) -> System:
     """The system with its full bodies replaced, their initial deformation projected on the bases."""
+    fulls = system.bodies_of(FullBody)
 
     def reduced(placed: Placed) -> Placed:
-        body = placed.body
-        if not (isinstance(body, FullBody) and body.name in runs):
+        name = placed.body.name
+        if name not in runs:
             return placed
-        onto = bases.bases[body.name].vectors.T @ body.body.mass
+        onto = bases.bases[name].vectors.T @ fulls[name].body.mass
         return replace(
             placed,
-            body=runs[body.name],
+            body=runs[name],
             coordinates=onto @ placed.coordinates,
             coordinate_rates=onto @ placed.coordinate_rates,
         )

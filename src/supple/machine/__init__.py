@@ -50,10 +50,13 @@ from supple.machine.laws.time_law import (
     TimeLaw,
     Turning,
 )
-from supple.machine.pose import Pose, Wrench
-from supple.machine.nodal_loads.dead_force import (
+from supple.machine.nodal_loads import (
+    BaseAcceleration,
     DeadForce,
+    FollowerPressure,
+    NodalLoad,
 )
+from supple.machine.pose import Pose, Wrench
 from supple.machine.system import (
     Placed,
     System,
@@ -62,22 +65,21 @@ from supple.machine.system import (
 __all__ = [
     "GROUND",
     "At",
-    "BaseAcceleration",
-    "FollowerPressure",
-    "NodalLoad",
     "Ball",
+    "BaseAcceleration",
     "Constant",
     "Cylindrical",
     "DeadForce",
     "DeadTorque",
     "Fixed",
     "FollowerForce",
+    "FollowerPressure",
     "FollowerTorque",
     "ForceElement",
     "Joint",
+    "NodalLoad",
     "Placed",
     "Pose",
-    "Wrench",
     "PrescribedRotation",
     "PrescribedTranslation",
     "Prismatic",
@@ -90,4 +92,5 @@ __all__ = [
     "TorsionSpringDamper",
     "Turning",
     "Universal",
+    "Wrench",
 ]

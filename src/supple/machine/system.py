@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -19,6 +20,7 @@ from supple.reduction import ReducedBody
 __all__ = ["Body", "Placed", "System"]
 
 Body = RigidBody | ReducedBody | FullBody
+_Form = TypeVar("_Form", RigidBody, ReducedBody, FullBody)
 
 
 def _vector(name: str, value: object) -> np.ndarray:
@@ -119,15 +121,18 @@ class System:
             if joint.law is not None:
                 check_law_shape(f"joint '{joint.name}'", joint.law, ())
         for load in self.loads:
-            if isinstance(load, NodalLoad):
-                self._check_nodal_load(load)
-            elif isinstance(load, BaseAcceleration):
-                check_law_shape(load.label, load.law, (3,))
-            else:
-                self._check_end(load.label, load.first)
-                self._check_end(load.label, load.second)
-                if load.law is not None:
-                    check_law_shape(load.label, load.law, load.value_shape)
+            self._check_load(load)
+
+    def _check_load(self, load: Load) -> None:
+        if isinstance(load, NodalLoad):
+            self._check_nodal_load(load)
+        elif isinstance(load, BaseAcceleration):
+            check_law_shape(load.label, load.law, (3,))
+        else:
+            self._check_end(load.label, load.first)
+            self._check_end(load.label, load.second)
+            if load.law is not None:
+                check_law_shape(load.label, load.law, load.value_shape)
 
     def _check_end(self, what: str, end: At) -> None:
         if end == GROUND:
@@ -159,6 +164,10 @@ class System:
         """Global position of an interface at the start, bodies undeformed, (3,)."""
         placed = self.bodies[self.body_index(end.body)]
         return placed.position + placed.rotation @ placed.body.interface(end.interface).position
+
+    def bodies_of(self, form: type[_Form]) -> dict[str, _Form]:
+        """The bodies of one form, by name, in the system's order: `system.bodies_of(FullBody)`."""
+        return {placed.body.name: placed.body for placed in self.bodies if isinstance(placed.body, form)}
 
     def body_index(self, name: str, what: str = "lookup") -> int:
         """Position of the body of that name among `bodies`."""

@@ -91,7 +91,7 @@ def internal_force_tensors(body: FlexibleBody, basis: np.ndarray) -> InternalFor
 
     Every integration point is reduced first; the sums over points are two matrix products, in chunks.
 
-    body : FlexibleBody (its coordinates q have length n); without a finite-element model the result is linear
+    body : FlexibleBody (its coordinates q have length n); of a linear body the result is linear
     basis : (n, r)
     Raises ModelError when the basis does not fit the body.
     Source: [Wu2019] (49).
@@ -102,14 +102,14 @@ def internal_force_tensors(body: FlexibleBody, basis: np.ndarray) -> InternalFor
         )
     stiffness = basis.T @ (body.stiffness @ basis)
     stiffness = (stiffness + stiffness.T) / 2
-    if body.model is None:
+    if body.is_linear:
         return InternalForceTensors(stiffness)
     r = basis.shape[1]
     n2 = r * (r + 1) // 2
     nodal_basis = body.expansion @ basis
     strain_by_pair = np.zeros((r, n2))
     pair_by_pair = np.zeros((n2, n2))
-    for block in body.model.blocks:
+    for block in body.force.blocks:
         for chunk in _chunks(block, n2):
             linear, quadratic = _stress_scaled_strains(block, chunk, nodal_basis)
             strain_by_pair += linear.T @ quadratic

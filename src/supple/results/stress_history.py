@@ -68,7 +68,7 @@ def _of_full_body(
     nodes: ArrayLike | None,
 ) -> Array:
     chosen = slice(None) if nodes is None else node_numbers(nodes, len(body.nodes))
-    if body.body.model is None:
+    if body.is_linear:
         recovery = recovery.linearized()
     nodal = (body.body.expansion @ q for q in np.asarray(coordinates))
     return np.array([measure(recovery.at_nodes(u)[chosen]).max(axis=1) for u in nodal])

@@ -21,6 +21,7 @@ import numpy as np
 from supple.body.full_body import FullBody
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import (
+    Progress,
     Run,
     Solution,
     Statistics,
@@ -30,10 +31,10 @@ from supple.integrate import (
 from supple.machine.system import System
 from supple.multibody.checks.validity import Peaks, watch
 from supple.multibody.compiled.engine import as_solution, controls, initial_state
-from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.compiled.time_step import Controls, State, march
+from supple.multibody.equations.compiler_options import MARCHING
+from supple.multibody.equations.floating_solution import failure_message
 from supple.multibody.equations.model import Model
-from supple.integrate import Progress, failure_message
 from supple.simulation.watched_run import check_laws_cover
 
 __all__ = ["BatchSolution", "simulate_batch"]

@@ -24,25 +24,20 @@ def columns_of(system: System) -> Metadata:
     Vibrations have no sign of their own, and those of like frequency no directions: round-off decides, and
     another number of threads is enough to change it. The motion on disk would then mean another one.
     """
-    measures = {
-        placed.body.name: _measures(placed.body).tolist()
-        for placed in system.bodies
-        if isinstance(placed.body, ReducedBody)
-    }
+    measures = {name: _measures(body).tolist() for name, body in system.bodies_of(ReducedBody).items()}
     return {KEY: json.dumps(measures)} if measures else {}
 
 
 def check_columns(header: ResultHeader, system: System, path: Path | str) -> None:
     """ResultFileError when a system's reduced bodies move by other columns than those of a result file."""
     recorded = json.loads(str(header.metadata.get(KEY, "{}")))
-    for placed in system.bodies:
-        body = placed.body
-        if not isinstance(body, ReducedBody) or body.name not in recorded:
+    for name, body in system.bodies_of(ReducedBody).items():
+        if name not in recorded:
             continue
-        then, now = np.array(recorded[body.name]), _measures(body)
+        then, now = np.array(recorded[name]), _measures(body)
         if then.shape != now.shape or np.abs(then - now).max() > SAME * np.abs(then).max():
             raise ResultFileError(
-                f"{path} holds a motion of body '{body.name}' on {then.size} columns that are not those of "
+                f"{path} holds a motion of body '{name}' on {then.size} columns that are not those of "
                 f"the body given, which has {now.size}. Reducing again can change their signs: keep the "
                 "reduced body beside its motion (write_reduced_body) and continue with it, or start anew"
             )

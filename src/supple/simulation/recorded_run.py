@@ -40,7 +40,9 @@ def begin_recorded(
     """
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     metadata = {**metadata, **columns_of(system)}
-    return _recorded(system, run, ResultFile.create(path, case=case, metadata=metadata), None, progress, check)
+    return _recorded(
+        system, run, ResultFile.create(path, case=case, metadata=metadata), None, progress, check
+    )
 
 
 def continue_recorded(

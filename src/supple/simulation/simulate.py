@@ -25,15 +25,15 @@ def simulate(
 ) -> Solution:
     """Motion of a system from its initial state over a run.
 
-    The form of the bodies chooses the method: rigid and reduced ones are marched by one compiled program, full
-    ones by sparse Newton steps.
+    The form of the bodies chooses the method: rigid and reduced ones are marched by one compiled program,
+    full ones by sparse Newton steps.
 
     Parameters
     ----------
     system : System
     run : Run               span, output times, steps, tolerances
-    file : path             keep the motion in this result file as it is computed, and go on with what is there:
-                            a finished run is read, one that was cut off is continued
+    file : path             keep the motion in this result file as it is computed, and go on with what is
+                            there: a finished run is read, one that was cut off is continued
     resume : Solution       go on from the end of an earlier part of the same run
     progress, record : called as the run goes on; `record` receives every completed leg
     check : bool            raise where the run ends early; otherwise `Solution.stopped` says why
@@ -55,11 +55,7 @@ def simulate(
     ValidityWarning, StepCutWarning, RedundantConstraintWarning
     """
     if file is None:
-        return watched_run(
-            system, run, resume=resume, progress=progress, record=record, check=check
-        )
+        return watched_run(system, run, resume=resume, progress=progress, record=record, check=check)
     if resume is not None or record is not None:
         raise ValueError("a run that is kept in a file is resumed and recorded there: leave these out")
-    return simulate_recorded(
-        system, run, file, case=description(system, run), progress=progress, check=check
-    )
+    return simulate_recorded(system, run, file, case=description(system, run), progress=progress, check=check)

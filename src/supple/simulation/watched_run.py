@@ -35,9 +35,7 @@ def watched_run(
         peaks.update(limits.observe(peaks, leg))
 
     engine = engine_for(system, run)
-    solution = march_through(
-        engine, times, resume=resume, progress=progress, record=observed, check=check
-    )
+    solution = march_through(engine, times, resume=resume, progress=progress, record=observed, check=check)
     _report_rejected_steps(solution.statistics, run.step_control)
     limits.report(peaks)
     return solution

@@ -8,13 +8,13 @@ Format "supple-result", version 1, an HDF5 file (any HDF5 reader opens it):
                  metadata      JSON object of further names and values
     complete     scalar        1 once the run has ended, 0 while it runs or where it was cut off
     times        (t,)          output times
-    bodies/<name>/<field>      (t, ...) the arrays of the body's motion, of the kind that the group's attribute
-                               `kind` names; floating where it is missing: position, rotation, coordinates, ...
+    bodies/<name>/<field>      (t, ...) the arrays of the body's motion, of the kind that the attribute `kind`
+                               of the group names; floating where it is missing: position, rotation, ...
     joint_forces/<name>        (t, m) Lagrange multipliers of each joint
     commits      (k, 6)        one row per chunk written: its number of times, then its steps, iterations,
                                rejected steps, seconds and seconds of compilation
 
-    engine_state/<key>         (k, ...) what the engine needs to go on exactly, one row per chunk; may be absent
+    engine_state/<key>         (k, ...) what the engine needs to go on exactly, one row per chunk, or absent
 
 All numbers are 64-bit floats, stored bit for bit; in names, % and / are written %25 and %2F. The motion
 datasets appear with the first chunk. A chunk counts once its row of `commits` is there: whatever lies beyond
@@ -229,8 +229,8 @@ def _write_whole(path: Path, header: ResultHeader, solution: Solution | None) ->
         if solution is not None:
             for name, array in to_arrays(solution).items():
                 _create_growing(file, name, array)
-            for path, kind in motion_kinds(solution).items():
-                file[path].attrs["kind"] = kind
+            for group, kind in motion_kinds(solution).items():
+                file[group].attrs["kind"] = kind
             for key, value in solution.engine_state.items():
                 _create_growing(file, f"engine_state/{key}", np.asarray(value, dtype=float)[None])
             _commit(file, len(solution.times), solution.statistics)

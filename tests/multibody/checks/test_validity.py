@@ -18,7 +18,7 @@ from supple.simulation import simulate
 
 def still(body, spin=0.0, coordinates=None):
     """Three instants of a body that spins about z and is deformed in the second one."""
-    zero, shape = np.zeros((3, 3)), np.zeros((3, body.r))
+    zero, shape = np.zeros((3, 3)), np.zeros((3, body.n_coordinates))
     if coordinates is not None:
         shape[1] = coordinates
     motion = FloatingMotion(

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.body import FlexibleBody
+from supple.body.full_body import FullBody
 from supple.integrate import FloatingMotion, Solution
 from supple.machine.system import System
 from supple.multibody.equations.build_model import build_model
@@ -48,7 +48,7 @@ def balances(system: System, solution: Solution) -> Balances:
     A full body counts node by node, `T = V^T M V / 2`, with the strain energy of its elements; a reduced one
     through its Gram matrix and tensors, which is the same where its basis can follow.
     """
-    gravity = system.gravity
+    gravity, fulls = system.gravity, system.bodies_of(FullBody)
     placed = [each.body for each in system.bodies]
     parts: list[Balances | None] = [None] * len(placed)
     for group in build_model(system).groups:
@@ -58,7 +58,7 @@ def balances(system: System, solution: Solution) -> Balances:
             moving = _Motion(*(jnp.asarray(getattr(motion, name)) for name in _Motion._fields))
             parts[index] = _of_reduced_body(arrays, jnp.asarray(gravity), moving)
     every = [
-        _of_full_body(body, gravity, solution.bodies[body.name]) if part is None else part
+        _of_full_body(fulls[body.name], gravity, solution.bodies[body.name]) if part is None else part
         for body, part in zip(placed, parts, strict=True)
     ]
     return Balances(*(np.asarray(sum(items)) for items in zip(*every, strict=True)))
@@ -154,14 +154,8 @@ def _at_instants(inertia: FullInertia, gravity: np.ndarray, motion: FloatingMoti
     )
     return Balances(
         kinetic=local.kinetic,
-        strain=_strain_energies(body, motion.coordinates),
+        strain=body.force.energies(motion.coordinates.T),
         potential=-(inertia.mass * motion.position + centre) @ gravity,
         momentum=linear,
         angular_momentum=angular + np.cross(motion.position, linear),
     )
-
-
-def _strain_energies(body: FlexibleBody, coordinates: np.ndarray) -> np.ndarray:
-    if body.model is None:
-        return (coordinates * (body.stiffness @ coordinates.T).T).sum(axis=1) / 2
-    return body.assembly.energies(coordinates.T)

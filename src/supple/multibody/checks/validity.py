@@ -15,13 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.algebra import lowest_modes
-from supple.body import RigidBody
-from supple.body.full_body import FullBody
+from supple.body import BodyForm
 from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import FloatingMotion, Solution, Validity
-from supple.machine.system import Body, System
-from supple.reduction import ReducedBody
+from supple.machine.system import System
 
 __all__ = ["Excess", "Peaks", "Watch", "watch"]
 
@@ -131,28 +128,17 @@ def _peaks(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Peaks:
 
 def watch(system: System, validity: Validity) -> Watch:
     """Prepare the limits of every flexible body of a system."""
-    flexible = [placed.body for placed in system.bodies if not isinstance(placed.body, RigidBody)]
-    return Watch(validity, tuple(_limits(body, validity) for body in flexible))
+    deforming = [placed.body for placed in system.bodies if placed.body.n_coordinates]
+    return Watch(validity, tuple(_limits(body, validity) for body in deforming))
 
 
-def _limits(body: Body, validity: Validity) -> _Limits:
-    if isinstance(body, ReducedBody):
-        linear, rotation_limit = body.is_linear, body.rotation_limit
-        basis = None if body.rotation_basis is None else body.rotation_basis.reshape(-1, body.r)
-        lowest = float(np.min(body.frequencies, initial=np.inf))
-    else:
-        assert isinstance(body, FullBody)
-        own = body.body
-        linear, rotation_limit = own.model is None, own.rotation_limit
-        basis = None if own.rotation_operator is None else own.rotation_operator @ own.expansion
-        lowest = np.inf
-        if linear:
-            held = body.frame.constraint(own)
-            lowest = float(np.sqrt(lowest_modes(own.stiffness, own.mass, 1, constraint=held).values[0]))
+def _limits(body: BodyForm, validity: Validity) -> _Limits:
+    lowest = body.lowest_frequency() if body.is_linear else np.inf
+    limit = body.rotation_limit
     return _Limits(
         name=body.name,
-        spin=validity.spin_ratio * lowest if linear else np.inf,
+        spin=validity.spin_ratio * lowest,
         lowest_frequency=lowest,
-        rotation=min(rotation_limit, LINEAR_ROTATION_LIMIT) if linear else rotation_limit,
-        rotation_basis=basis,
+        rotation=min(limit, LINEAR_ROTATION_LIMIT) if body.is_linear else limit,
+        rotation_basis=body.rotation_rows,
     )

@@ -91,7 +91,9 @@ _mass = jax.jit(mass_matrix, compiler_options=STARTING)
 @partial(jax.jit, compiler_options=STARTING)
 def _forces(model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array) -> jax.Array:
     """The residual without accelerations and multipliers, (n,)."""
-    still = SystemMotion(time, configuration, velocity, jnp.zeros_like(velocity), jnp.zeros(len(model.active)))
+    still = SystemMotion(
+        time, configuration, velocity, jnp.zeros_like(velocity), jnp.zeros(len(model.active))
+    )
     return balance(model, still).residual
 
 

@@ -26,7 +26,7 @@ from supple.multibody.equations.model import Model
 __all__ = ["CompiledEngine", "as_solution", "controls", "initial_state"]
 
 _SHORTEST = 16
-"""Output times of the shortest program: the compiler unrolls shorter loops, which would change last digits."""
+"""Output times of the shortest program: the compiler unrolls shorter loops, which can change last digits."""
 
 
 def controls(run: Run) -> Controls:
@@ -60,9 +60,14 @@ def initial_state(system: System, time: float, first_step: float) -> tuple[Model
 
 def _state(**known: Any) -> State:
     count = jnp.zeros((), dtype=int)
-    fresh = {"steps": count, "iterations": count, "rejected_steps": count, "failed": jnp.zeros((), dtype=bool)}
-    known = jax.tree.map(lambda leaf: jnp.asarray(np.asarray(leaf)), known)
-    return State(**known, **fresh, relative_residual=jnp.zeros(4))
+    fresh = {
+        "steps": count,
+        "iterations": count,
+        "rejected_steps": count,
+        "failed": jnp.zeros((), dtype=bool),
+    }
+    arrays: dict[str, Any] = jax.tree.map(lambda leaf: jnp.asarray(np.asarray(leaf)), known)
+    return State(**arrays, **fresh, relative_residual=jnp.zeros(4))
 
 
 class CompiledEngine:

@@ -121,5 +121,3 @@ def tangent(
         blocks += marker_force.tangent(forces, motion, turns, minus)
     blocks += joint_force.tangent(model, motion, linearization.joints, turns, factors.by_position)
     return assembled_matrix((model.n_velocities, model.n_velocities), blocks)
-
-

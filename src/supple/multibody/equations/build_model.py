@@ -213,8 +213,6 @@ def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.nd
     return first, second
 
 
-
-
 def _both_ends(system: System, element: Joint | ForceElement) -> tuple[_End, _End]:
     first, second = initial_points(system, element)
     axes = element.initial_axes
@@ -282,8 +280,8 @@ def _nodal_load(system: System, load: NodalLoad, places: _BodyPlaces) -> NodalLo
     index = system.body_index(load.body)
     placed = system.bodies[index]
     if load.nodes.size:
-        positions = placed.body.nodes[load.nodes]
-        basis = placed.body.displacement_basis[load.nodes]
+        body: Any = placed.body  # reduced, or the load would be the sparse engine's
+        positions, basis = body.nodes[load.nodes], body.displacement_basis[load.nodes]
     else:
         position, motion = interface_motion(placed, str(getattr(load, "at", "")))
         positions, basis = position[None], motion[None, :3]

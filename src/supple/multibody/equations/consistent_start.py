@@ -20,7 +20,7 @@ from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarni
 from supple.machine import System
 from supple.multibody.equations.balance import constraint_jacobian
 from supple.multibody.equations.compiler_options import STARTING
-from supple.multibody.equations.configuration import Configuration, advance
+from supple.multibody.equations.configuration import AnyArray, Configuration, advance
 from supple.multibody.equations.joint_force import constraints
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.step_size import position_rounding
@@ -36,13 +36,13 @@ _OPEN = 1e-3
 class JointTerms(NamedTuple):
     """The constraints at one position and velocity."""
 
-    residual: jax.Array
+    residual: AnyArray
     """`g`, (m,)"""
-    jacobian: jax.Array
+    jacobian: AnyArray
     """`G`, (m, n)"""
-    rate: jax.Array
+    rate: AnyArray
     """`dg/dt`, (m,)"""
-    acceleration_bias: jax.Array
+    acceleration_bias: AnyArray
     """`d2g/dt2` while the velocities stay constant, (m,)"""
 
 
@@ -165,7 +165,9 @@ def _joints_closed(
     for _ in range(20):
         terms = machine.joint_terms(time, configuration, velocity)
         largest = float(np.max(abs(terms.residual), initial=0.0))
-        rounding = machine.model.length * float(position_rounding(machine.model.length, configuration.origins))
+        rounding = machine.model.length * float(
+            position_rounding(machine.model.length, configuration.origins)
+        )
         # A further iteration takes away what is left of rounding errors, until it gains nothing.
         if largest <= 0.01 * rounding or (largest <= rounding and largest > 0.1 * before):
             return configuration

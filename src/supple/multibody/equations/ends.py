@@ -99,5 +99,3 @@ def blocks_on_bodies(
                 lambda motion, own: jnp.concatenate([own[:6], motion.T @ own[6:]]), row_ends.motion, columns
             )
             yield Block(row_ends.velocities, column_ends.velocities, values)
-
-

@@ -155,7 +155,8 @@ def inertia_terms(arrays: InertiaArrays, motion: FloatingState) -> InertiaTerms:
     spun = jnp.stack(
         [
             small_product(motion.angular_velocity, spinning[:3]),
-            small_product(motion.angular_acceleration, spinning[:3]) + small_product(motion.angular_velocity, spinning[3:]),
+            small_product(motion.angular_acceleration, spinning[:3])
+            + small_product(motion.angular_velocity, spinning[3:]),
         ]
     )
     h, d = both = by_fixed @ arrays.fixed + spun
@@ -262,12 +263,16 @@ def inertia_tangent(
 
 def kinetic_energy(gram: jax.Array, motion: FloatingState, velocity: jax.Array) -> jax.Array:
     """`T = z G z / 2` with the frame's velocity `v = A^T Rdot` (3,) in body components."""
-    z = _join(velocity, motion.angular_velocity, motion.coordinates[:, None] * motion.angular_velocity, motion.rates)
+    z = _join(
+        velocity, motion.angular_velocity, motion.coordinates[:, None] * motion.angular_velocity, motion.rates
+    )
     return z @ gram @ z / 2
 
 
 def frame_momenta(gram: jax.Array, motion: FloatingState, velocity: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Linear momentum, and angular momentum about the frame origin, body components, (3,) each."""
-    z = _join(velocity, motion.angular_velocity, motion.coordinates[:, None] * motion.angular_velocity, motion.rates)
+    z = _join(
+        velocity, motion.angular_velocity, motion.coordinates[:, None] * motion.angular_velocity, motion.rates
+    )
     h = _split(gram @ z)
     return h.translation, h.rotation + motion.coordinates @ h.coupling

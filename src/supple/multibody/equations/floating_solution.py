@@ -45,9 +45,7 @@ def body_motions(
     return motions
 
 
-def joint_forces(
-    system: System, active: tuple[int, ...], multipliers: np.ndarray
-) -> dict[str, np.ndarray]:
+def joint_forces(system: System, active: tuple[int, ...], multipliers: np.ndarray) -> dict[str, np.ndarray]:
     """Multipliers by joint; zero for the equations that were left out as redundant."""
     n_equations = sum(joint.n_constraints for joint in system.joints)
     every = np.zeros((*multipliers.shape[:-1], n_equations))

@@ -1,4 +1,4 @@
-"""Inertia of the bodies in their floating frames, as a term of the equations: force in global, exact tangent."""
+"""Inertia of bodies in floating frames, as a term of the equations: force in global axes, exact tangent."""
 
 from __future__ import annotations
 

@@ -18,7 +18,8 @@ def force(group: BodyGroup, states: FloatingState) -> tuple[jax.Array, jax.Array
     """`(0, f(g) + D dg/dt)` of every body, (k, 6 + r), and the tangent stiffness, (k, r, r)."""
 
     def of_body(stiffness, tensors, damping, coordinates, rates):
-        elastic, tangent_stiffness = polynomial_force(stiffness, *tensors, coordinates)
+        cubic, quartic = tensors
+        elastic, tangent_stiffness = polynomial_force(stiffness, cubic, quartic, coordinates)
         return jnp.concatenate([jnp.zeros(6), elastic + damping @ rates]), tangent_stiffness
 
     return over(

@@ -1,4 +1,4 @@
-"""Joints, as a term of the equations: constraint equations, their Jacobian, forces and geometric stiffness."""
+"""Joints, as a term of the equations: constraint equations, Jacobian, forces, geometric stiffness."""
 
 from __future__ import annotations
 

@@ -32,7 +32,14 @@ from supple.multibody.equations.marker import (
     wrench_stiffness,
 )
 
-__all__ = ["Blocks", "JointLinearization", "affine_form", "geometric_stiffness", "joint_equations", "linearize_joint"]
+__all__ = [
+    "Blocks",
+    "JointLinearization",
+    "affine_form",
+    "geometric_stiffness",
+    "joint_equations",
+    "linearize_joint",
+]
 
 
 class JointLinearization(NamedTuple):

@@ -121,7 +121,9 @@ def generalized_force(marker: Marker, wrench: Wrench) -> jax.Array:
     force = marker.rotation.T @ wrench.force
     moment = marker.rotation.T @ wrench.moment
     arm = marker.offset + marker.displacement
-    conjugate_to_turn = rotation_right_jacobian(marker.rotation_vector).T @ (rotation_exp(marker.rotation_vector).T @ moment)
+    conjugate_to_turn = rotation_right_jacobian(marker.rotation_vector).T @ (
+        rotation_exp(marker.rotation_vector).T @ moment
+    )
     return jnp.concatenate([wrench.force, jnp.cross(arm, force) + moment, force, conjugate_to_turn])
 
 
@@ -151,7 +153,9 @@ def wrench_stiffness(marker: Marker, wrench: jax.Array) -> jax.Array:
     moment = small_product(marker.axes, wrench[3:])
     jacobian = rotation_right_jacobian(marker.rotation_vector)
     tilted = small_product(rotation_exp(marker.rotation_vector), small_product(skew(moment), jacobian))
-    by_turn = jax.jacfwd(lambda turn: small_product(rotation_right_jacobian(turn).T, moment))(marker.rotation_vector)
+    by_turn = jax.jacfwd(lambda turn: small_product(rotation_right_jacobian(turn).T, moment))(
+        marker.rotation_vector
+    )
     zero = jnp.zeros((3, 3))
     of_spin = jnp.concatenate([zero, small_product(skew(arm), force), -force, -tilted], axis=1)
     return jnp.concatenate(

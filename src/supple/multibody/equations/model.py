@@ -62,7 +62,7 @@ class BodyGroup:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Ends:
-    """The k ends of one side of a group of joints or forces: markers of bodies of one size, or of the ground."""
+    """The k ends on one side of a group of joints or forces: markers of equal bodies, or of the ground."""
 
     bodies: tuple[int, ...] = field(metadata=STATIC)
     """Numbers of the bodies; -1 for the ground, then of all of them"""

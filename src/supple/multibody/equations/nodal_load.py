@@ -122,9 +122,9 @@ def tangent(load: NodalLoadArrays, motion: SystemMotion, turn: jax.Array) -> jax
     total = total.at[:3, 3:6].set(on_force @ turn)
     if own.follows_nodes:
         by_places = jax.vmap(
-            lambda column: jax.jvp(
-                lambda x: nodal_forces(own, x, rotation, motion.time), (arms,), (column,)
-            )[1],
+            lambda column: jax.jvp(lambda x: nodal_forces(own, x, rotation, motion.time), (arms,), (column,))[
+                1
+            ],
             in_axes=-1,
             out_axes=-1,
         )(basis)

@@ -27,7 +27,7 @@ class Places:
 
     @property
     def number(self) -> int:
-        """k."""
+        """K."""
         return len(self.starts)
 
     @property

@@ -37,5 +37,3 @@ def next_step(
     steady = (error <= tolerance) & (best < 1.5 * intended)
     best = jnp.where(steady, jnp.minimum(best, intended), best)
     return jnp.clip(best, 0.2 * h, jnp.minimum(2 * jnp.maximum(h, intended), largest))
-
-

@@ -34,7 +34,7 @@ __all__ = [
 
 
 class FullMotion(NamedTuple):
-    """Nodal displacements, velocities, accelerations (N, d) and the frame's angular velocity and accelerations (3,)."""
+    """Displacements, velocities, accelerations (N, d) of the nodes; motion of the frame (3,)."""
 
     displacement: np.ndarray
     rate: np.ndarray

@@ -13,8 +13,8 @@ from scipy.sparse import csc_array, csr_array
 from supple.algebra.cross import cross_matrices, cross_matrix
 from supple.algebra.rotation import rotation_right_jacobian
 from supple.algebra.sparse_factor import SparseFactor, factorize_general
-from supple.integrate import StepFactors
 from supple.body.full_body import FullBody
+from supple.integrate import StepFactors
 from supple.machine import NodalLoad
 from supple.multibody.equations.nodal_load import (
     PreparedLoad,
@@ -50,7 +50,7 @@ class _LoadForces(NamedTuple):
 
 
 class InteriorState(NamedTuple):
-    """Motion of one full body: frame (global origin motion, angular velocity in body components) and coordinates."""
+    """Motion of one full body: its frame, angular quantities in body components, and its coordinates."""
 
     rotation: np.ndarray
     coordinates: np.ndarray
@@ -118,15 +118,15 @@ class _Factored(NamedTuple):
 
 
 LARGEST_TURN = 0.02
-"""Change of angular velocity times step up to which a linear body's factor is kept: about Newton's contraction."""
+"""Change of angular velocity times step up to which a linear body's factor is kept: about the contraction."""
 
 
 @dataclass(eq=False)
 class _FactorCache:
     """The last factored tangent of a linear body.
 
-    It changes with the step and the angular velocity alone, so that one factor serves many steps, and a solution costs a
-    tenth of a factorisation. Newton's iteration ends at the same motion without it, to its tolerance.
+    It changes with the step and the angular velocity alone, so that one factor serves many steps, and a
+    solution costs a tenth of a factorisation. Newton's iteration ends at the same motion without it, to its tolerance.
     """
 
     _last: _Factored | None = field(default=None, init=False)
@@ -182,10 +182,7 @@ class FullInterior:
         )
 
     def _internal_force(self, coordinates: np.ndarray) -> np.ndarray:
-        body = self.full.body
-        if body.model is None:
-            return body.stiffness @ coordinates
-        return body.assembly.internal_force(coordinates)
+        return self.full.body.force.internal_force(coordinates)
 
     def _load_forces(self, state: InteriorState, place: np.ndarray) -> list[_LoadForces]:
         """Of every nodal load, where the nodes are at `place` (N, 3)."""
@@ -230,7 +227,7 @@ class FullInterior:
         return factorize_general(self._matrix(self.constant["mass"][0]))
 
     def _stiffness_data(self, coordinates: np.ndarray) -> np.ndarray:
-        if self.full.body.model is None:
+        if self.full.is_linear:
             return self.constant["stiffness"][0]
         data = np.zeros(self.pattern.nnz)
         data[self.tangent_places] = self.full.body.assembly.tangent(coordinates).data
@@ -263,7 +260,7 @@ class FullInterior:
 
     def _factored(self, motion: FullMotion, coordinates: np.ndarray, factors: StepFactors) -> _Factored:
         """The interior's tangent, factored; a linear body's is kept while it serves."""
-        linear = self.full.body.model is None
+        linear = self.full.is_linear
         if linear and (last := self._cache.serving(motion, factors)) is not None:
             return last
         factored = self._factor(motion.angular_velocity, motion.angular_acceleration, coordinates, factors)
@@ -302,7 +299,7 @@ class FullInterior:
         """Factor what a recorded run had kept."""
         if np.isfinite(factored_for).all():
             factors = StepFactors(float(factored_for[0]), float(factored_for[1]))
-            none = np.zeros(self.full.r)
+            none = np.zeros(self.full.n_coordinates)
             self._cache.keep(self._factor(factored_for[2:5], factored_for[5:], none, factors))
 
     def _border(
@@ -375,7 +372,7 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -
     }
     pattern = sum((abs(matrix) for group in matrices.values() for matrix in group), start=none)
     shape = csc_array(body.mass.shape)
-    if body.model is not None:
+    if not body.is_linear:
         assembly = body.assembly
         ones = np.ones(len(assembly.indices))
         shape = csc_array((ones, assembly.indices, assembly.indptr), shape=body.mass.shape)

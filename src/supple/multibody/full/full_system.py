@@ -93,19 +93,20 @@ class _Evaluation(NamedTuple):
 class FullSystem:
     """A system with at least one full body, ready for stepping. Holds no state of the motion.
 
-    active : the constraint equations to keep, redundant ones left out; all of them until `start` finds out
+    It is also the `StartingMachine` of its engine.
+
+    active : the constraint equations to keep, redundant ones left out; all of them until the start finds out
     """
 
     def __init__(self, system: System, active: tuple[int, ...] | None = None) -> None:
         self.system = system
-        sizes = [6 + placed.body.n_coordinates for placed in system.bodies]
-        ends = np.cumsum([0, *sizes])
-        self.slices = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
-        self.n = int(ends[-1])
+        sizes = [placed.body.n_coordinates for placed in system.bodies]
+        self.slices = _slices([6 + r for r in sizes])
+        self.coordinate_slices = _slices(sizes)
+        self.n = self.slices[-1].stop
         self.interiors = tuple(
-            prepare_interior(index, placed.body, self._nodal_loads(placed.body))
-            for index, placed in enumerate(system.bodies)
-            if isinstance(placed.body, FullBody)
+            prepare_interior(system.body_index(name), full, self._nodal_loads(full))
+            for name, full in system.bodies_of(FullBody).items()
         )
         self.model = build_model(system, active)
         self.interior_of = {interior.index: interior for interior in self.interiors}
@@ -366,7 +367,9 @@ class FullSystem:
             border=_zero_residual(still.border),
             interior_residuals=tuple(np.zeros_like(r) for r in still.interior_residuals),
         )
-        drifts = tuple(-interior.frame_rows @ velocity[self._coordinates(interior)] for interior in self.interiors)
+        drifts = tuple(
+            -interior.frame_rows @ velocity[self._coordinates(interior)] for interior in self.interiors
+        )
         change, _, _ = self.correction(
             balanced, (-joint_residual, drifts), np.zeros(self.n), StepFactors(0.0, 0.0)
         )

@@ -60,7 +60,7 @@ def modal_derivatives(body: FlexibleBody, frame: Frame, basis: LinearBasis) -> M
     Raises ModelError when the body has no quadratic strains (a superelement, or a linearised body).
     Source: [Wu2019] (39)-(43).
     """
-    if body.model is None:
+    if body.is_linear:
         raise ModelError(
             f"body '{body.name}' has no quadratic strains (a superelement, or linearised), "
             "so it has no modal derivatives; reduce it with derivatives=NoDerivatives()"
