@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.mesh import strip
 from supple.reduction import CompressedDerivatives, CraigBampton, reduce
 from supple.simulation import simulate
+from supple.simulation.watched_run import watched_run
 
 FRAMES = {"nodal-fixed": NodalFixedFrame("root"), "mean-axis": MeanAxisFrame()}
 RUN = Run(
@@ -122,14 +125,12 @@ def breaking_off(monkeypatch):
     """Let every reduced run break off at a given time, as a basis that cannot follow the motion does."""
 
     def at(time):
-        def broken(system, **options):
-            parts = []
-            simulate(system, **(options | {"duration": time, "record": parts.append}))
-            for part in parts[: None if time > 0.02 else 1]:
-                options["record"](part)
-            raise ConvergenceError(f"no convergence at t = {time}")
+        def broken(system, run, **how):
+            whole = watched_run(system, replace(run, duration=time), **how)
+            reached = whole.at(slice(0, None if time > 0.02 else 1))
+            return replace(reached, stopped=f"no convergence at t = {time}")
 
-        monkeypatch.setattr("supple.correction.round_archive.simulate", broken)
+        monkeypatch.setattr("supple.correction.round_archive.watched_run", broken)
 
     return at
 

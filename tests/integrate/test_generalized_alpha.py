@@ -25,7 +25,7 @@ def one_step(rule, q, v, vdot, a):
     guess = rule.auxiliary(0.0, vdot, a)
     q_guess, v_guess = q + rule.increment(v, a, guess), rule.new_velocity(v, a, guess)
     new = -(stiffness * q_guess + damping * v_guess) / (
-        1 + stiffness * rule.position + damping * rule.velocity
+        1 + stiffness * rule.factors.by_position + damping * rule.factors.by_velocity
     )
     a_new = rule.auxiliary(new, vdot, a)
     return q + rule.increment(v, a, a_new), rule.new_velocity(v, a, a_new), new, a_new
@@ -61,7 +61,7 @@ def amplification(method, h_omega):
     columns = []
     for q, v, vdot, a in np.eye(4):
         guess = rule.auxiliary(0.0, vdot, a)
-        new = -(h_omega**2) * (q + rule.increment(v, a, guess)) / (1 + h_omega**2 * rule.position)
+        new = -(h_omega**2) * (q + rule.increment(v, a, guess)) / (1 + h_omega**2 * rule.factors.by_position)
         a_new = rule.auxiliary(new, vdot, a)
         columns.append([q + rule.increment(v, a, a_new), rule.new_velocity(v, a, a_new), new, a_new])
     return np.array(columns).T
@@ -116,12 +116,13 @@ def test_hilber_hughes_taylor_coefficients():
 
 @pytest.mark.parametrize("method", METHODS, ids=str)
 def test_step_rule_states_its_own_derivatives(method):
-    """`position` and `velocity` are d increment / d vdot and d velocity / d vdot."""
+    """`by_position` and `by_velocity` are d increment / d vdot and d velocity / d vdot."""
     rule = StepRule(method.coefficients, 0.3)
     unit = rule.auxiliary(1.0, 0.0, 0.0)
-    np.testing.assert_allclose(unit, rule.kappa, rtol=1e-15)
-    np.testing.assert_allclose(rule.increment(0.0, 0.0, unit), rule.position, rtol=1e-15)
-    np.testing.assert_allclose(rule.new_velocity(0.0, 0.0, unit), rule.velocity, rtol=1e-15)
+    kappa = (1 - rule.coefficients.alpha_f) / (1 - rule.coefficients.alpha_m)
+    np.testing.assert_allclose(unit, kappa, rtol=1e-15)
+    np.testing.assert_allclose(rule.increment(0.0, 0.0, unit), rule.factors.by_position, rtol=1e-15)
+    np.testing.assert_allclose(rule.new_velocity(0.0, 0.0, unit), rule.factors.by_velocity, rtol=1e-15)
 
 
 def test_constant_acceleration_is_exact():

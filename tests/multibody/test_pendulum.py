@@ -54,9 +54,8 @@ def angle_error(solution):
     return np.abs(angle - exact_angle(solution.times)).max()
 
 
-def run(system, h=0.01, duration=2.0, output_step=0.1, **options):
-    step = options.pop("step", FixedStep(h))
-    return simulate(system, Run(duration=duration, output_step=output_step, step=step), **options)
+def run(system, h=0.01, duration=2.0, output_step=0.1, step=None, tolerances=Tolerances()):  # noqa: B008
+    return simulate(system, Run(duration, output_step, step=step or FixedStep(h), tolerances=tolerances))
 
 
 def test_swing_follows_the_elliptic_integral_at_order_two(pendulum):

@@ -17,7 +17,7 @@ from supple.reduction import NoDerivatives, NormalModes, reduce
 from supple.simulation import begin_recorded, continue_recorded, simulate, simulate_recorded
 from supple.storage import read_header
 
-RUN = {"duration": 1.0, "output_step": 0.05}
+RUN = Run(duration=1.0, output_step=0.05)
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from supple.integrate.generalized_alpha import (
     TimeIntegrator,
 )
 from supple.integrate.motion import FloatingMotion, Motion, motion_from_arrays, register_motion
-from supple.integrate.run import run
+from supple.integrate.run import leg_size, run
 from supple.integrate.run_options import Run, Validity
 from supple.integrate.solution import Solution, Statistics, concatenate
 from supple.integrate.step_control import AdaptiveStep, FixedStep, StepControl, Tolerances
@@ -39,6 +39,7 @@ __all__ = [
     "Tolerances",
     "Validity",
     "concatenate",
+    "leg_size",
     "motion_from_arrays",
     "register_motion",
     "run",

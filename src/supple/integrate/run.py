@@ -12,7 +12,7 @@ from supple.errors import ConvergenceError
 from supple.integrate.engine import Engine, Progress, Recorder
 from supple.integrate.solution import Solution, Statistics, concatenate
 
-__all__ = ["LEGS", "run"]
+__all__ = ["leg_size", "run"]
 
 S = TypeVar("S")
 
@@ -47,8 +47,7 @@ def run(
     ValueError          nothing is left to simulate
     ConvergenceError    the run ended early; what was computed until then has been handed to `record`
     """
-    # The same legs however often a run is interrupted, so that all of them take the same compiled program.
-    size = max(1, int(np.ceil((len(times) - 1) / LEGS)))
+    size = leg_size(len(times))
     began = perf_counter()
     if resume is None:
         state = engine.start(float(times[0]))
@@ -58,8 +57,13 @@ def run(
         state = engine.resumed(resume)
     preparing = Statistics(compile_seconds=perf_counter() - began)
     parts: list[Solution] = []
-    for begin in range(0, len(left), size):
-        leg = engine.march(state, left[begin : begin + size])
+    # The initial state is a leg of its own: it is kept before the first step is tried.
+    first = 1 if resume is None else 0
+    n_done = 0
+    while n_done < len(left):
+        n_leg = size if n_done or not first else first
+        leg = engine.march(state, left[n_done : n_done + n_leg])
+        n_done = min(n_done + n_leg, len(left))
         state = leg.last
         if leg.n_reached:
             part = engine.solution(leg)
@@ -72,9 +76,14 @@ def run(
             if check or not parts:
                 raise ConvergenceError(leg.stopped)
             return replace(concatenate(parts), stopped=leg.stopped)
-        if progress is not None:
-            progress(min(begin + size, len(left)) / len(left))
+        if progress is not None and n_done > first:
+            progress((n_done - first) / (len(left) - first))
     return concatenate(parts)
+
+
+def leg_size(n_times: int) -> int:
+    """Output times of every leg but the first and the last, however often a run is interrupted."""
+    return max(1, int(np.ceil((n_times - 1) / LEGS)))
 
 
 def _times_left(times: np.ndarray, reached: float) -> np.ndarray:

@@ -14,7 +14,7 @@ __all__ = ["Solution", "Statistics", "concatenate"]
 
 @dataclass(frozen=True)
 class Statistics:
-    """Cost of a run: steps accepted, Newton iterations, steps rejected, wall seconds after and of compiling."""
+    """Cost of a run: accepted steps, Newton iterations, rejected steps, seconds after and of compiling."""
 
     steps: int = 0
     iterations: int = 0

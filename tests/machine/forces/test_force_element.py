@@ -18,32 +18,21 @@ from supple.machine import (
     SpringDamper,
     TorsionSpringDamper,
 )
-from supple.machine.pose import Marker
+from supple.machine.pose import Pose
 
 A, B = At("a", "left"), At("b", "left")
 
 
-def marker(point, turn=(0, 0, 0), velocity=(0, 0, 0), spin=(0, 0, 0)):
-    """A marker at the origin of an undeformed frame."""
-    zero = jnp.zeros(3)
-    return Marker(
-        origin=jnp.array(point, float),
-        rotation=rotation_exp(jnp.array(turn, float)),
-        displacement=zero,
-        turn=zero,
-        offset=zero,
-        axes=jnp.eye(3),
-        velocity=jnp.array(velocity, float),
-        spin=jnp.array(spin, float),
-        displacement_rate=zero,
-        turn_rate=zero,
-    )
+def pose(point, turn=(0, 0, 0), velocity=(0, 0, 0), spin=(0, 0, 0)):
+    """Of an end whose axes have turned from the global ones; the spin in its own axes."""
+    axes = rotation_exp(jnp.array(turn, float))
+    return Pose(jnp.array(point, float), axes, jnp.array(velocity, float), axes @ jnp.array(spin, float))
 
 
 def test_spring_pulls_its_ends_together():
     """Tension k (5 - 2) + c (rate 0.6 along the line), along (3, 4, 0)/5."""
     spring = SpringDamper(first=A, second=B, stiffness=10.0, damping=2.0, rest_length=2.0)
-    first, second = marker([0, 0, 0]), marker([3, 4, 0], velocity=[1.0, 0, 5.0])
+    first, second = pose([0, 0, 0]), pose([3, 4, 0], velocity=[1.0, 0, 5.0])
     on_first, on_second = spring.wrenches(first, second, None, spring.parameters)
     np.testing.assert_allclose(on_first.force, (10 * 3 + 2 * 0.6) * np.array([0.6, 0.8, 0]), rtol=1e-14)
     np.testing.assert_allclose(on_second.force, -np.asarray(on_first.force))
@@ -54,7 +43,7 @@ def test_torsion_spring_turns_its_ends_back():
     spring = TorsionSpringDamper(
         first=A, second=B, axis=(0, 0, 1), stiffness=10.0, damping=2.0, rest_angle=lambda t: 0.1 * t
     )
-    first, second = marker([0, 0, 0], spin=[0, 0, 1.0]), marker([0, 0, 0], turn=[0, 0, 0.5], spin=[0, 0, 4.0])
+    first, second = pose([0, 0, 0], spin=[0, 0, 1.0]), pose([0, 0, 0], turn=[0, 0, 0.5], spin=[0, 0, 4.0])
     on_first, on_second = spring.wrenches(first, second, spring.law(2.0), spring.parameters)
     np.testing.assert_allclose(on_second.moment, [0, 0, -(10 * (0.5 - 0.2) + 2 * 3.0)], rtol=1e-14)
     np.testing.assert_allclose(on_first.moment, -np.asarray(on_second.moment))
@@ -62,7 +51,7 @@ def test_torsion_spring_turns_its_ends_back():
 
 
 def test_follower_loads_turn_and_dead_ones_do_not():
-    turned = marker([0, 0, 0], turn=[0, 0, np.pi / 2])
+    turned = pose([0, 0, 0], turn=[0, 0, np.pi / 2])
     x = jnp.array([1.0, 0.0, 0.0])
     for law, item, expected in (
         (FollowerForce(first=A, force=x), "force", [0, 1, 0]),

@@ -15,7 +15,6 @@ from supple.machine import (
     Ball,
     Cylindrical,
     Fixed,
-    JointFrame,
     PrescribedRotation,
     PrescribedTranslation,
     Prismatic,
@@ -23,6 +22,7 @@ from supple.machine import (
     Universal,
 )
 from supple.machine.joints.joint import axes_along
+from supple.machine.pose import Pose
 
 ENDS = {"first": GROUND, "second": At("a", "left")}
 SLIDES, TURNS = range(3), range(3, 6)
@@ -40,10 +40,14 @@ JOINTS = {
 }
 
 
+def seen(point, axes):
+    return Pose(point, axes, jnp.zeros(3), jnp.zeros(3))
+
+
 def equations(joint, value, motion):
     """The joint's equations after a motion (6,) of the second frame away from the first."""
-    first = JointFrame(jnp.array([0.3, -0.2, 0.5]), rotation_exp(jnp.array([0.4, 0.2, -0.7])))
-    second = JointFrame(first.point + first.axes @ motion[:3], first.axes @ rotation_exp(motion[3:]))
+    first = seen(jnp.array([0.3, -0.2, 0.5]), rotation_exp(jnp.array([0.4, 0.2, -0.7])))
+    second = seen(first.point + first.axes @ motion[:3], first.axes @ rotation_exp(motion[3:]))
     return joint.constraint(first, second, value)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -13,11 +15,13 @@ from supple.machine import (
     GROUND,
     At,
     Ball,
+    BaseAcceleration,
     Cylindrical,
     DeadForce,
     DeadTorque,
     Fixed,
     FollowerForce,
+    FollowerPressure,
     FollowerTorque,
     Placed,
     PrescribedRotation,
@@ -29,25 +33,17 @@ from supple.machine import (
     TorsionSpringDamper,
     Universal,
 )
-from supple.multibody.equations.balance import (
-    Configuration,
-    Motion,
-    advance,
-    balance,
-    constraint_jacobian,
-    constraint_rows,
-    constraints,
-    mass_matrix,
-    tangent,
-)
-from supple.multibody.equations.model import build_model
+from supple.multibody.equations.balance import balance, constraint_jacobian, tangent
+from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.configuration import Configuration, SystemMotion, advance
+from supple.multibody.equations.inertia import mass_matrix
+from supple.multibody.equations.joint_force import constraint_rows, constraints
 
 STEP = 0.3
 """Long, so that every term of the tangent weighs about as much as every other."""
 
 
-@pytest.fixture(scope="module")
-def everything(floating_blade):
+def everything_once(floating_blade):
     """A flexible and a rigid body, every joint and every load; joints stand open, as within an iteration."""
     lump = RigidBody(
         "lump", 2.0, [0.1, -0.2, 0.05], np.diag([0.3, 0.4, 0.5]), {"a": [0.3, 0, 0], "b": [0, 0.2, 0.1]}
@@ -74,6 +70,9 @@ def everything(floating_blade):
             DeadForce(body="blade", at="tip", force=[1.0, -2.0, 3.0]),
             DeadForce(body="blade", at=[0, 5, 9], force=lambda t: t * jnp.arange(9.0).reshape(3, 3)),
             DeadForce(body="lump", at="b", force=[3.0, 1.0, -1.0]),
+            FollowerPressure(body="blade", faces=[[0, 1, 4], [1, 5, 4]], pressure=lambda t: 40.0 * t),
+            FollowerPressure(body="blade", faces=[[2, 3, 7, 6]], pressure=-30.0),
+            BaseAcceleration(acceleration=lambda t: jnp.array([1.0, t, -t])),
             DeadTorque(first=tip, torque=[0.4, 0.3, -0.2]),
             FollowerForce(first=tip, force=[-1.0, 2.0, 0.5]),
             FollowerTorque(first=b, torque=[0.1, -0.7, 0.3]),
@@ -82,6 +81,50 @@ def everything(floating_blade):
         ),
         gravity=(0.5, -1.0, -9.81),
     )
+
+
+def doubled(system):
+    """Two of each body, joint and load, which the equations treat in groups; two joints more join both.
+
+    The copies are listed last, so that the bodies of a group do not stand side by side.
+    """
+
+    def twin(item):
+        names = {}
+        for field in ("first", "second"):
+            end = getattr(item, field, None)
+            if end is not None and end != GROUND:
+                names[field] = At(end.body + " 2", end.interface)
+        if hasattr(item, "body"):
+            names["body"] = item.body + " 2"
+        if getattr(item, "name", ""):
+            names["name"] = item.name + " 2"
+        return replace(item, **names) if names else None
+
+    bodies = [
+        replace(
+            placed,
+            body=replace(placed.body, name=placed.body.name + " 2"),
+            position=placed.position + np.array([0.1, 0.4, -0.2]),
+        )
+        for placed in system.bodies
+    ]
+    crossing = (
+        Ball(first=At("blade", "tip"), second=At("lump 2", "a"), name="across"),
+        Ball(first=At("blade 2", "root"), second=At("lump", "b"), name="back"),
+    )
+    return System(
+        (*system.bodies, *bodies),
+        (*system.joints, *crossing, *map(twin, system.joints)),
+        (*system.loads, *(new for load in system.loads if (new := twin(load)) is not None)),
+        system.gravity,
+    )
+
+
+@pytest.fixture(scope="module", params=["one of each", "two of each"])
+def everything(request, floating_blade):
+    once = everything_once(floating_blade)
+    return once if request.param == "one of each" else doubled(once)
 
 
 @pytest.fixture(scope="module")
@@ -96,11 +139,11 @@ def start(everything, model):
     configuration = Configuration(
         origins=jnp.array([placed.position for placed in everything.bodies]),
         rotations=jnp.array([placed.rotation for placed in everything.bodies]),
-        coordinates=(jnp.array(0.05 * rng.standard_normal(6)), jnp.zeros(0)),
+        coordinates=jnp.array(0.05 * rng.standard_normal(sum(model.sizes))),
     )
     n = model.n_velocities
     velocity, acceleration = rng.standard_normal((2, n))
-    return Motion(
+    return SystemMotion(
         jnp.asarray(0.7), configuration, velocity, acceleration, rng.standard_normal(model.n_equations)
     )
 
@@ -114,7 +157,7 @@ def linearized(model, start):
     def motion_after(acceleration):
         auxiliary = rule.auxiliary(acceleration, old, old)
         increments = rule.increment(start.velocity, old, auxiliary)
-        motion = Motion(
+        motion = SystemMotion(
             start.time,
             advance(model, start.configuration, increments),
             rule.new_velocity(start.velocity, old, auxiliary),
@@ -132,8 +175,8 @@ def linearized(model, start):
     def both(acceleration):
         motion, increments = motion_after(acceleration)
         linearization = balance(model, motion).linearization
-        analytic = tangent(model, motion, linearization, increments, rule.velocity, rule.position)
-        rows = rule.position * constraint_rows(model, linearization.joints, increments)
+        analytic = tangent(model, motion, linearization, increments, rule.factors)
+        rows = rule.factors.by_position * constraint_rows(model, linearization.joints, increments)
         return jax.jacfwd(equations)(acceleration), (analytic, rows)
 
     return jax.tree.map(np.asarray, both(start.acceleration))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, skew
+from supple.integrate import StepFactors
 from supple.multibody.equations.floating_inertia import (
     FloatingState,
     floating_mass,
@@ -27,10 +28,10 @@ def motion(floating_blade):
     r = floating_blade.r
     return FloatingState(
         coordinates=0.1 * rng.standard_normal(r),
-        spin=rng.standard_normal(3),
+        angular_velocity=rng.standard_normal(3),
         rates=rng.standard_normal(r),
         acceleration=rng.standard_normal(3),
-        spin_rate=rng.standard_normal(3),
+        angular_acceleration=rng.standard_normal(3),
         accelerations=rng.standard_normal(r),
     )
 
@@ -39,8 +40,8 @@ def nodal_velocities(body, blade, motion):
     """Velocities of all nodal freedoms in body components, (n_nodal,)."""
     displacement = body.expand(motion.coordinates)
     field = np.zeros((len(body.nodes), body.dofs_per_node))
-    field[:, :3] = FRAME_VELOCITY + np.cross(motion.spin, body.nodes + displacement)
-    field[:, 3:] = motion.spin
+    field[:, :3] = FRAME_VELOCITY + np.cross(motion.angular_velocity, body.nodes + displacement)
+    field[:, 3:] = motion.angular_velocity
     return field.ravel() + body.nodal_basis @ motion.rates
 
 
@@ -56,9 +57,9 @@ def test_mass_matrix_is_the_hessian_of_the_kinetic_energy(floating_blade, motion
     gram = floating_blade.gram
 
     def energy(v):
-        return kinetic_energy(gram, motion._replace(spin=v[3:6], rates=v[6:]), v[:3])
+        return kinetic_energy(gram, motion._replace(angular_velocity=v[3:6], rates=v[6:]), v[:3])
 
-    v = jnp.concatenate([FRAME_VELOCITY, motion.spin, motion.rates])
+    v = jnp.concatenate([FRAME_VELOCITY, motion.angular_velocity, motion.rates])
     mass = floating_mass(gram, jnp.asarray(motion.coordinates))
     np.testing.assert_allclose(mass, jax.jit(jax.hessian(energy))(v), atol=1e-13 * np.abs(mass).max())
 
@@ -90,8 +91,10 @@ def test_inertia_force_is_lagranges(floating_blade, motion):
         return change - jax.grad(energy, argnums=0)(q, rate)
 
     q = jnp.concatenate([jnp.zeros(6), motion.coordinates])
-    rate = jnp.concatenate([ROTATION @ FRAME_VELOCITY, motion.spin, motion.rates])
-    acceleration = jnp.concatenate([ROTATION @ motion.acceleration, motion.spin_rate, motion.accelerations])
+    rate = jnp.concatenate([ROTATION @ FRAME_VELOCITY, motion.angular_velocity, motion.rates])
+    acceleration = jnp.concatenate(
+        [ROTATION @ motion.acceleration, motion.angular_acceleration, motion.accelerations]
+    )
     expected = lagrange(q, rate, acceleration)
     computed = np.array(inertia_terms(inertia_arrays(gram), motion).force)
     computed[:3] = ROTATION @ computed[:3]
@@ -105,16 +108,16 @@ def test_tangent_is_the_derivative_of_the_force(floating_blade, motion):
     def force(change):
         moved = FloatingState(
             motion.coordinates + position * change[6:],
-            motion.spin + velocity * change[3:6],
+            motion.angular_velocity + velocity * change[3:6],
             motion.rates + velocity * change[6:],
             motion.acceleration + change[:3],
-            motion.spin_rate + change[3:6],
+            motion.angular_acceleration + change[3:6],
             motion.accelerations + change[6:],
         )
         return inertia_terms(arrays, moved).force
 
     expected = jax.jit(jax.jacfwd(force))(jnp.zeros(6 + r))
-    computed = inertia_tangent(arrays, motion, inertia_terms(arrays, motion), velocity, position)
+    computed = inertia_tangent(arrays, motion, inertia_terms(arrays, motion), StepFactors(position, velocity))
     np.testing.assert_allclose(computed, expected, atol=1e-13 * np.abs(expected).max())
 
 

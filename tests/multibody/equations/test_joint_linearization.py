@@ -18,13 +18,13 @@ from supple.machine import (
     Revolute,
     Universal,
 )
-from supple.machine.pose import Marker, displaced
 from supple.multibody.equations.joint_linearization import (
+    affine_form,
     geometric_stiffness,
     joint_equations,
     linearize_joint,
 )
-from supple.multibody.equations.model import End, JointArrays
+from supple.multibody.equations.marker import Marker, displaced
 
 ENDS = {"first": At("a", "tip"), "second": At("b", "root")}
 JOINTS = {
@@ -50,42 +50,39 @@ def markers(turned):
             origin=rng.standard_normal(3),
             rotation=turned(axis, 0.7),
             displacement=0.1 * rng.standard_normal(3),
-            turn=0.3 * rng.standard_normal(3),
+            rotation_vector=0.3 * rng.standard_normal(3),
             offset=rng.standard_normal(3),
             axes=turned(axis - 1, 0.4),
             velocity=np.zeros(3),
-            spin=np.zeros(3),
+            angular_velocity=np.zeros(3),
             displacement_rate=np.zeros(3),
-            turn_rate=np.zeros(3),
+            rotation_vector_rate=np.zeros(3),
         )
 
     return jax.tree.map(jnp.asarray, (one(0), one(2)))
 
 
-def arrays(joint):
-    end = End(body=-1, motion=np.zeros((6, 0)), offset=np.zeros(3), axes=np.eye(3))
-    return JointArrays(type(joint).constraint, joint.n_constraints, joint.law, end, end)
-
-
 @pytest.mark.parametrize("name", JOINTS)
 def test_linearization_is_that_of_the_equations(markers, name):
     """Value, first derivatives by local freedoms, and second ones, twelve directions at each end."""
-    joint = arrays(JOINTS[name])
+    joint = JOINTS[name]
+    value = None if joint.law is None else joint.law(TIME)
+    affine = affine_form(joint.constraint, value)
     multipliers = jnp.asarray(np.random.default_rng(9).standard_normal(joint.n_constraints))
 
     def equations(local):
         first, second = (displaced(marker, part) for marker, part in zip(markers, local, strict=True))
-        return joint_equations(joint, first, second, TIME)
+        return joint_equations(joint.constraint, first, second, value)
 
     def forces(local):
         moved = tuple(displaced(marker, part) for marker, part in zip(markers, local, strict=True))
-        return tuple(multipliers @ part for part in linearize_joint(joint, *moved, TIME).by_end)
+        return tuple(multipliers @ part for part in linearize_joint(affine, *moved).by_end)
 
     @jax.jit
     def everything(local):
-        at = linearize_joint(joint, *markers, TIME)
+        at = linearize_joint(affine, *markers)
         derived = equations(local), jax.jacfwd(equations)(local), jax.jacfwd(forces)(local)
-        return derived, (at.equations, at.by_end, geometric_stiffness(at, *markers, multipliers))
+        return derived, (at.equations, at.by_end, geometric_stiffness(affine[0], at, *markers, multipliers))
 
     derived, written = everything((jnp.zeros(12), jnp.zeros(12)))
     for expected, computed in zip(jax.tree.leaves(derived), jax.tree.leaves(written), strict=True):

@@ -8,17 +8,16 @@ import numpy as np
 import pytest
 
 from supple.algebra.rotation import rotation_exp, unskew
-from supple.machine.pose import (
+from supple.machine.pose import Wrench
+from supple.multibody.equations.marker import (
     N_LOCAL,
     Marker,
-    Wrench,
-    angular_velocity,
     displaced,
     frame_motion,
     generalized_force,
     orientation,
     point,
-    point_velocity,
+    pose,
     with_rates,
     wrench_stiffness,
 )
@@ -36,13 +35,13 @@ def marker():
         origin=vectors[0],
         rotation=rotation_exp(vectors[1]),
         displacement=0.3 * vectors[2],
-        turn=0.4 * vectors[3],
+        rotation_vector=0.4 * vectors[3],
         offset=vectors[4],
         axes=rotation_exp(vectors[5]),
         velocity=jnp.zeros(3),
-        spin=jnp.zeros(3),
+        angular_velocity=jnp.zeros(3),
         displacement_rate=jnp.zeros(3),
-        turn_rate=jnp.zeros(3),
+        rotation_vector_rate=jnp.zeros(3),
     )
 
 
@@ -58,13 +57,15 @@ def moving(marker):
 
 def test_point_velocity_is_the_rate_of_the_point(marker, moving):
     (_, _), (rate, _) = moving
-    np.testing.assert_allclose(point_velocity(with_rates(marker, RATES)), rate, atol=1e-14)
+    np.testing.assert_allclose(pose(with_rates(marker, RATES)).velocity, rate, atol=1e-14)
 
 
 def test_angular_velocity_is_that_of_the_orientation(marker, moving):
     """Adot A^T = skew(w)."""
     (_, axes), (_, rate) = moving
-    np.testing.assert_allclose(angular_velocity(with_rates(marker, RATES)), unskew(rate @ axes.T), atol=1e-14)
+    np.testing.assert_allclose(
+        pose(with_rates(marker, RATES)).angular_velocity, unskew(rate @ axes.T), atol=1e-14
+    )
 
 
 def test_frame_motion_is_the_derivative_of_point_and_axes(marker, moving):
@@ -77,7 +78,7 @@ def test_frame_motion_is_the_derivative_of_point_and_axes(marker, moving):
 def test_generalized_force_has_the_power_of_the_wrench(marker):
     force, moment = jnp.asarray(RNG.standard_normal((2, 3)))
     fast = with_rates(marker, RATES)
-    power = force @ point_velocity(fast) + moment @ angular_velocity(fast)
+    power = force @ pose(fast).velocity + moment @ pose(fast).angular_velocity
     np.testing.assert_allclose(generalized_force(marker, Wrench(force, moment)) @ RATES, power, rtol=1e-13)
 
 

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.integrate import Leg, Run, Solution, Statistics
+from supple.integrate import Leg, Run, Solution, Statistics, leg_size
 from supple.machine import System
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.compiled.time_step import Controls, State, march
@@ -78,7 +78,8 @@ class CompiledEngine:
         self._run = run
         self._controls = controls(run)
         self._model: Model | None = None
-        self._programs: dict[int, Any] = {}
+        self._length = max(_SHORTEST, leg_size(len(run.times)))
+        self._program: Any = None
 
     def start(self, time: float) -> State:
         """Consistent positions, velocities, accelerations and multipliers."""
@@ -112,14 +113,13 @@ class CompiledEngine:
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
         """To each of the output times, in one call of the compiled program."""
         began = clock.perf_counter()
-        length = self._length(len(times))
         # A short leg repeats its end, where nothing is left to do: all legs share one program.
-        padded = jnp.asarray(np.pad(times, (0, length - len(times)), mode="edge"))
-        if length not in self._programs:
+        padded = jnp.asarray(np.pad(times, (0, max(self._length - len(times), 0)), mode="edge"))
+        if self._program is None:
             lowered = march.lower(self._model, self._controls, state, padded)
-            self._programs[length] = lowered.compile(compiler_options=MARCHING)
+            self._program = lowered.compile(compiler_options=MARCHING)
         ready = clock.perf_counter()
-        last, states = self._programs[length](self._model, self._controls, state, padded)
+        last, states = self._program(self._model, self._controls, state, padded)
         states = jax.device_get(states)
         n_reached = int(np.sum(~states.failed[: len(times)]))
         before, after = jax.device_get(state), jax.tree.map(lambda leaf: leaf[-1], states)
@@ -136,11 +136,6 @@ class CompiledEngine:
             ),
             stopped=failure_message(float(after.time), after.relative_residual) if after.failed else None,
         )
-
-    def _length(self, n_times: int) -> int:
-        """Output times of the program to take: one that is there, or the next power of two."""
-        enough = [length for length in self._programs if length >= n_times]
-        return min(enough, default=max(_SHORTEST, 2 ** int(np.ceil(np.log2(n_times)))))
 
     def solution(self, leg: Leg[State]) -> Solution:
         """The motion of a leg."""

@@ -50,7 +50,13 @@ class LinearizedJoints(NamedTuple):
 
 
 def _values(joints: JointGroup, time: Any) -> Any:
-    return None if joints.law is None else over(lambda law: jnp.asarray(law(time)), joints.law)
+    """Values of the laws, (k, ...); None without laws."""
+    if joints.law is None:
+        return None
+    if not jax.tree.leaves(joints.law):  # a function of time, the same for all
+        value = jnp.asarray(joints.law(time))
+        return jnp.broadcast_to(value, (joints.rows.number, *value.shape))
+    return over(lambda law: jnp.asarray(law(time)), joints.law)
 
 
 def linearized(model: Model, time: Any, configuration: Configuration) -> tuple[LinearizedJoints, ...]:

@@ -118,7 +118,7 @@ class _Factored(NamedTuple):
 
 
 LARGEST_TURN = 0.02
-"""Change of angular velocity times step up to which a linear body's factor is kept: about the contraction."""
+"""Change of angular velocity times step up to which the factor is kept: about Newton's contraction."""
 
 
 @dataclass(eq=False)
@@ -126,7 +126,8 @@ class _FactorCache:
     """The last factored tangent of a linear body.
 
     It changes with the step and the angular velocity alone, so that one factor serves many steps, and a
-    solution costs a tenth of a factorisation. Newton's iteration ends at the same motion without it, to its tolerance.
+    solution costs a tenth of a factorisation. Newton's iteration ends at the same motion without
+    it, to its tolerance.
     """
 
     _last: _Factored | None = field(default=None, init=False)

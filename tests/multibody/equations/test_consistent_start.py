@@ -19,8 +19,9 @@ from supple.machine import (
     Revolute,
     System,
 )
-from supple.multibody.compiled import initial_state
-from supple.multibody.compiled.initial_state import consistent_start, independent_constraints
+from supple.multibody.compiled.engine import initial_state
+from supple.multibody.equations import consistent_start
+from supple.multibody.equations.consistent_start import independent_constraints
 
 
 @pytest.fixture(scope="module")
@@ -44,14 +45,14 @@ def moved(system, index, **changes):
 
 def test_small_gaps_are_closed(chain):
     """A tenth of a millimetre off: both rods give way, by the least motion in the mass norm."""
-    _, state = consistent_start(moved(chain, 1, position=[1.5001, 0, 0]), 0.0, 1e-3)
+    _, state = initial_state(moved(chain, 1, position=[1.5001, 0, 0]), 0.0, 1e-3)
     origins = np.asarray(state.configuration.origins)
     np.testing.assert_allclose(origins, [[0.5, 0, 0], [1.5, 0, 0]], atol=1e-12)
 
 
 def test_velocities_are_made_to_fit(chain):
     """One hinge turns: the velocity of the rod's middle follows, w x r."""
-    _, state = consistent_start(moved(chain, 0, angular_velocity=[0, 0, 2.0]), 0.0, 1e-3)
+    _, state = initial_state(moved(chain, 0, angular_velocity=[0, 0, 2.0]), 0.0, 1e-3)
     v = np.asarray(state.velocity)
     np.testing.assert_allclose(v[:3], [0, 0.5 * v[5], 0], atol=1e-12)
     np.testing.assert_allclose(v[6:9], [0, v[5] + 0.5 * v[11], 0], atol=1e-12)
@@ -60,7 +61,7 @@ def test_velocities_are_made_to_fit(chain):
 
 def test_consistent_velocities_are_kept(chain):
     given = moved(moved(chain, 0, velocity=[0, 1, 0], angular_velocity=[0, 0, 2]), 1, velocity=[0, 2, 0])
-    _, state = consistent_start(given, 0.0, 1e-3)
+    _, state = initial_state(given, 0.0, 1e-3)
     np.testing.assert_allclose(state.velocity, [0, 1, 0, 0, 0, 2, 0, 2, 0, 0, 0, 0], atol=1e-12)
 
 
@@ -69,7 +70,7 @@ def test_first_accelerations_are_those_of_the_double_pendulum(chain):
 
     From m l^2 [[4/3, 1/2], [1/2, 1/3]] alpha = -m g l [3/2, 1/2].
     """
-    _, state = consistent_start(chain, 0.0, 1e-3)
+    _, state = initial_state(chain, 0.0, 1e-3)
     acceleration = np.asarray(state.acceleration)
     expected = np.linalg.solve([[4 / 3, 1 / 2], [1 / 2, 1 / 3]], [-1.5 * 9.81, -0.5 * 9.81])
     np.testing.assert_allclose(acceleration[[5, 11]], expected, rtol=1e-12)
@@ -80,7 +81,7 @@ def test_open_joint_is_named_with_the_gap(chain):
         ModelError,
         match=r"joint 'elbow' is open in the initial configuration: position x is off by 0.2",
     ):
-        consistent_start(moved(chain, 1, position=[1.7, 0, 0]), 0.0, 1e-3)
+        initial_state(moved(chain, 1, position=[1.7, 0, 0]), 0.0, 1e-3)
 
 
 def test_prescribed_angle_that_does_not_start_at_zero(rod):
@@ -91,7 +92,7 @@ def test_prescribed_angle_that_does_not_start_at_zero(rod):
         ModelError,
         match=r"joint 'drive' is open .*: rotation z is off by -0.389.* or let the prescribed motion",
     ):
-        consistent_start(System((Placed(rod("a", 1.0)),), (joint,)), 0.0, 1e-3)
+        initial_state(System((Placed(rod("a", 1.0)),), (joint,)), 0.0, 1e-3)
 
 
 def test_redundant_rows_are_those_of_the_joint_that_comes_last(rod):
@@ -108,7 +109,7 @@ def test_redundant_rows_are_those_of_the_joint_that_comes_last(rod):
         match=r"3 redundant constraint equation\(s\) left out: 'prop' \(position x\), 'prop' \(position y\), "
         r"'prop' \(position z\)",
     ):
-        model, _ = consistent_start(system, 0.0, 1e-3)
+        model, _ = initial_state(system, 0.0, 1e-3)
     assert model.active == tuple(range(6))
 
 
@@ -156,11 +157,11 @@ def test_contradicting_joints_are_named(rod):
             r"\(position z\) is off by -0.0001",
         ),
     ):
-        consistent_start(system, 0.0, 1e-3)
+        initial_state(system, 0.0, 1e-3)
 
 
 def test_joints_that_cannot_be_closed(chain, monkeypatch):
     """With a precision asked for that no arithmetic has."""
-    monkeypatch.setattr(initial_state, "position_rounding", lambda length, origins: -1.0)
+    monkeypatch.setattr(consistent_start, "position_rounding", lambda length, origins: -1.0)
     with pytest.raises(ConvergenceError, match="the joints could not be closed at the start: largest gap"):
-        consistent_start(moved(chain, 1, position=[1.5001, 0, 0]), 0.0, 1e-3)
+        initial_state(moved(chain, 1, position=[1.5001, 0, 0]), 0.0, 1e-3)
