@@ -22,7 +22,7 @@ from supple.cli.build_bodies import (
 from supple.cli.build_reduction import build_start, corrects_itself
 from supple.cli.read_case import CaseFile
 from supple.cli.reduced_file import read_body
-from supple.cli.time_laws import time_function
+from supple.cli.time_laws import time_law
 from supple.correction import ReductionStart
 from supple.errors import ModelError
 from supple.fem import stress_recovery
@@ -44,6 +44,7 @@ from supple.machine import (
     PrescribedTranslation,
     Prismatic,
     Revolute,
+    Scaled,
     SpringDamper,
     System,
     TorsionSpringDamper,
@@ -184,24 +185,21 @@ def _given(axis: schema.Vector | None) -> tuple[float, float, float]:
 
 def _law(table: schema.Joint, folder: Path) -> Any:
     assert table.law is not None  # a rule of the case file
-    return time_function(table.law, folder)
+    return time_law(table.law, folder)
 
 
 def build_load(
     table: schema.Load, case: schema.Case, meshes: Mapping[str, Mesh], folder: Path
 ) -> DeadForce | ForceElement:
     """The load that a table describes; over a node set a force is shared evenly."""
-    factor = time_function(table.law, folder)
+    factor = time_law(table.law, folder)
     vector = np.array(table.vector)
     name, _, place = table.at.partition(".")
     body = next(body for body in case.body if body.name == name)
     if place not in [interface.name for interface in body.interface]:
         nodes = meshes[name].nodes_of(place)
-        return DeadForce(body=name, at=nodes, force=lambda t: vector / len(nodes) * factor(t))
-
-    def history(t: Any) -> Any:
-        return vector * factor(t)
-
+        return DeadForce(body=name, at=nodes, force=Scaled(vector / len(nodes), factor))
+    history = Scaled(vector, factor)
     match table.kind, table.follower:
         case "force", False:
             return DeadForce(body=name, at=place, force=history)

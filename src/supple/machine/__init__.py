@@ -44,8 +44,13 @@ from supple.machine.joints.revolute import (
 from supple.machine.joints.universal import (
     Universal,
 )
-from supple.machine.laws.time_law import (
+from supple.machine.laws import (
     Constant,
+    Ramp,
+    Scaled,
+    Sine,
+    SpinUp,
+    Spline,
     Table,
     TimeFunction,
     TimeLaw,
@@ -77,7 +82,12 @@ __all__ = [
     "PrescribedRotation",
     "PrescribedTranslation",
     "Prismatic",
+    "Ramp",
     "Revolute",
+    "Scaled",
+    "Sine",
+    "SpinUp",
+    "Spline",
     "SpringDamper",
     "System",
     "Table",
