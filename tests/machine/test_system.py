@@ -175,3 +175,23 @@ def test_functions_of_time_are_written_with_jax(placed):
         ModelError, match=r"joint 'motor': its function of time must be written with jax.numpy"
     ):
         System((placed,), (joint,))
+
+
+def test_bodies_stand_at_the_origin_unless_placed(rod):
+    link, moved = rod("link", 1.0), Placed(rod("crank", 1.0), position=[0, 1, 0])
+    system = System([link, moved])
+    assert system.bodies[0].body is link
+    assert system.bodies[1] is moved
+    np.testing.assert_array_equal(system.bodies[0].position, np.zeros(3))
+    np.testing.assert_array_equal(system.bodies[0].rotation, np.eye(3))
+    np.testing.assert_array_equal(system.bodies[0].velocity, np.zeros(3))
+
+
+def test_a_flexible_body_must_be_reduced_or_stand_in_full(blade):
+    remedy = (
+        r"body 'blade' is a FlexibleBody, .* place reduce\(body, frame, basis\), or FullBody\(body, frame\)"
+    )
+    with pytest.raises(ModelError, match=remedy):
+        Placed(blade)
+    with pytest.raises(ModelError, match=remedy):
+        System([blade])

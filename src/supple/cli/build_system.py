@@ -28,7 +28,6 @@ from supple.errors import ModelError
 from supple.fem import stress_recovery
 from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run, Validity
 from supple.machine import (
-    GROUND,
     At,
     Ball,
     Cylindrical,
@@ -49,6 +48,7 @@ from supple.machine import (
     System,
     TorsionSpringDamper,
     Universal,
+    as_end,
 )
 from supple.mesh import Mesh
 from supple.multibody.equations.model import initial_point
@@ -153,19 +153,17 @@ def _placed(case_file: CaseFile, table: schema.Body, flexible: FlexibleBody | No
     )
 
 
-def end(text: str) -> At:
-    """The end that `ground` or `BODY.INTERFACE` means."""
-    body, _, interface = text.partition(".")
-    return GROUND if text == "ground" else At(body, interface)
-
-
 _WITHOUT_AXIS = {"fixed": Fixed, "ball": Ball}
 _ALONG_ONE_AXIS = {"revolute": Revolute, "cylindrical": Cylindrical, "prismatic": Prismatic}
 
 
 def build_joint(table: schema.Joint, folder: Path) -> Joint:
     """The joint that a table describes."""
-    ends: dict[str, Any] = {"first": end(table.first), "second": end(table.second), "name": table.name or ""}
+    ends: dict[str, Any] = {
+        "first": as_end(table.first),
+        "second": as_end(table.second),
+        "name": table.name or "",
+    }
     if table.kind in _WITHOUT_AXIS:
         return _WITHOUT_AXIS[table.kind](**ends)
     axis = _given(table.axis)
@@ -213,7 +211,7 @@ def build_load(
 
 def build_spring(table: schema.Spring, system: System) -> SpringDamper | TorsionSpringDamper:
     """The spring and damper that a table describes."""
-    first, second = end(table.first), end(table.second)
+    first, second = as_end(table.first), as_end(table.second)
     if isinstance(table, schema.TorsionSpring):
         return TorsionSpringDamper(
             first=first,

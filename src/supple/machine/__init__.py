@@ -1,5 +1,10 @@
 """What a machine is made of, without any equation of motion: bodies placed, joints, forces, laws of time."""
 
+from supple.machine.ends import (
+    GROUND,
+    At,
+    as_end,
+)
 from supple.machine.forces.force_element import (
     ForceElement,
 )
@@ -24,8 +29,6 @@ from supple.machine.joints.fixed import (
     Fixed,
 )
 from supple.machine.joints.joint import (
-    GROUND,
-    At,
     Joint,
     JointFrame,
 )
@@ -96,4 +99,5 @@ __all__ = [
     "TorsionSpringDamper",
     "Turning",
     "Universal",
+    "as_end",
 ]

@@ -10,8 +10,6 @@ from supple.machine.joints.fixed import (
     Fixed,
 )
 from supple.machine.joints.joint import (
-    GROUND,
-    At,
     Joint,
     JointFrame,
 )
@@ -32,8 +30,6 @@ from supple.machine.joints.universal import (
 )
 
 __all__ = [
-    "GROUND",
-    "At",
     "Ball",
     "Cylindrical",
     "Fixed",
