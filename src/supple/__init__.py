@@ -72,6 +72,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.mesh import block as block
     from supple.mesh import cylinder as cylinder
     from supple.mesh import strip as strip
+    from supple.reduction import AttachmentModes as AttachmentModes
     from supple.reduction import CompressedDerivatives as CompressedDerivatives
     from supple.reduction import CraigBampton as CraigBampton
     from supple.reduction import ErrorControlled as ErrorControlled
@@ -88,6 +89,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.storage import read_solution as read_solution
     from supple.storage import write_reduced_body as write_reduced_body
     from supple.viz import animate as animate
+    from supple.viz import displacement_magnitude as displacement_magnitude
     from supple.viz import plot_contour as plot_contour
     from supple.viz import plot_mesh as plot_mesh
     from supple.viz import skin_of as skin_of
@@ -104,7 +106,8 @@ _NAMES = {
         "MeanAxisFrame NodalFixedFrame RayleighDamping ModalDamping"
     ),
     "supple.reduction": (
-        "reduce CraigBampton Rubin ErrorControlled CompressedDerivatives PickedDerivatives NoDerivatives"
+        "reduce CraigBampton Rubin AttachmentModes ErrorControlled "
+        "CompressedDerivatives PickedDerivatives NoDerivatives"
     ),
     "supple.machine": (
         "System Placed At GROUND "
@@ -118,7 +121,7 @@ _NAMES = {
     "supple.results": "node_positions rms_error stress_modes",
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",
-    "supple.viz": "plot_mesh plot_contour animate skin_of stress_field",
+    "supple.viz": "plot_mesh plot_contour animate skin_of displacement_magnitude stress_field",
 }
 """The public names and the sub-packages that they come from."""
 
