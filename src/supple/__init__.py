@@ -1,8 +1,147 @@
 """Reduced-order flexible multibody dynamics: finite-element bodies made small, fast and trustworthy.
 
-The public names stand in the sub-packages, in the order of the flow:
+    import supple as sp
 
-    mesh, importers -> fem -> body -> reduction -> multibody (with integrate) -> results -> viz
+gives what most scripts need, in the order of the flow:
+
+    mesh -> model -> body -> reduction -> machine -> run -> correction -> results -> files -> pictures
+
+The sub-packages hold the rest. A name is loaded when it is first used, so that the import takes no time.
 """
 
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from supple import errors as errors
+
+if TYPE_CHECKING:  # the same names once more, for editors and type checkers
+    from supple.body import AveragingInterface as AveragingInterface
+    from supple.body import FullBody as FullBody
+    from supple.body import MeanAxisFrame as MeanAxisFrame
+    from supple.body import ModalDamping as ModalDamping
+    from supple.body import NodalFixedFrame as NodalFixedFrame
+    from supple.body import RayleighDamping as RayleighDamping
+    from supple.body import RigidBody as RigidBody
+    from supple.body import RigidInterface as RigidInterface
+    from supple.body import flexible_body as flexible_body
+    from supple.cases import read_case as read_case  # pyright: ignore[reportMissingImports]
+    from supple.correction import ReductionStart as ReductionStart
+    from supple.correction import SelfCorrection as SelfCorrection
+    from supple.correction import self_correct as self_correct
+    from supple.fem import HomogeneousSection as HomogeneousSection
+    from supple.fem import Isotropic as Isotropic
+    from supple.fem import shell_model as shell_model
+    from supple.fem import solid_model as solid_model
+    from supple.importers import read_abaqus as read_abaqus
+    from supple.importers import read_gmsh as read_gmsh
+    from supple.importers import read_mesh as read_mesh
+    from supple.importers import read_nastran as read_nastran
+    from supple.integrate import AdaptiveStep as AdaptiveStep
+    from supple.integrate import FixedStep as FixedStep
+    from supple.integrate import GeneralizedAlpha as GeneralizedAlpha
+    from supple.integrate import Run as Run
+    from supple.integrate import Tolerances as Tolerances
+    from supple.machine import GROUND as GROUND
+    from supple.machine import At as At
+    from supple.machine import Ball as Ball
+    from supple.machine import Cylindrical as Cylindrical
+    from supple.machine import DeadForce as DeadForce
+    from supple.machine import DeadTorque as DeadTorque
+    from supple.machine import Fixed as Fixed
+    from supple.machine import FollowerForce as FollowerForce
+    from supple.machine import FollowerTorque as FollowerTorque
+    from supple.machine import Placed as Placed
+    from supple.machine import PrescribedRotation as PrescribedRotation
+    from supple.machine import PrescribedTranslation as PrescribedTranslation
+    from supple.machine import Prismatic as Prismatic
+    from supple.machine import Ramp as Ramp
+    from supple.machine import Revolute as Revolute
+    from supple.machine import Sine as Sine
+    from supple.machine import SpinUp as SpinUp
+    from supple.machine import Spline as Spline
+    from supple.machine import SpringDamper as SpringDamper
+    from supple.machine import System as System
+    from supple.machine import Table as Table
+    from supple.machine import TorsionSpringDamper as TorsionSpringDamper
+    from supple.machine import Turning as Turning
+    from supple.machine import Universal as Universal
+    from supple.mesh import CellType as CellType
+    from supple.mesh import Mesh as Mesh
+    from supple.mesh import block as block
+    from supple.mesh import cylinder as cylinder
+    from supple.mesh import strip as strip
+    from supple.reduction import AttachmentModes as AttachmentModes
+    from supple.reduction import CompressedDerivatives as CompressedDerivatives
+    from supple.reduction import CraigBampton as CraigBampton
+    from supple.reduction import ErrorControlled as ErrorControlled
+    from supple.reduction import NoDerivatives as NoDerivatives
+    from supple.reduction import PickedDerivatives as PickedDerivatives
+    from supple.reduction import Rubin as Rubin
+    from supple.reduction import reduce as reduce
+    from supple.results import node_positions as node_positions
+    from supple.results import rms_error as rms_error
+    from supple.results import stress_modes as stress_modes
+    from supple.simulation import simulate as simulate
+    from supple.simulation import simulate_batch as simulate_batch
+    from supple.storage import read_reduced_body as read_reduced_body
+    from supple.storage import read_solution as read_solution
+    from supple.storage import write_reduced_body as write_reduced_body
+    from supple.viz import animate as animate
+    from supple.viz import displacement_magnitude as displacement_magnitude
+    from supple.viz import plot_contour as plot_contour
+    from supple.viz import plot_mesh as plot_mesh
+    from supple.viz import skin_of as skin_of
+    from supple.viz import stress_field as stress_field
+
 __version__ = "0.1.0"
+
+_NAMES = {
+    "supple.mesh": "Mesh CellType strip block cylinder",
+    "supple.importers": "read_mesh read_abaqus read_gmsh read_nastran",
+    "supple.fem": "Isotropic HomogeneousSection shell_model solid_model",
+    "supple.body": (
+        "RigidInterface AveragingInterface flexible_body RigidBody FullBody "
+        "MeanAxisFrame NodalFixedFrame RayleighDamping ModalDamping"
+    ),
+    "supple.reduction": (
+        "reduce CraigBampton Rubin AttachmentModes ErrorControlled "
+        "CompressedDerivatives PickedDerivatives NoDerivatives"
+    ),
+    "supple.machine": (
+        "System Placed At GROUND "
+        "Fixed Ball Revolute Universal Cylindrical Prismatic PrescribedRotation PrescribedTranslation "
+        "SpringDamper TorsionSpringDamper DeadForce DeadTorque FollowerForce FollowerTorque "
+        "Table Spline Ramp Sine SpinUp Turning"
+    ),
+    "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
+    "supple.simulation": "simulate simulate_batch",
+    "supple.correction": "self_correct SelfCorrection ReductionStart",
+    "supple.results": "node_positions rms_error stress_modes",
+    "supple.cases": "read_case",
+    "supple.storage": "read_solution read_reduced_body write_reduced_body",
+    "supple.viz": "plot_mesh plot_contour animate skin_of displacement_magnitude stress_field",
+}
+"""The public names and the sub-packages that they come from."""
+
+_HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
+
+__all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        from difflib import get_close_matches
+
+        close = get_close_matches(name, _HOMES, n=1)
+        raise AttributeError(
+            f"module 'supple' has no attribute '{name}'" + (f"; did you mean '{close[0]}'?" if close else "")
+        )
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "errors", "__version__"]

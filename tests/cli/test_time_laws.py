@@ -7,8 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from supple import machine
 from supple.cli.case_schema import Constant, Ramp, Sine, SpinUp, TableLaw
-from supple.cli.time_laws import read_time_table, time_function
+from supple.cli.time_laws import read_time_table, time_law
 from supple.errors import ImportFormatError
 
 TIMES = np.linspace(0.0, 5.0, 101)
@@ -16,7 +17,7 @@ TIMES = np.linspace(0.0, 5.0, 101)
 
 def sampled(law, folder):
     with jax.enable_x64(True):
-        return np.asarray(jax.vmap(time_function(law, folder))(jnp.asarray(TIMES)))
+        return np.asarray(jax.vmap(time_law(law, folder))(jnp.asarray(TIMES)))
 
 
 def test_constant(tmp_path):
@@ -30,7 +31,7 @@ def test_sine(tmp_path):
 
 def test_ramp_rises_once_and_starts_and_ends_without_speed_or_acceleration(tmp_path):
     with jax.enable_x64(True):
-        ramp = time_function(Ramp(kind="ramp", value=4.0, duration=2.0), tmp_path)
+        ramp = time_law(Ramp(kind="ramp", value=4.0, duration=2.0), tmp_path)
         rate, acceleration = jax.grad(ramp), jax.grad(jax.grad(ramp))
         for end in (1e-9, 2.0 - 1e-9):
             assert abs(rate(end)) < 1e-8
@@ -52,7 +53,7 @@ def test_table_passes_through_its_rows_with_a_continuous_second_derivative(tmp_p
     rows = np.column_stack([np.linspace(0.0, 5.0, 11), np.sin(np.linspace(0.0, 5.0, 11))])
     np.savetxt(tmp_path / "law.csv", rows, delimiter=",", header="time,value")
     with jax.enable_x64(True):
-        law = time_function(TableLaw(kind="table", file="law.csv"), tmp_path)
+        law = time_law(TableLaw(kind="table", file="law.csv"), tmp_path)
         np.testing.assert_allclose([law(t) for t in rows[:, 0]], rows[:, 1], atol=1e-12)
         second = jax.grad(jax.grad(law))
         for t in rows[1:-1, 0]:
@@ -74,3 +75,23 @@ def test_wrong_tables_are_named(tmp_path, text, message):
     (tmp_path / "law.csv").write_text(text)
     with pytest.raises(ImportFormatError, match=message):
         read_time_table(tmp_path / "law.csv")
+
+
+@pytest.mark.parametrize(
+    ("table", "law"),
+    [
+        (Constant(kind="constant", value=3.0), machine.Constant(3.0)),
+        (Ramp(kind="ramp", value=4.0, duration=2.0), machine.Ramp(4.0, 2.0)),
+        (Sine(kind="sine", amplitude=2.0, frequency_hz=0.5), machine.Sine(2.0, 0.5)),
+        (SpinUp(kind="spin-up", speed=2.0, duration=4.0), machine.SpinUp(2.0, 4.0)),
+        (TableLaw(kind="table", file="law.csv"), machine.Spline([0.0, 1.0, 3.0], [0.0, 2.0, 1.0])),
+    ],
+)
+def test_a_table_builds_what_a_script_would_write(tmp_path, table, law):
+    (tmp_path / "law.csv").write_text("0,0\n1,2\n3,1\n")
+    built = time_law(table, tmp_path)
+    assert type(built) is type(law)
+    own, expected = jax.tree.leaves(built), jax.tree.leaves(law)
+    assert expected
+    for leaf, other in zip(own, expected, strict=True):
+        np.testing.assert_array_equal(leaf, other)

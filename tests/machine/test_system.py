@@ -185,3 +185,23 @@ def test_bodies_of_a_form_come_by_name_in_their_order(rod, floating_blade):
     assert list(system.bodies_of(RigidBody)) == ["crank", "slider"]
     assert system.bodies_of(ReducedBody) == {"blade": floating_blade}
     assert system.bodies_of(FullBody) == {}
+
+
+def test_bodies_stand_at_the_origin_unless_placed(rod):
+    link, moved = rod("link", 1.0), Placed(rod("crank", 1.0), position=[0, 1, 0])
+    system = System([link, moved])
+    assert system.bodies[0].body is link
+    assert system.bodies[1] is moved
+    np.testing.assert_array_equal(system.bodies[0].position, np.zeros(3))
+    np.testing.assert_array_equal(system.bodies[0].rotation, np.eye(3))
+    np.testing.assert_array_equal(system.bodies[0].velocity, np.zeros(3))
+
+
+def test_a_flexible_body_must_be_reduced_or_stand_in_full(blade):
+    remedy = (
+        r"body 'blade' is a FlexibleBody, .* place reduce\(body, frame, basis\), or FullBody\(body, frame\)"
+    )
+    with pytest.raises(ModelError, match=remedy):
+        Placed(blade)
+    with pytest.raises(ModelError, match=remedy):
+        System([blade])

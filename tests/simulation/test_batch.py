@@ -4,14 +4,32 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from supple.body import FullBody, MeanAxisFrame, RigidBody
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import FixedStep, Run, Tolerances
-from supple.machine import GROUND, At, DeadForce, Placed, Revolute, System, Table
-from supple.simulation import simulate, simulate_batch
+from supple.machine import (
+    GROUND,
+    At,
+    DeadForce,
+    DeadTorque,
+    FollowerForce,
+    FollowerTorque,
+    Placed,
+    PrescribedRotation,
+    Ramp,
+    Revolute,
+    Scaled,
+    Sine,
+    SpinUp,
+    Spline,
+    System,
+    Table,
+)
+from supple.simulation import batch, simulate, simulate_batch
 
 
 def pendulum(turned, angle=2.0, gravity=9.81, rows=2):
@@ -34,8 +52,8 @@ RUN = Run(1.0, 0.1, step=FixedStep(0.02))
 
 
 def test_batch_is_the_same_as_one_by_one(cases):
-    batch = simulate_batch(cases, RUN).check()
-    for system, own in zip(cases, batch.solutions, strict=True):
+    together = simulate_batch(cases, RUN).check()
+    for system, own in zip(cases, together.solutions, strict=True):
         alone = simulate(system, RUN)
         np.testing.assert_array_equal(own.times, alone.times)
         np.testing.assert_allclose(own.bodies["bob"].position, alone.bodies["bob"].position, atol=1e-12)
@@ -45,9 +63,9 @@ def test_batch_is_the_same_as_one_by_one(cases):
 
 def test_cases_may_go_in_chunks(cases):
     seen = []
-    batch = simulate_batch([*cases, *reversed(cases)], RUN, chunk=3, progress=seen.append)
+    together = simulate_batch([*cases, *reversed(cases)], RUN, chunk=3, progress=seen.append)
     assert seen == [0.5, 1.0]
-    for own, other in zip(batch.solutions, reversed(batch.solutions), strict=True):
+    for own, other in zip(together.solutions, reversed(together.solutions), strict=True):
         np.testing.assert_allclose(own.bodies["bob"].position, other.bodies["bob"].position, atol=1e-12)
 
 
@@ -56,14 +74,14 @@ def test_failing_case_does_not_stop_the_others(cases):
     hasty = replace(
         RUN, step=FixedStep(0.02, smallest=0.015), tolerances=Tolerances(residual=1e-4, max_iterations=1)
     )
-    batch = simulate_batch(cases, hasty)
-    assert list(batch.failures) == [0, 1]
-    assert batch.solutions[0].times[-1] < 1.0
-    assert batch.solutions[2].times[-1] == 1.0
+    together = simulate_batch(cases, hasty)
+    assert list(together.failures) == [0, 1]
+    assert together.solutions[0].times[-1] < 1.0
+    assert together.solutions[2].times[-1] == 1.0
     with pytest.raises(
         ConvergenceError, match=r"2 of 3 cases failed \(0, 1\); case 0: no convergence at t = 0"
     ):
-        batch.check()
+        together.check()
 
 
 def test_a_batch_needs_a_case():
@@ -94,3 +112,55 @@ def test_tables_have_one_size(cases, turned):
         ModelError, match="the cases of a batch must have tables and bodies of the same sizes"
     ):
         simulate_batch([cases[0], pendulum(turned, rows=3)], RUN)
+
+
+def driven(amplitude, frequency, height, speed, last):
+    """A bob turned by a spin-up, with a law of every other kind acting on it."""
+    bob = RigidBody("bob", 2.0, [0, 0, 0], np.diag([0.15, 0.2, 0.25]), {"hinge": [0, 0, 0.8]})
+    hinge = At("bob", "hinge")
+    rows = np.outer([0.0, 1.0, last], [0.0, 1.0, 0.0])
+    drive = PrescribedRotation(
+        first=GROUND, second=hinge, axis=(1, 0, 0), angle=SpinUp(speed, 0.7), name="drive"
+    )
+    loads = (
+        DeadForce(body="bob", at="hinge", force=Table([0.0, 0.4, 1.0], rows)),
+        FollowerForce(first=hinge, force=Scaled([0.0, 0.0, 1.0], Sine(amplitude, frequency))),
+        FollowerTorque(first=hinge, torque=Ramp([height, 0.0, 0.0], 0.5)),
+        DeadTorque(first=hinge, torque=Scaled([0.0, 1.0, 0.0], Spline([0.0, 0.5, 1.0], [0.0, last, 1.0]))),
+    )
+    return System((Placed(bob, position=[0, 0, -0.8]),), (drive,), loads)
+
+
+def test_cases_that_differ_in_the_numbers_of_their_laws_compile_once(monkeypatch):
+    """The march is a Python function that runs only while JAX traces it for a new program."""
+    traced = []
+
+    def counted(*arguments):
+        traced.append(arguments)
+        return march(*arguments)
+
+    march = batch.march
+    monkeypatch.setattr(batch, "march", counted)
+    batch._mapped_march.cache_clear()
+    first = [driven(1.0, 2.0, 3.0, 4.0, 5.0), driven(-2.0, 1.0, 0.5, 3.0, 2.0)]
+    second = [driven(7.0, 0.3, 1.0, 2.0, -5.0), driven(1.5, 2.5, -1.0, 6.0, 0.0)]
+    simulate_batch(first, RUN)
+    assert len(traced) == 1
+    for system, own in zip(second, simulate_batch(second, RUN).solutions, strict=True):
+        alone = simulate(system, RUN)
+        np.testing.assert_allclose(own.joint_forces["drive"], alone.joint_forces["drive"], atol=1e-8)
+        np.testing.assert_allclose(own.bodies["bob"].position, alone.bodies["bob"].position, atol=1e-12)
+    assert len(traced) == 1
+    simulate_batch([replace(system, loads=system.loads[:2]) for system in first], RUN)
+    assert len(traced) == 2, "another machine is another program, and this test sees it"
+    batch._mapped_march.cache_clear()
+
+
+def test_functions_of_time_differ_in_more_than_numbers():
+    swings = [
+        FollowerTorque(first=At("bob", "hinge"), torque=lambda t, size=size: size * jnp.array([t, 0.0, 0.0]))
+        for size in (1.0, 2.0)
+    ]
+    system = driven(1.0, 2.0, 3.0, 4.0, 5.0)
+    with pytest.raises(ModelError, match="the same function objects for quantities over time"):
+        simulate_batch([replace(system, loads=(load,)) for load in swings], RUN)

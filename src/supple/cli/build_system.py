@@ -22,13 +22,12 @@ from supple.cli.build_bodies import (
 from supple.cli.build_reduction import build_start, corrects_itself
 from supple.cli.read_case import CaseFile
 from supple.cli.reduced_file import read_body
-from supple.cli.time_laws import time_function
+from supple.cli.time_laws import time_law
 from supple.correction import ReductionStart
 from supple.errors import ModelError
 from supple.fem import stress_recovery
 from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run, Validity
 from supple.machine import (
-    GROUND,
     At,
     Ball,
     Cylindrical,
@@ -44,10 +43,12 @@ from supple.machine import (
     PrescribedTranslation,
     Prismatic,
     Revolute,
+    Scaled,
     SpringDamper,
     System,
     TorsionSpringDamper,
     Universal,
+    as_end,
 )
 from supple.mesh import Mesh
 
@@ -151,19 +152,17 @@ def _placed(case_file: CaseFile, table: schema.Body, flexible: FlexibleBody | No
     )
 
 
-def end(text: str) -> At:
-    """The end that `ground` or `BODY.INTERFACE` means."""
-    body, _, interface = text.partition(".")
-    return GROUND if text == "ground" else At(body, interface)
-
-
 _WITHOUT_AXIS = {"fixed": Fixed, "ball": Ball}
 _ALONG_ONE_AXIS = {"revolute": Revolute, "cylindrical": Cylindrical, "prismatic": Prismatic}
 
 
 def build_joint(table: schema.Joint, folder: Path) -> Joint:
     """The joint that a table describes."""
-    ends: dict[str, Any] = {"first": end(table.first), "second": end(table.second), "name": table.name or ""}
+    ends: dict[str, Any] = {
+        "first": as_end(table.first),
+        "second": as_end(table.second),
+        "name": table.name or "",
+    }
     if table.kind in _WITHOUT_AXIS:
         return _WITHOUT_AXIS[table.kind](**ends)
     axis = _given(table.axis)
@@ -183,24 +182,21 @@ def _given(axis: schema.Vector | None) -> tuple[float, float, float]:
 
 def _law(table: schema.Joint, folder: Path) -> Any:
     assert table.law is not None  # a rule of the case file
-    return time_function(table.law, folder)
+    return time_law(table.law, folder)
 
 
 def build_load(
     table: schema.Load, case: schema.Case, meshes: Mapping[str, Mesh], folder: Path
 ) -> DeadForce | ForceElement:
     """The load that a table describes; over a node set a force is shared evenly."""
-    factor = time_function(table.law, folder)
+    factor = time_law(table.law, folder)
     vector = np.array(table.vector)
     name, _, place = table.at.partition(".")
     body = next(body for body in case.body if body.name == name)
     if place not in [interface.name for interface in body.interface]:
         nodes = meshes[name].nodes_of(place)
-        return DeadForce(body=name, at=nodes, force=lambda t: vector / len(nodes) * factor(t))
-
-    def history(t: Any) -> Any:
-        return vector * factor(t)
-
+        return DeadForce(body=name, at=nodes, force=Scaled(vector / len(nodes), factor))
+    history = Scaled(vector, factor)
     match table.kind, table.follower:
         case "force", False:
             return DeadForce(body=name, at=place, force=history)
@@ -214,7 +210,7 @@ def build_load(
 
 def build_spring(table: schema.Spring, system: System) -> SpringDamper | TorsionSpringDamper:
     """The spring and damper that a table describes."""
-    first, second = end(table.first), end(table.second)
+    first, second = as_end(table.first), as_end(table.second)
     if isinstance(table, schema.TorsionSpring):
         return TorsionSpringDamper(
             first=first,

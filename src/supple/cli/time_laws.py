@@ -1,48 +1,40 @@
-"""Laws of time of a case file as functions that the compiled equations can trace and differentiate."""
+"""Laws of time of a case file: its tables become the laws that a script would write."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
-from scipy.interpolate import CubicSpline
 
-from supple.cli.case_schema import Constant, Law, Ramp, Sine, TableLaw
-from supple.cli.case_schema import SpinUp as SpinUpTable
+from supple.cli import case_schema as schema
 from supple.errors import ImportFormatError
-from supple.machine.laws.spin_up import SpinUp
-
-Function = Callable[[Any], Any]
+from supple.machine import Constant, Ramp, Sine, SpinUp, Spline, TimeLaw
 
 
-def time_function(law: Law, folder: Path) -> Function:
-    """The function of time t (s) that a law table describes; a table's file lies in or under `folder`.
+def time_law(law: schema.Law, folder: Path) -> TimeLaw:
+    """The law of time that a table describes; a table's file lies in or under `folder`.
 
-        constant   value
-        ramp       value s^3 (10 - 15 s + 6 s^2),   s = t / duration up to 1 (twice differentiable)
-        sine       amplitude sin(2 pi frequency_hz t)
-        spin-up    integral of a rate that grows smoothly from 0 to speed, see `supple.benchmark.SpinUp`
-        table      natural cubic spline through the rows, constant beyond its ends
+        constant   `Constant`
+        ramp       `Ramp`
+        sine       `Sine`
+        spin-up    `SpinUp`
+        table      `Spline` through the rows of the file
 
     Raises
     ------
     ImportFormatError   a table file that does not hold two columns of numbers with times that increase
     """
     match law:
-        case Constant(value=value):
-            return lambda t: value + 0.0 * t
-        case Ramp(value=value, duration=duration):
-            return lambda t: value * _smooth_step(t / duration)
-        case Sine(amplitude=amplitude, frequency_hz=frequency):
-            return lambda t: amplitude * jnp.sin(2.0 * math.pi * frequency * t)
-        case SpinUpTable(speed=speed, duration=duration):
-            return SpinUp(speed, duration)
-        case TableLaw(file=file):
-            return _spline(*read_time_table(folder / file))
+        case schema.Constant():
+            return Constant(law.value)
+        case schema.Ramp():
+            return Ramp(law.value, law.duration)
+        case schema.Sine():
+            return Sine(law.amplitude, law.frequency_hz)
+        case schema.SpinUp():
+            return SpinUp(law.speed, law.duration)
+        case schema.TableLaw():
+            return Spline(*read_time_table(folder / law.file))
 
 
 def read_time_table(path: Path) -> tuple[np.ndarray, np.ndarray]:
@@ -64,22 +56,3 @@ def read_time_table(path: Path) -> tuple[np.ndarray, np.ndarray]:
             f"{path}: times must increase, but row {row + 1} has {rows[row, 0]:g} after {rows[row - 1, 0]:g}"
         )
     return rows[:, 0], rows[:, 1]
-
-
-def _smooth_step(s: Any) -> Any:
-    s = jnp.clip(s, 0.0, 1.0)
-    return s**3 * (10.0 + s * (-15.0 + 6.0 * s))
-
-
-def _spline(times: np.ndarray, values: np.ndarray) -> Function:
-    spline = CubicSpline(times, values, bc_type="natural")
-    # Closed over as arrays so that the coefficients are constants of the compiled step.
-    starts, coefficients = times[:-1], spline.c
-
-    def value(t: Any) -> Any:
-        t = jnp.clip(t, times[0], times[-1])
-        piece = jnp.clip(jnp.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)
-        cubic = jnp.asarray(coefficients)[:, piece]
-        return jnp.polyval(cubic, t - jnp.asarray(starts)[piece])
-
-    return value

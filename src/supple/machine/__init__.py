@@ -1,5 +1,10 @@
 """What a machine is made of, without any equation of motion: bodies placed, joints, forces, laws of time."""
 
+from supple.machine.ends import (
+    GROUND,
+    At,
+    as_end,
+)
 from supple.machine.forces.force_element import (
     ForceElement,
 )
@@ -24,8 +29,6 @@ from supple.machine.joints.fixed import (
     Fixed,
 )
 from supple.machine.joints.joint import (
-    GROUND,
-    At,
     Joint,
 )
 from supple.machine.joints.prescribed_rotation import (
@@ -43,8 +46,13 @@ from supple.machine.joints.revolute import (
 from supple.machine.joints.universal import (
     Universal,
 )
-from supple.machine.laws.time_law import (
+from supple.machine.laws import (
     Constant,
+    Ramp,
+    Scaled,
+    Sine,
+    SpinUp,
+    Spline,
     Table,
     TimeFunction,
     TimeLaw,
@@ -83,7 +91,12 @@ __all__ = [
     "PrescribedRotation",
     "PrescribedTranslation",
     "Prismatic",
+    "Ramp",
     "Revolute",
+    "Scaled",
+    "Sine",
+    "SpinUp",
+    "Spline",
     "SpringDamper",
     "System",
     "Table",
@@ -93,4 +106,5 @@ __all__ = [
     "Turning",
     "Universal",
     "Wrench",
+    "as_end",
 ]

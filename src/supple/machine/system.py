@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from supple.body import RigidBody
+from supple.body import FlexibleBody, RigidBody
 from supple.body.full_body import FullBody
 from supple.errors import ModelError, did_you_mean
+from supple.machine.ends import GROUND, At
 from supple.machine.forces.force_element import ForceElement
-from supple.machine.joints.joint import GROUND, At, Joint
+from supple.machine.joints.joint import Joint
 from supple.machine.laws.time_law import check_law_shape
 from supple.machine.nodal_loads import BaseAcceleration, NodalLoad
 from supple.reduction import ReducedBody
@@ -40,7 +42,8 @@ class Placed:
     velocity : (3,)           of the frame origin, global
     angular_velocity : (3,)   body components, rad/s
     coordinates, coordinate_rates : (r,) deformation at the start; zero unless given
-    Raises ModelError for a vector of the wrong size, or a matrix that is not a rotation.
+    Raises ModelError for a vector of the wrong size, a matrix that is no rotation, or a FlexibleBody, which
+        must first be reduced or stand in full.
     """
 
     body: Body
@@ -53,6 +56,11 @@ class Placed:
 
     def __post_init__(self) -> None:
         name = self.body.name
+        if isinstance(self.body, FlexibleBody):
+            raise ModelError(
+                f"body '{name}' is a FlexibleBody, which has no floating frame yet: place "
+                "reduce(body, frame, basis), or FullBody(body, frame) to keep every freedom"
+            )
         for item in ("position", "velocity", "angular_velocity"):
             object.__setattr__(self, item, _vector(f"{item} of body '{name}'", getattr(self, item)))
         rotation = np.array(self.rotation, dtype=float)
@@ -87,7 +95,7 @@ Load = ForceElement | NodalLoad | BaseAcceleration
 class System:
     """Bodies, joints, loads and gravity; checked when built.
 
-    bodies : Placed, one per body, names unique
+    bodies : Placed, one per body, names unique; a body that is not placed stands at the origin, at rest
     joints : Joint, names unique
     loads : ForceElement | NodalLoad | BaseAcceleration
     gravity : (3,) global, e.g. (0, 0, -9.81)
@@ -95,14 +103,16 @@ class System:
         quantity over time of the wrong shape.
     """
 
-    bodies: tuple[Placed, ...]
-    joints: tuple[Joint, ...] = ()
-    loads: tuple[Load, ...] = ()
+    bodies: Sequence[Placed | Any]
+    joints: Sequence[Joint] = ()
+    loads: Sequence[Load] = ()
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
         for item in ("bodies", "joints", "loads"):
             object.__setattr__(self, item, tuple(getattr(self, item)))
+        placed_all = (body if isinstance(body, Placed) else Placed(body) for body in self.bodies)
+        object.__setattr__(self, "bodies", tuple(placed_all))
         object.__setattr__(self, "gravity", _vector("gravity", self.gravity))
         if not self.bodies:
             raise ModelError("a system needs at least one body")

@@ -102,8 +102,8 @@ def simulate_batch(
 
     Parameters
     ----------
-    cases : systems of the same bodies, joints and kinds of loads; their numbers may differ. Functions of
-        time must be the same objects in all cases; what differs belongs into a `Table`
+    cases : systems of the same bodies, joints and kinds of loads; their numbers may differ, those
+        of their laws of time too. Functions of time must be the same objects in all cases
     run : Run       as for `simulate`
     chunk : number of cases mapped together
     progress : called with the finished fraction of the cases

@@ -36,3 +36,9 @@ def test_speed_and_rise_time_are_checked():
 def test_a_law_with_an_infinite_acceleration_is_refused():
     with pytest.raises(ModelError, match="not finite at t = 0 s"):
         angle_history(jnp.sqrt, np.array([0.0, 1.0]))
+
+
+def test_spin_up_needs_no_floats():
+    law = SpinUp(6, 15)
+    assert (law.speed, law.rise_time) == (6.0, 15.0)
+    assert law == SpinUp(6.0)

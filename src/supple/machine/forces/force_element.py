@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from supple.errors import ModelError
-from supple.machine.joints.joint import GROUND, At
+from supple.machine.ends import GROUND, At, as_end
 from supple.machine.laws.time_law import TimeLaw
 from supple.machine.pose import Pose, Wrench
 
@@ -20,8 +20,10 @@ __all__ = ["ForceElement", "check_not_negative"]
 class ForceElement(ABC):
     """A force law between two markers; tangents follow from it by differentiation."""
 
-    first: At
-    second: At = GROUND
+    first: At | Any
+    """An end: "BODY.INTERFACE", `At(body, interface)`, or "ground"; kept as an `At`."""
+    second: At | Any = GROUND
+    """The other one."""
 
     value_shape: ClassVar[tuple[int, ...]] = ()
     """Shape of what the law gives, where there is one."""
@@ -29,8 +31,8 @@ class ForceElement(ABC):
     """True when the law needs a line between its ends, which must then stay apart."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "first", At(*self.first))
-        object.__setattr__(self, "second", At(*self.second))
+        object.__setattr__(self, "first", as_end(self.first))
+        object.__setattr__(self, "second", as_end(self.second))
         if GROUND == self.first == self.second:
             raise ModelError(f"{self.label} acts on the ground alone: name a body's interface")
 

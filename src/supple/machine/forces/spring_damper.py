@@ -9,8 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.errors import ModelError
+from supple.machine.ends import GROUND
 from supple.machine.forces.force_element import ForceElement, check_not_negative
-from supple.machine.joints.joint import GROUND
 from supple.machine.pose import Pose, Wrench
 
 __all__ = ["SpringDamper"]

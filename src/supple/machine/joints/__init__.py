@@ -10,8 +10,6 @@ from supple.machine.joints.fixed import (
     Fixed,
 )
 from supple.machine.joints.joint import (
-    GROUND,
-    At,
     Joint,
 )
 from supple.machine.joints.prescribed_rotation import (
@@ -31,8 +29,6 @@ from supple.machine.joints.universal import (
 )
 
 __all__ = [
-    "GROUND",
-    "At",
     "Ball",
     "Cylindrical",
     "Fixed",

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -18,24 +18,11 @@ import numpy as np
 
 from supple.algebra.rotation import unskew
 from supple.errors import ModelError
+from supple.machine.ends import GROUND, At, as_end
 from supple.machine.laws.time_law import TimeLaw
 from supple.machine.pose import Pose
 
-__all__ = ["GROUND", "At", "Joint", "axes_along", "closing", "relative_turn", "stack", "tilt"]
-
-
-class At(NamedTuple):
-    """One end of a joint or force: an interface of a body."""
-
-    body: str
-    interface: str
-
-    def __str__(self) -> str:
-        return f"{self.body}.{self.interface}" if self.interface else self.body
-
-
-GROUND = At("ground", "")
-"""The end that does not move."""
+__all__ = ["Joint", "axes_along", "closing", "relative_turn", "stack", "tilt"]
 
 
 def relative_turn(first: Pose, second: Pose) -> jax.Array:
@@ -68,8 +55,10 @@ def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
 class Joint(ABC):
     """A joint between two ends; the subclasses say which motions it leaves free."""
 
-    first: At
-    second: At
+    first: At | Any
+    """An end: "BODY.INTERFACE", `At(body, interface)`, or "ground"; kept as an `At`."""
+    second: At | Any
+    """The other one."""
     name: str = ""
 
     n_constraints: ClassVar[int]
@@ -78,8 +67,8 @@ class Joint(ABC):
     """What each constraint equation holds, for messages."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "first", At(*self.first))
-        object.__setattr__(self, "second", At(*self.second))
+        object.__setattr__(self, "first", as_end(self.first))
+        object.__setattr__(self, "second", as_end(self.second))
         if not self.name:
             object.__setattr__(self, "name", f"{type(self).__name__.lower()} {self.first} - {self.second}")
         if GROUND == self.first == self.second:

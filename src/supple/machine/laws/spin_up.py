@@ -1,4 +1,4 @@
-"""The smooth spin-up law of the rotating-beam benchmark: from rest to a constant speed."""
+"""A prescribed rotation from rest to a constant speed."""
 
 from __future__ import annotations
 
@@ -7,20 +7,25 @@ from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.typing import ArrayLike
 
 from supple.errors import ModelError
+from supple.machine.laws.law_numbers import are_numbers
+from supple.machine.laws.unbounded_law import UnboundedLaw
+
+__all__ = ["SpinUp"]
 
 
+@jax.tree_util.register_dataclass
 @dataclass(frozen=True)
-class SpinUp:
+class SpinUp(UnboundedLaw):
     """Prescribed rotation that reaches the speed omega_s smoothly at the time T_s and then keeps it.
 
         theta(t) = omega_s / T_s [t^2 / 2 + (T_s / 2 pi)^2 (cos(2 pi t / T_s) - 1)]     t <= T_s
                  = omega_s (t - T_s / 2)                                                t >  T_s
 
-    Angle, speed and acceleration are continuous. The law is traced and differentiated by JAX as it stands,
-    so it can drive a prescribed-rotation joint.
+    Angle, speed and acceleration are continuous. As a displacement it is a run-up to the speed in m/s.
 
     Parameters
     ----------
@@ -37,10 +42,14 @@ class SpinUp:
     rise_time: float = 15.0
 
     def __post_init__(self) -> None:
-        if not math.isfinite(self.speed):
+        if not are_numbers(self.speed, self.rise_time):
+            return
+        if not np.isfinite(self.speed):
             raise ModelError(f"the spin-up speed is {self.speed}: give a finite speed in rad/s")
-        if not (math.isfinite(self.rise_time) and self.rise_time > 0.0):
+        if not (np.isfinite(self.rise_time) and self.rise_time > 0.0):
             raise ModelError(f"the spin-up rise time is {self.rise_time}: give a positive time in s")
+        object.__setattr__(self, "speed", float(self.speed))
+        object.__setattr__(self, "rise_time", float(self.rise_time))
 
     def __call__(self, time: ArrayLike) -> jax.Array:
         """Angle theta(t) in rad, of the shape of the time."""

@@ -9,6 +9,8 @@ from typing import Any, ClassVar
 import jax
 import numpy as np
 
+from supple.errors import ModelError
+from supple.machine.ends import GROUND, as_end
 from supple.machine.laws.time_law import TimeLaw, as_time_law
 from supple.machine.nodal_loads.nodal_load import NodalLoad, node_numbers
 
@@ -19,13 +21,26 @@ __all__ = ["DeadForce"]
 class DeadForce(NodalLoad):
     """Forces in global components at an interface or at nodes of a body."""
 
+    body: str = ""
+    """Its name; left out where `at` names it too."""
     at: str | Sequence[int] | np.ndarray
-    """An interface's name, or node indices (k,)."""
+    """An interface's name, or node indices (k,), of the body; or "BODY.INTERFACE"."""
     force: Any
     """(3,) for an interface or for every node alike, or (k, 3): constant, law or function of time."""
 
     follows_nodes: ClassVar[bool] = False
     turns_against_frame: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        if self.body:
+            return
+        if not isinstance(self.at, str):
+            raise ModelError("DeadForce on nodes: name the body that they belong to")
+        end = as_end(self.at)
+        if end == GROUND:
+            raise ModelError("DeadForce acts on the ground: name a body's interface")
+        object.__setattr__(self, "body", end.body)
+        object.__setattr__(self, "at", end.interface)
 
     @property
     def law(self) -> TimeLaw:

@@ -25,7 +25,7 @@ from scipy.fft import dst
 from supple.algebra import lowest_modes, read_only
 from supple.body import FlexibleBody, Frame
 from supple.errors import LoadSpectrumWarning, ModelError
-from supple.machine.laws.time_law import Constant, TimeLaw
+from supple.machine.laws import Constant, TimeLaw
 from supple.machine.system import System
 from supple.reduction import ReducedBody
 

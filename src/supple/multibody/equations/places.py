@@ -73,7 +73,7 @@ def over(function: Callable[..., Any], *arguments: Any) -> Any:
 def assembled_vector(n: int, parts: Iterable[tuple[Places, Any]]) -> jax.Array:
     """The vector (n,) from contributions (k, size) at places, which may overlap."""
     parts = [(places, values) for places, values in parts if places.size]
-    if _is_partition(n, [places for places, _ in parts]):
+    if parts and _is_partition(n, [places for places, _ in parts]):
         return jnp.concatenate([values.reshape(-1) for _, values in parts])
     total: Any = jnp.zeros(n)
     for places, values in parts:

@@ -1,0 +1,40 @@
+"""A quantity that does not change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.algebra import read_only
+from supple.errors import ModelError
+from supple.machine.laws.law_numbers import are_numbers
+from supple.machine.laws.unbounded_law import UnboundedLaw
+
+__all__ = ["Constant"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class Constant(UnboundedLaw):
+    """The same value at all times.
+
+    value : number or array
+    Raises ModelError for NaN or infinite entries.
+    """
+
+    value: Any
+
+    def __post_init__(self) -> None:
+        if not are_numbers(self.value):
+            return
+        value = read_only(self.value)
+        if not np.isfinite(value).all():
+            raise ModelError(f"a constant quantity holds NaN or infinite entries: {value}")
+        object.__setattr__(self, "value", value)
+
+    def __call__(self, time: Any) -> Any:  # noqa: ARG002 - a law is called with the time, needed or not
+        """The value."""
+        return self.value

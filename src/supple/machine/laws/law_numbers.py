@@ -1,0 +1,49 @@
+"""Numbers of a law of time, checked where they are given and left alone where JAX traces them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from supple.algebra import read_only
+from supple.errors import ModelError
+
+__all__ = ["are_numbers", "finite", "finite_and_positive", "increasing_rows"]
+
+
+def are_numbers(*values: Any) -> bool:
+    """True of numbers and arrays of them; false of what JAX puts in their place while it traces."""
+    return all(isinstance(value, (int, float, list, tuple, np.ndarray, np.generic)) for value in values)
+
+
+def finite(what: str, value: Any) -> Any:
+    """The number as a float, or the array of numbers; ModelError unless all are finite."""
+    array = np.asarray(value, dtype=float)
+    if not np.isfinite(array).all():
+        raise ModelError(f"{what} must be finite, got {value}")
+    return read_only(array) if array.ndim else float(array)
+
+
+def finite_and_positive(what: str, value: Any) -> float:
+    """The number as a float; ModelError unless it is finite and positive."""
+    number = float(value)
+    if not (np.isfinite(number) and number > 0.0):
+        raise ModelError(f"{what} must be finite and positive, got {value}")
+    return number
+
+
+def increasing_rows(times: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Times (k,) and values (k, ...) of a table; ModelError unless they are finite and the times increase."""
+    times, values = read_only(times), read_only(values)
+    if times.ndim != 1 or times.size < 2 or len(values) != times.size:
+        raise ModelError(
+            f"a table needs at least two times and one row of values for each, got times of shape "
+            f"{times.shape} and values of shape {values.shape}"
+        )
+    if not (np.isfinite(times).all() and np.isfinite(values).all()):
+        raise ModelError("a table of a quantity over time holds NaN or infinite entries")
+    if (np.diff(times) <= 0).any():
+        row = int(np.argmax(np.diff(times) <= 0)) + 1
+        raise ModelError(f"times of a table must increase: row {row} has {times[row]} after {times[row - 1]}")
+    return times, values

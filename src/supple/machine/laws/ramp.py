@@ -1,0 +1,42 @@
+"""A quantity that sets in smoothly and then stays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from supple.machine.laws.law_numbers import are_numbers, finite, finite_and_positive
+from supple.machine.laws.unbounded_law import UnboundedLaw
+
+__all__ = ["Ramp"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class Ramp(UnboundedLaw):
+    """From zero to a value, with continuous first and second derivatives.
+
+        q(t) = value s^3 (10 - 15 s + 6 s^2),   s = t / duration, held between 0 and 1
+
+    value : number or array     reached at the end
+    duration : float            s, positive
+    Raises ModelError for a value that is not finite, or a duration that is not finite and positive.
+    """
+
+    value: Any
+    duration: Any
+
+    def __post_init__(self) -> None:
+        if are_numbers(self.value, self.duration):
+            object.__setattr__(self, "value", finite("the value of a ramp", self.value))
+            object.__setattr__(
+                self, "duration", finite_and_positive("the duration of a ramp, in s,", self.duration)
+            )
+
+    def __call__(self, time: Any) -> Any:
+        """The value at a time."""
+        s = jnp.clip(time / self.duration, 0.0, 1.0)
+        return self.value * (s**3 * (10.0 + s * (-15.0 + 6.0 * s)))

@@ -1,0 +1,48 @@
+"""A fixed vector whose size follows a law of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from supple.machine.laws.law_numbers import are_numbers, finite
+from supple.machine.laws.time_law import as_time_law, check_law_shape
+
+__all__ = ["Scaled"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class Scaled:
+    """`v(t) = vector factor(t)`: one direction, or one pattern over nodes, and a number over time.
+
+    vector : (..., 3)       direction and size at factor 1
+    factor : a law, or a function of time, of numbers ()
+    Raises ModelError for a vector that is not finite, or a factor that is not one number over time.
+    """
+
+    vector: Any
+    factor: Any
+
+    def __post_init__(self) -> None:
+        if are_numbers(self.vector):
+            object.__setattr__(self, "vector", finite("the vector of a scaled law", self.vector))
+            object.__setattr__(self, "factor", as_time_law(self.factor))
+            check_law_shape("the factor of a scaled law", self.factor, ())
+
+    def __call__(self, time: Any) -> Any:
+        """The vector at a time."""
+        return jnp.asarray(self.vector) * self.factor(time)
+
+    @property
+    def begin(self) -> float:
+        """First time at which the law is defined."""
+        return self.factor.begin
+
+    @property
+    def end(self) -> float:
+        """Last time at which the law is defined."""
+        return self.factor.end

@@ -1,0 +1,40 @@
+"""A quantity that oscillates at one frequency."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from supple.machine.laws.law_numbers import are_numbers, finite
+from supple.machine.laws.unbounded_law import UnboundedLaw
+
+__all__ = ["Sine"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class Sine(UnboundedLaw):
+    """`q(t) = amplitude sin(2 pi frequency_hz t)`.
+
+    amplitude : number or array
+    frequency_hz : float    Hz
+    Raises ModelError for numbers that are not finite.
+    """
+
+    amplitude: Any
+    frequency_hz: Any
+
+    def __post_init__(self) -> None:
+        if are_numbers(self.amplitude, self.frequency_hz):
+            object.__setattr__(self, "amplitude", finite("the amplitude of a sine", self.amplitude))
+            object.__setattr__(
+                self, "frequency_hz", finite("the frequency of a sine, in Hz,", self.frequency_hz)
+            )
+
+    def __call__(self, time: Any) -> Any:
+        """The value at a time."""
+        return self.amplitude * jnp.sin(2.0 * math.pi * self.frequency_hz * time)

@@ -1,0 +1,53 @@
+"""A quantity given in rows, with straight lines between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from supple.machine.laws.law_numbers import are_numbers, increasing_rows
+
+__all__ = ["Table"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Linear interpolation between rows.
+
+    The second derivative is zero between rows, and the first one jumps at them: fit for loads, not for a
+    prescribed motion, which takes a `Spline`.
+
+    times : (k,)        s, increasing, k >= 2
+    values : (k, ...)   one row for each time
+    Raises ModelError for rows of other shapes, NaN or infinite entries, and times that do not increase.
+    """
+
+    times: Any
+    values: Any
+
+    def __post_init__(self) -> None:
+        if are_numbers(self.times, self.values):
+            times, values = increasing_rows(self.times, self.values)
+            object.__setattr__(self, "times", times)
+            object.__setattr__(self, "values", values)
+
+    def __call__(self, time: Any) -> Any:
+        """The value at a time, between the rows around it."""
+        upper = jnp.clip(jnp.searchsorted(self.times, time, side="right"), 1, len(self.times) - 1)
+        t0, t1 = jnp.asarray(self.times)[upper - 1], jnp.asarray(self.times)[upper]
+        v0, v1 = jnp.asarray(self.values)[upper - 1], jnp.asarray(self.values)[upper]
+        return v0 + (v1 - v0) * ((time - t0) / (t1 - t0))
+
+    @property
+    def begin(self) -> float:
+        """First time at which the law is defined."""
+        return float(self.times[0])
+
+    @property
+    def end(self) -> float:
+        """Last time at which the law is defined."""
+        return float(self.times[-1])

@@ -1,0 +1,61 @@
+"""Vectors given in axes that turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra import read_only
+from supple.errors import ModelError
+from supple.machine.laws.law_numbers import are_numbers
+from supple.machine.laws.time_law import as_time_law
+
+__all__ = ["Turning"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class Turning:
+    """Vectors given in axes that turn: v(t) = R(axis, angle(t)) vectors(t), R by Rodrigues' formula.
+
+    vectors : a law of (..., 3), in the turning axes
+    axis : (3,) unit vector
+    angle : a law, or a function of time, rad
+
+    Exact between the rows of a table, where a table of the turned vectors would cut corners.
+    Raises ModelError for an axis that is not a unit vector.
+    """
+
+    vectors: Any
+    axis: Any
+    angle: Any
+
+    def __post_init__(self) -> None:
+        if not are_numbers(self.axis):
+            return
+        axis = read_only(self.axis)
+        if axis.shape != (3,) or not abs(np.linalg.norm(axis) - 1) < 1e-9:
+            raise ModelError(f"the axis of turning vectors must be a unit vector, got {self.axis}")
+        object.__setattr__(self, "axis", axis)
+        object.__setattr__(self, "vectors", as_time_law(self.vectors))
+        object.__setattr__(self, "angle", as_time_law(self.angle))
+
+    def __call__(self, time: Any) -> Any:
+        """The vectors at a time, in the axes that do not turn."""
+        v, a, angle = jnp.asarray(self.vectors(time)), jnp.asarray(self.axis), self.angle(time)
+        along = (v @ a)[..., None] * a
+        return along + jnp.cos(angle) * (v - along) + jnp.sin(angle) * jnp.cross(a, v)
+
+    @property
+    def begin(self) -> float:
+        """First time at which the law is defined."""
+        return max(self.vectors.begin, self.angle.begin)
+
+    @property
+    def end(self) -> float:
+        """Last time at which the law is defined."""
+        return min(self.vectors.end, self.angle.end)
