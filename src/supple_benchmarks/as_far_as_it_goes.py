@@ -5,8 +5,8 @@ from __future__ import annotations
 from supple.errors import ConvergenceError
 from supple.integrate import Run, Solution, concatenate
 from supple.machine import System
-from supple.multibody.run_parts import Progress
 from supple.simulation import simulate
+from supple_benchmarks.progress import Progress
 
 
 def as_far_as_it_goes(system: System, run: Run, *, progress: Progress) -> tuple[Solution, float | None]:

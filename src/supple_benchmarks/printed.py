@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
 from supple.cli.console import console, print_table
+from supple_benchmarks.table import Table
 
 __all__ = ["print_files", "print_tables"]
 
 
-def print_tables(tables: Iterable[tuple[str, Sequence[str], Sequence[Sequence[str]]]]) -> None:
+def print_tables(tables: Iterable[Table]) -> None:
     """Print tables, each a title, column heads and rows."""
     for title, heads, rows in tables:
         print_table(title, heads, rows)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -15,6 +15,7 @@ from supple.reduction import ReducedBody
 from supple.simulation import simulate, simulate_batch
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES
 from supple_benchmarks.blade.problem import BODY, Blade, BladeCase
+from supple_benchmarks.progress import Progress
 
 __all__ = ["BatchRun", "run_batch"]
 
@@ -52,7 +53,7 @@ def run_batch(
     body: ReducedBody,
     seeds: Sequence[int],
     duration: float,
-    progress: Callable[[float], None],
+    progress: Progress,
 ) -> BatchRun:
     """Simulate one case per seed through one compiled call, and some of them alone to compare.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from supple.body import FlexibleBody, FullBody, RayleighDamping
@@ -12,6 +11,7 @@ from supple.reduction import AmplitudeProduct, CompressedDerivatives, CraigBampt
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES, FullRun
 from supple_benchmarks.blade.problem import FRAMES, Blade, BladeCase
 from supple_benchmarks.blade.reduced_run import error_against
+from supple_benchmarks.progress import Progress
 
 __all__ = ["CorrectedRun", "correct_blade"]
 
@@ -44,7 +44,7 @@ def correct_blade(
     allowed: float,
     duration: float,
     full: FullRun | None,
-    progress: Callable[[float], None],
+    progress: Progress,
 ) -> CorrectedRun:
     """Reduce the blade as far as the error allows, without a look at the full run; then look."""
     wind = AmplitudeProduct(StaticLoad(blade.steady_load(body, case)[:, 0]))

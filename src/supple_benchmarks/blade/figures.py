@@ -28,6 +28,7 @@ from supple.viz import (
 from supple_benchmarks.blade.full_run import FullRun
 from supple_benchmarks.blade.problem import BODY, FRAMES, ROOT, TipMotion
 from supple_benchmarks.blade.run import BladeRun
+from supple_benchmarks.progress import Progress
 
 __all__ = ["animation", "draw_figures"]
 
@@ -152,7 +153,7 @@ def _draw_rounds(run: BladeRun, folder: Path) -> Path:
     return plot_self_correction(folder / "self_correction.png", rounds)
 
 
-def animation(run: BladeRun, path: Path, progress: Callable[[float], None]) -> Path:
+def animation(run: BladeRun, path: Path, progress: Progress) -> Path:
     """The first case, self-corrected, seen from axes that turn with the hub; stress in colour."""
     corrected = run.corrected[0]
     body, solution = corrected.rounds[-1].body, corrected.rounds[-1].solution

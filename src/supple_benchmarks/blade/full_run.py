@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from supple.body import FlexibleBody, FullBody, RayleighDamping
 from supple.integrate import FixedStep, Run, Solution, Tolerances
 from supple.simulation import simulate_recorded
 from supple_benchmarks.blade.problem import FRAMES, Blade, BladeCase, TipMotion, tip_motion
+from supple_benchmarks.progress import Progress
 
 __all__ = ["OUTPUT_STEP", "STEP", "TOLERANCES", "FullCase", "FullRun", "run_full"]
 
@@ -57,7 +57,7 @@ def run_full(
     damping: RayleighDamping,
     wanted: FullCase,
     folder: Path,
-    progress: Callable[[float], None],
+    progress: Progress,
 ) -> FullRun:
     """The run, read from the folder if it is there, continued if it is there in part.
 

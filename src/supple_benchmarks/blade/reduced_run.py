@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -28,6 +27,7 @@ from supple.results import MotionError, motion_error
 from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES, FullRun
 from supple_benchmarks.blade.problem import BODY, FRAMES, Blade, BladeCase, TipMotion, tip_motion
+from supple_benchmarks.progress import Progress
 
 __all__ = ["FixedBasis", "ReducedRun", "bases_of", "error_against", "reduce_blade", "run_reduced"]
 
@@ -108,7 +108,7 @@ def run_reduced(
     reduced: tuple[ReducedBody, float],
     full: FullRun | None,
     duration: float,
-    progress: Callable[[float], None],
+    progress: Progress,
 ) -> ReducedRun:
     """Simulate the whole duration, and measure the error where the full run has gone."""
     body, offline_seconds = reduced

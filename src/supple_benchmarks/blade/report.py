@@ -12,6 +12,7 @@ from supple_benchmarks.blade.problem import BladeCase
 from supple_benchmarks.blade.reduced_run import ReducedRun
 from supple_benchmarks.blade.run import BladeRun
 from supple_benchmarks.computer import describe_computer
+from supple_benchmarks.table import Table
 
 __all__ = ["PUBLISHED", "report", "tables"]
 
@@ -153,9 +154,6 @@ def _batch(run: BladeRun) -> dict[str, Any] | None:
         "largest_difference": batch.difference,
         "cases_checked_alone": batch.checked,
     }
-
-
-Table = tuple[str, list[str], list[list[str]]]
 
 
 def tables(run: BladeRun) -> list[Table]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -25,11 +25,9 @@ from supple_benchmarks.blade.problem import (
     root_held_frequencies,
 )
 from supple_benchmarks.blade.reduced_run import ReducedRun, bases_of, reduce_blade, run_reduced
+from supple_benchmarks.progress import Announce
 
-__all__ = ["Announce", "BladeBenchmark", "BladeRun", "run_blade"]
-
-Announce = Callable[[str], Callable[[float], None]]
-"""Called with the name of a step about to start; gives the callback for its progress."""
+__all__ = ["BladeBenchmark", "BladeRun", "run_blade"]
 
 
 @dataclass(frozen=True)

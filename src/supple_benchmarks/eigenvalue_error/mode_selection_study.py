@@ -16,6 +16,7 @@ from supple_benchmarks.eigenvalue_error.mode_selection import (
     draw_transfer_errors,
 )
 from supple_benchmarks.eigenvalue_error.problem import EigenvalueErrors
+from supple_benchmarks.table import Table
 
 __all__ = ["SelectionStudy", "draw_studies", "selection_studies", "selection_table", "thin_box"]
 
@@ -59,7 +60,7 @@ def selection_studies(
         yield SelectionStudy(name, body.n, compare_selections(body, sizes, candidates=candidates))
 
 
-def selection_table(studies: Sequence[SelectionStudy]) -> tuple[str, list[str], list[list[str]]]:
+def selection_table(studies: Sequence[SelectionStudy]) -> Table:
     """Transfer errors: title, column heads, a row for each body and rule."""
     sizes = sorted({quality.size for study in studies for quality in study.qualities})
     rows = []

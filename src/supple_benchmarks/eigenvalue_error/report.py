@@ -11,10 +11,10 @@ from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.eigenvalue_error.beam_frequencies import BeamFrequency
 from supple_benchmarks.eigenvalue_error.mode_selection_study import SelectionStudy
 from supple_benchmarks.eigenvalue_error.run import ESTIMATORS, BodyResult, ToleranceResult
+from supple_benchmarks.table import Table
 
 __all__ = ["WHY_OTHER_COUNTS", "report", "tables"]
 
-Table = tuple[str, list[str], list[list[str]]]
 
 WHY_OTHER_COUNTS = {
     "modes": "kept by our sharper bound, then proven; the paper's bound takes kappa_n for all modes left out "

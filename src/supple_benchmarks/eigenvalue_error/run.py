@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from time import perf_counter, process_time
 from typing import NamedTuple
@@ -28,6 +28,7 @@ from supple.reduction import (
 )
 from supple_benchmarks.eigenvalue_error.basis_sizes import BasisSize, basis_sizes
 from supple_benchmarks.eigenvalue_error.problem import BodyCase, EigenvalueErrors
+from supple_benchmarks.progress import Announce, Progress
 
 __all__ = [
     "BodyResult",
@@ -36,7 +37,6 @@ __all__ = [
 ]
 
 Array = np.ndarray
-Progress = Callable[[float], None]
 
 ESTIMATORS: Mapping[str, ErrorEstimator] = {
     "lower": FirstOrderEstimate(),
@@ -106,9 +106,7 @@ class BodyResult:
     bases: tuple[BasisSize, ...]
 
 
-def run_eigenvalue_errors(
-    problem: EigenvalueErrors, progress: Callable[[str], Progress]
-) -> Iterator[BodyResult]:
+def run_eigenvalue_errors(problem: EigenvalueErrors, progress: Announce) -> Iterator[BodyResult]:
     """The results of each body, as they come."""
     for case in problem.cases():
         yield _run_case(case, problem, progress(f"{case.name} {case.element}"))

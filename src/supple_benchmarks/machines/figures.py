@@ -20,6 +20,7 @@ from supple.viz.time_history import Panel, Series, plot_time_history
 from supple_benchmarks.machines.flexible_machine import FlexibleMachine
 from supple_benchmarks.machines.run import MachineRun, Variant, equivalent_strain
 from supple_benchmarks.machines.study import Study
+from supple_benchmarks.progress import Progress
 
 __all__ = ["animation", "draw_figures"]
 
@@ -158,7 +159,7 @@ def _draw_machine(study: Study, path: Path) -> Path:
     return plot_mesh(path, scene.positions[0], scene.skin, camera=study.machine.camera)
 
 
-def animation(study: Study, path: Path, progress: Callable[[float], None]) -> Path:
+def animation(study: Study, path: Path, progress: Progress) -> Path:
     """The machine in motion as a GIF, its flexible body coloured by the von Mises stress."""
     run = study.of(Variant.WITH_ATTACHMENT_MODES)[-1]
     solution: Solution = run.solution

@@ -12,6 +12,7 @@ from supple.reduction import ReducedBody
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.machines.run import MachineRun, PointHistory, Variant
 from supple_benchmarks.machines.study import APART, Separation, Study
+from supple_benchmarks.table import Table
 
 __all__ = ["QUANTITIES", "report", "tables"]
 
@@ -189,7 +190,7 @@ def _brief(number: float) -> str:
     return f"{mantissa}e{int(exponent)}"
 
 
-def tables(study: Study) -> list[tuple[str, list[str], list[list[str]]]]:
+def tables(study: Study) -> list[Table]:
     """The report's tables: title, column heads, rows."""
     heads = ["basis", "e, %", "modes", "size", "u, %", "r, m", "v, m/s", "Pa", "us/step"]
     rows = []

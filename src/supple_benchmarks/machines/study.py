@@ -12,7 +12,7 @@ out. What the adaptive step costs, and how far integration errors go, is found i
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -38,12 +38,11 @@ from supple.simulation import simulate_recorded
 from supple.storage import read_reduced_body, write_reduced_body
 from supple_benchmarks.machines.flexible_machine import FlexibleMachine
 from supple_benchmarks.machines.run import MachineRun, Variant, deformation, drift, energy_norm, point_history
+from supple_benchmarks.progress import Announce
 
 __all__ = ["ADAPTIVE", "APART", "Separation", "Study", "run_study"]
 
 Array = NDArray[np.float64]
-Announce = Callable[[str], Callable[[float], None]]
-"""Called with the name of a run about to start; gives the callback for its progress."""
 
 ADAPTIVE = AdaptiveStep(first=1e-6, largest=1e-2, tolerance=1e-6)
 """First and largest step of [Han2020]."""

@@ -14,6 +14,7 @@ from supple.viz.mesh_skin import skin_of
 from supple.viz.rms_error import plot_error_over_parameter, plot_rms_error
 from supple.viz.style import REFERENCE, SOLID
 from supple.viz.time_history import Panel, Series, plot_time_history
+from supple_benchmarks.progress import Progress
 from supple_benchmarks.rotating_beam.report import PUBLISHED_RMS
 from supple_benchmarks.rotating_beam.run import BeamRun, ReducedRun, TipMotion
 
@@ -55,7 +56,7 @@ def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
     return pictures
 
 
-def animation(run: BeamRun, path: Path, progress: Callable[[float], None]) -> Path:
+def animation(run: BeamRun, path: Path, progress: Progress) -> Path:
     """The spin-up as a GIF, from the last enriched reduced model of the first speed."""
     rom = [one for one in run.reduced if one.n_added and one.full.omega == run.problem.speeds[0]][-1]
     motion = rom.solution.bodies[rom.body.name]

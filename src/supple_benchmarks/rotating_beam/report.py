@@ -8,6 +8,7 @@ import numpy as np
 
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.rotating_beam.run import BeamRun, FullRun, ReducedRun, TipMotion
+from supple_benchmarks.table import Table
 
 __all__ = ["PUBLISHED_PEAKS", "PUBLISHED_RMS", "report", "tables"]
 
@@ -102,7 +103,7 @@ def _reduced_numbers(rom: ReducedRun) -> dict[str, Any]:
     }
 
 
-def tables(run: BeamRun) -> list[tuple[str, list[str], list[list[str]]]]:
+def tables(run: BeamRun) -> list[Table]:
     """The report's tables: title, column heads, rows."""
     steady = run.problem.steady_from
     motion = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -35,6 +35,7 @@ from supple.simulation import simulate
 from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
 from supple_benchmarks.beam_motion import spin_up_beam
 from supple_benchmarks.planar_beam import ROTATING_BEAM
+from supple_benchmarks.progress import Announce, Progress
 from supple_benchmarks.rotating_beam.problem import BODY, FRAMES, KINEMATICS, ROOT, RotatingBeam, spin_up_load
 
 __all__ = [
@@ -114,10 +115,6 @@ class BeamRun:
     exact: dict[float, TipMotion]
     full: tuple[FullRun, ...]
     reduced: tuple[ReducedRun, ...]
-
-
-Announce = Callable[[str], Callable[[float], None]]
-"""Called with the name of a run about to start; gives the callback for its progress."""
 
 
 def run_rotating_beam(problem: RotatingBeam, announce: Announce) -> Iterator[BeamRun]:
@@ -213,7 +210,7 @@ def _run_full(
     body: FlexibleBody,
     frame: str,
     kinematics: str,
-    progress: Callable[[float], None],
+    progress: Progress,
 ) -> FullRun:
     full = FullBody(body, FRAMES[frame])
     solution = simulate(
@@ -230,7 +227,7 @@ def _run_reduced(
     body: FlexibleBody,
     full: FullRun,
     choice: _Choice,
-    progress: Callable[[float], None],
+    progress: Progress,
 ) -> ReducedRun:
     began = perf_counter()
     reduced = reduce(body, FRAMES[full.frame], choice.recipe, derivatives=choice.derivatives)
