@@ -14,7 +14,12 @@ from dataclasses import replace
 import numpy as np
 from measure import keep
 
-from supple.benchmark.blade import (
+from supple.body import FlexibleBody, ModalDamping, RayleighDamping
+from supple.integrate import Run
+from supple.reduction import reduce
+from supple.simulation import simulate
+from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES
+from supple_benchmarks.blade.problem import (
     FRAMES,
     RATED,
     Blade,
@@ -23,12 +28,7 @@ from supple.benchmark.blade import (
     root_held_frequencies,
     tip_motion,
 )
-from supple.benchmark.blade_full import OUTPUT_STEP, STEP, TOLERANCES
-from supple.benchmark.blade_reduced import FixedBasis, bases_of
-from supple.body import FlexibleBody, ModalDamping, RayleighDamping
-from supple.integrate import Run
-from supple.reduction import reduce
-from supple.simulation import simulate
+from supple_benchmarks.blade.reduced_run import FixedBasis, bases_of
 
 SECONDS = 20.0
 

@@ -13,8 +13,8 @@ from statistics import median
 from time import perf_counter, process_time
 from typing import Any
 
-from supple.benchmark.machine import describe_machine
 from supple.storage import write_json
+from supple_benchmarks.computer import describe_computer
 
 RESULTS = Path(__file__).parent / "results"
 STATUS, CLEAR = Path("/proc/self/status"), Path("/proc/self/clear_refs")
@@ -60,7 +60,7 @@ def keep(name: str, rows: list[dict[str, Any]], **beside: Any) -> None:
     widths = [max(len(line[i]) for line in table) for i in range(len(heads))]
     for line in table:
         print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
-    path = write_json(RESULTS / f"{name}.json", {"rows": rows, "machine": describe_machine() | beside})
+    path = write_json(RESULTS / f"{name}.json", {"rows": rows, "machine": describe_computer() | beside})
     print(f"written to {path}")
 
 

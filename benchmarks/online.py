@@ -15,7 +15,6 @@ import jax.numpy as jnp
 import numpy as np
 from measure import keep
 
-from supple.benchmark.rotating_beam import BODY, ROOT, RotatingBeam
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.fem import GREEN_LAGRANGE
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
@@ -43,6 +42,7 @@ from supple.reduction import (
     reduce,
 )
 from supple.simulation import simulate_batch
+from supple_benchmarks.rotating_beam.problem import BODY, ROOT, RotatingBeam
 
 PROBLEM = RotatingBeam()
 STEP, N_STEPS, REPEATS = 5e-3, 2000, 5

@@ -22,7 +22,6 @@ import numpy as np
 from exudyn_run import Outcome, TimedRun, best_of, exudyn, timed_run
 from measure import keep
 
-from supple.benchmark.quadruple_pendulum import GRAVITY, QuadruplePendulum
 from supple.body import RigidBody
 from supple.export import interface_nodes, write_exudyn
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
@@ -31,6 +30,7 @@ from supple.mesh import CellType
 from supple.reduction import ErrorControlled, NoDerivatives, ReducedBody, reduce
 from supple.results import node_positions
 from supple.simulation import simulate
+from supple_benchmarks.machines.quadruple_pendulum import GRAVITY, QuadruplePendulum
 
 DURATION, OUTPUT_STEP, STEPS, TOLERANCE, REPEATS = 1.0, 0.02, (1e-3, 5e-4), 1e-6, 5
 

@@ -21,7 +21,6 @@ from pathlib import Path
 
 import numpy as np
 
-from supple.benchmark.slider_crank import SliderCrank, slider_position
 from supple.integrate import FixedStep, Run, Solution
 from supple.mesh import CellType, RodCells
 from supple.multibody import balances
@@ -36,6 +35,7 @@ from supple.reduction import (
 from supple.results import stress_modes
 from supple.simulation import simulate
 from supple.viz import Panel, Series, plot_time_history
+from supple_benchmarks.machines.slider_crank import SliderCrank, slider_position
 
 machine = SliderCrank(
     cell_type=CellType.TETRA4, cells=RodCells(around=14, ring=1, shank=12, width=3, thickness=2)

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from supple import __version__
+from supple.cli.benchmark import BenchmarkGroup
 from supple.cli.console import console, reported_errors, reported_warnings
-
-if TYPE_CHECKING:
-    from supple.benchmark.quadruple_pendulum import QuadruplePendulum
-    from supple.benchmark.slider_crank import SliderCrank
 
 app = typer.Typer(
     help="Reduced-order flexible multibody dynamics.",
@@ -21,11 +17,14 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_show_locals=False,
 )
-benchmark_app = typer.Typer(help="Run a published benchmark and set our numbers beside the paper's.")
-app.add_typer(benchmark_app, name="benchmark", no_args_is_help=True)
+app.add_typer(
+    typer.Typer(cls=BenchmarkGroup),
+    name="benchmark",
+    help="Run a published benchmark and set our numbers beside the paper's.",
+    no_args_is_help=True,
+)
 
 Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback of an error.")]
-Json = Annotated[Path | None, typer.Option("--json", help="Report file; default: in the output folder.")]
 
 
 def main() -> None:
@@ -108,135 +107,3 @@ def check(
 
     with reported_errors(debug=debug), reported_warnings():
         print_check(path, n_frequencies=modes)
-
-
-@benchmark_app.command("rotating-beam")
-def rotating_beam(
-    quick: Annotated[bool, typer.Option("--quick", help="One speed, coarse mesh: under a minute.")] = False,
-    json: Json = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures.")] = Path(
-        "results/rotating-beam"
-    ),
-    debug: Debug = False,
-) -> None:
-    """Spin up the beam of [Wu2019] section 6.1, full and reduced, and set our numbers beside the paper's."""
-    from supple.benchmark.rotating_beam import RotatingBeam
-    from supple.cli.benchmark_rotating_beam import benchmark_rotating_beam
-    from supple.cli.compilation_cache import keep_compiled_programs
-
-    keep_compiled_programs()
-    with reported_errors(debug=debug), reported_warnings():
-        benchmark_rotating_beam(RotatingBeam.quick() if quick else RotatingBeam(), json, output)
-
-
-@benchmark_app.command("eigenvalue-error")
-def eigenvalue_error(
-    quick: Annotated[bool, typer.Option("--quick", help="Coarse meshes: under a minute.")] = False,
-    json: Json = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures.")] = Path(
-        "results/eigenvalue-error"
-    ),
-    debug: Debug = False,
-) -> None:
-    """Reduce the bodies of [Han2020] to three tolerances; set counts, estimates and errors side by side."""
-    from supple.benchmark.eigenvalue_error import EigenvalueErrors
-    from supple.cli.benchmark_eigenvalue_error import benchmark_eigenvalue_error
-
-    with reported_errors(debug=debug), reported_warnings():
-        benchmark_eigenvalue_error(EigenvalueErrors.quick() if quick else EigenvalueErrors(), json, output)
-
-
-class Element(StrEnum):
-    """Tetrahedra that a machine's flexible body may be made of."""
-
-    TET4 = "tet4"
-    TET10 = "tet10"
-
-    @property
-    def cell_type_name(self) -> str:
-        """Name of the CellType."""
-        return f"TETRA{self.value.removeprefix('tet')}"
-
-
-MachineElement = Annotated[Element, typer.Option(help="Of the flexible body; --quick takes tet4.")]
-MachineQuick = Annotated[
-    bool, typer.Option("--quick", help="Coarse mesh, two tolerances, short time: under a minute.")
-]
-
-
-@benchmark_app.command("quadruple-pendulum")
-def quadruple_pendulum(
-    quick: MachineQuick = False,
-    element: MachineElement = Element.TET10,
-    json: Json = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures and motions.")] = Path(
-        "results/quadruple-pendulum"
-    ),
-    debug: Debug = False,
-) -> None:
-    """Let the pendulum of [Han2020] section 5.1 fall, its last link reduced to three tolerances."""
-    from supple.benchmark.quadruple_pendulum import QuadruplePendulum
-
-    _benchmark_machine(QuadruplePendulum, quick, element, json, output, debug)
-
-
-@benchmark_app.command("slider-crank")
-def slider_crank(
-    quick: MachineQuick = False,
-    element: MachineElement = Element.TET10,
-    json: Json = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures and motions.")] = Path(
-        "results/slider-crank"
-    ),
-    debug: Debug = False,
-) -> None:
-    """Drive the slider-crank of [Han2020] section 5.2, its rod reduced to three tolerances."""
-    from supple.benchmark.slider_crank import SliderCrank
-
-    _benchmark_machine(SliderCrank, quick, element, json, output, debug)
-
-
-def _benchmark_machine(
-    problem: type[QuadruplePendulum] | type[SliderCrank],
-    quick: bool,
-    element: Element,
-    json: Path | None,
-    output: Path,
-    debug: bool,
-) -> None:
-    from supple.cli.benchmark_tolerances import benchmark_tolerances
-    from supple.cli.compilation_cache import keep_compiled_programs
-    from supple.mesh import CellType
-
-    keep_compiled_programs()
-    with reported_errors(debug=debug), reported_warnings():
-        size = problem.quick() if quick else problem(cell_type=CellType[element.cell_type_name])
-        benchmark_tolerances(size.machine(), size.tolerances, json, output)
-
-
-@benchmark_app.command("blade")
-def blade(
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Coarse blade, two seconds of motion: under a minute.")
-    ] = False,
-    seconds: Annotated[
-        float, typer.Option("--seconds", min=1.0, help="Motion that the full-order runs cover, s.")
-    ] = 20.0,
-    longest: Annotated[
-        float, typer.Option("--longest", min=1.0, help="Motion that one of them covers, s.")
-    ] = 100.0,
-    json: Json = None,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="Folder for figures and motions; a run goes on from there.")
-    ] = Path("results/blade-benchmark"),
-    debug: Debug = False,
-) -> None:
-    """The 61.5 m blade of [Wu2019] section 6.2 in the wind: full (two hours), reduced, self-correcting."""
-    from supple.benchmark.blade_benchmark import BladeBenchmark
-    from supple.cli.benchmark_blade import benchmark_blade
-    from supple.cli.compilation_cache import keep_compiled_programs
-
-    keep_compiled_programs()
-    with reported_errors(debug=debug), reported_warnings():
-        size = BladeBenchmark.quick() if quick else BladeBenchmark.whole(seconds, longest)
-        benchmark_blade(size, json, output)

@@ -4,9 +4,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from supple.benchmark.angle_history import angle_history
 from supple.errors import ModelError
 from supple.machine.laws.spin_up import SpinUp
+from supple_benchmarks.angle_history import angle_history
 
 
 def test_law_starts_at_rest_and_ends_at_constant_speed():

@@ -36,7 +36,7 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
 
     Returns LinearBasis (n, 6 (n_interfaces - 1)), not yet projected on the frame; frequencies nan.
     Raises ModelError when the body has no interface.
-    Source: [Guyan1965], [Han2020] (12).
+    Source: [Guyan1965], [Han2020] (13).
     """
     require_interfaces(body, "a basis of constraint modes")
     reference = (fixed_interfaces(body, frame) or body.interfaces)[0]
@@ -63,7 +63,7 @@ def interface_shapes(body: FlexibleBody) -> np.ndarray:
 
     Returns (n, 6 n_interfaces), in the order of the body's interfaces.
     Raises ModelError when the body has no interface.
-    Source: [Han2020] (12).
+    Source: [Han2020] (13).
     """
     require_interfaces(body, "a set of constraint modes")
     held = motion_rows(body.interfaces)

@@ -1,0 +1,252 @@
+"""Motion of the geometrically exact planar beam: driven at its root, or flying freely."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import jax
+import numpy as np
+from scipy.linalg import solve_banded
+
+from supple.errors import ConvergenceError, ModelError
+from supple_benchmarks.angle_history import AngleHistory, angle_history
+from supple_benchmarks.planar_beam import BANDWIDTH, NODE_SIZE, Array, BeamElements, PlanarBeam
+
+MAX_ITERATIONS = 25
+
+
+@dataclass(frozen=True)
+class BeamMotion:
+    """History of a planar beam, seen from the inertial frame.
+
+    Parameters
+    ----------
+    elements : BeamElements             the discretised beam
+    times : array (t,)                  s
+    configuration : array (t, N, 3)     x, y and section rotation of the nodes, root first
+    velocity : array (t, N, 3)          their rates
+    iterations : int                    Newton iterations of the whole run
+    """
+
+    elements: BeamElements
+    times: Array
+    configuration: Array
+    velocity: Array
+    iterations: int
+
+    def __post_init__(self) -> None:
+        for array in (self.times, self.configuration, self.velocity):
+            array.setflags(write=False)
+
+    @property
+    def root_angle(self) -> Array:
+        """Rotation of the root section (t,), rad."""
+        return self.configuration[:, 0, 2]
+
+    def displacement_in_root_frame(self) -> Array:
+        """Axial and transverse displacement (t, N, 2) of the nodes, seen in axes that turn with the root.
+
+        u + i v = (r - r_root) exp(-i theta_root) - s, as in [Wu2019] (51): along the root's axis, and normal
+        to it in the direction in which a positive rotation moves the beam.
+        """
+        offset = self.configuration[..., :2] - self.configuration[:, :1, :2]
+        seen = (offset[..., 0] + 1j * offset[..., 1]) * np.exp(-1j * self.root_angle)[:, None]
+        relative = seen - self.elements.arc_length
+        return np.stack([relative.real, relative.imag], axis=-1)
+
+    @property
+    def tip_axial(self) -> Array:
+        """Axial tip displacement (t,) in the root frame."""
+        return self.displacement_in_root_frame()[:, -1, 0]
+
+    @property
+    def tip_transverse(self) -> Array:
+        """Transverse tip displacement (t,) in the root frame; negative where the tip lags."""
+        return self.displacement_in_root_frame()[:, -1, 1]
+
+    def energy(self) -> Array:
+        """Kinetic plus strain energy (t,)."""
+        return self.elements.kinetic_energy(self.velocity) + self.elements.strain_energy(self.configuration)
+
+    def linear_momentum(self) -> Array:
+        """Linear momentum (t, 2)."""
+        return self.elements.momentum(self.velocity)[..., :2].sum(axis=1)
+
+    def angular_momentum(self) -> Array:
+        """Angular momentum (t,) about the origin."""
+        p = self.elements.momentum(self.velocity)
+        x, y = self.configuration[..., 0], self.configuration[..., 1]
+        return (x * p[..., 1] - y * p[..., 0] + p[..., 2]).sum(axis=1)
+
+
+def spin_up_beam(
+    beam: PlanarBeam,
+    angle: Callable[[jax.Array], jax.Array],
+    *,
+    duration: float,
+    step: float,
+    n_elements: int = 20,
+    rho_inf: float = 0.8,
+    tolerance: float = 1e-9,
+) -> BeamMotion:
+    """Turn the beam's root by a prescribed angle about a fixed point and follow the beam.
+
+    The root section is clamped to a hub at the origin that turns by theta(t); the rest starts straight and in
+    rigid rotation with it. No floating frame appears: an independent reference for the methods that use one.
+
+    Parameters
+    ----------
+    angle : callable          scalar time -> theta, written with jax.numpy, e.g. SpinUp
+    duration, step : float    s; the step is changed a little if it does not divide the duration
+    rho_inf : float           spectral radius at infinity of generalized-alpha, in [0, 1]; at one, axial waves
+                              that no practical step resolves grow until Newton's method fails
+    tolerance : float         Newton's, on the residual relative to the internal force
+
+    Raises
+    ------
+    ModelError          duration, step or rho_inf out of range, or an angle that is not finite
+    ConvergenceError    Newton's method failed; the message names the time
+    Source: [SimoVuQuoc1986]; time integration [ArnoldBruls2007]
+    """
+    elements = BeamElements(beam, n_elements)
+    times = _time_grid(duration, step)
+    drive = angle_history(angle, times)
+    start = elements.straight(float(drive.angle[0]))
+    turning = np.stack([-start[:, 1], start[:, 0], np.ones(len(start))], axis=-1)
+    return _integrate(elements, times, start, drive.rate[0] * turning, _Clamp(drive), rho_inf, tolerance)
+
+
+def fly_beam(
+    elements: BeamElements,
+    configuration: Array,
+    velocity: Array,
+    *,
+    duration: float,
+    step: float,
+    rho_inf: float = 0.8,
+    tolerance: float = 1e-9,
+) -> BeamMotion:
+    """Let go of the beam in a given configuration and velocity, each (N, 3), and follow its free flight.
+
+    Energy and momentum are then conserved, which is how the integration is tested. Options and errors as for
+    spin_up_beam; ModelError also where the start is not of shape (N, 3).
+    """
+    expected = (elements.n_nodes, NODE_SIZE)
+    for name, array in (("configuration", configuration), ("velocity", velocity)):
+        if array.shape != expected:
+            raise ModelError(f"planar beam: the initial {name} has shape {array.shape}, not {expected}")
+    times = _time_grid(duration, step)
+    return _integrate(elements, times, configuration, velocity, _Free(), rho_inf, tolerance)
+
+
+@dataclass(frozen=True)
+class _Free:
+    n_fixed = 0
+
+    def configuration(self, i: int) -> Array:
+        del i
+        return np.empty(0)
+
+    rate = acceleration = configuration
+
+
+@dataclass(frozen=True)
+class _Clamp:
+    """The root's three freedoms follow a hub turning about the origin."""
+
+    drive: AngleHistory
+    n_fixed = NODE_SIZE
+
+    def configuration(self, i: int) -> Array:
+        return np.array([0.0, 0.0, self.drive.angle[i]])
+
+    def rate(self, i: int) -> Array:
+        return np.array([0.0, 0.0, self.drive.rate[i]])
+
+    def acceleration(self, i: int) -> Array:
+        return np.array([0.0, 0.0, self.drive.acceleration[i]])
+
+
+def _time_grid(duration: float, step: float) -> Array:
+    if not 0.0 < step <= duration < np.inf:
+        raise ModelError(f"planar beam: step {step} s and duration {duration} s; need 0 < step <= duration")
+    return np.linspace(0.0, duration, max(1, round(duration / step)) + 1)
+
+
+def _integrate(
+    elements: BeamElements,
+    times: Array,
+    configuration: Array,
+    velocity: Array,
+    root: _Free | _Clamp,
+    rho_inf: float,
+    tolerance: float,
+) -> BeamMotion:
+    """Generalized-alpha with equilibrium at the end of each step and auxiliary accelerations a:
+
+    M dv/dt + f(q) = 0,   (1 - alpha_m) a' + alpha_m a = (1 - alpha_f) dv'/dt + alpha_f dv/dt
+
+    Equilibrium at the step's end lets the root's acceleration enter as the law gives it.
+    """
+    if not 0.0 <= rho_inf <= 1.0:
+        raise ModelError(f"planar beam: rho_inf is {rho_inf}; give a spectral radius in [0, 1]")
+    h = times[1] - times[0]
+    alpha_m = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0)
+    alpha_f = rho_inf / (rho_inf + 1.0)
+    gamma = 0.5 - alpha_m + alpha_f
+    beta = 0.25 * (gamma + 0.5) ** 2
+    rate_factor = gamma / (h * beta)
+    mass_factor = (1.0 - alpha_m) / (h**2 * beta * (1.0 - alpha_f))
+    held = root.n_fixed
+
+    shape = (elements.n_nodes, NODE_SIZE)
+    q, v = configuration.reshape(-1).copy(), velocity.reshape(-1).copy()
+    v_dot = _initial_acceleration(elements, q.reshape(shape), root)
+    a = v_dot.copy()
+    configurations, velocities = np.empty((len(times), *shape)), np.empty((len(times), *shape))
+    configurations[0], velocities[0] = q.reshape(shape), v.reshape(shape)
+    # Round-off of the strains times the axial stiffness: no residual can be asked to be smaller.
+    floor = 1e-13 * elements.beam.axial_stiffness
+    iterations = 0
+    error = force = np.inf
+
+    for i in range(1, len(times)):
+        # First guess: the acceleration stays as it is.
+        a_next = (v_dot - alpha_m * a) / (1.0 - alpha_m)
+        q = q + h * v + h**2 * ((0.5 - beta) * a + beta * a_next)
+        v = v + h * ((1.0 - gamma) * a + gamma * a_next)
+        v_dot_old, v_dot = v_dot, v_dot.copy()
+        q[:held], v[:held], v_dot[:held] = root.configuration(i), root.rate(i), root.acceleration(i)
+        for _ in range(MAX_ITERATIONS):
+            residual, internal, tangent = elements.residual_and_tangent(
+                q.reshape(shape), v_dot.reshape(shape), mass_factor
+            )
+            error, force = float(np.linalg.norm(residual[held:])), float(np.linalg.norm(internal))
+            if error <= tolerance * force + floor:
+                break
+            # Leading freedoms drop out of a banded matrix with their columns: their rows leave the band.
+            correction = solve_banded((BANDWIDTH, BANDWIDTH), tangent[:, held:], -residual[held:])
+            q[held:] += correction
+            v[held:] += rate_factor * correction
+            v_dot[held:] += mass_factor * correction
+            iterations += 1
+        else:
+            raise ConvergenceError(
+                f"planar beam: no equilibrium at t = {times[i]:g} s after {MAX_ITERATIONS} iterations "
+                f"(residual {error:.2e}, internal force {force:.2e}): take a smaller step or rho_inf"
+            )
+        a = ((1.0 - alpha_f) * v_dot + alpha_f * v_dot_old - alpha_m * a) / (1.0 - alpha_m)
+        configurations[i], velocities[i] = q.reshape(shape), v.reshape(shape)
+    return BeamMotion(elements, times, configurations, velocities, iterations)
+
+
+def _initial_acceleration(elements: BeamElements, configuration: Array, root: _Free | _Clamp) -> Array:
+    held = root.n_fixed
+    acceleration = np.zeros(NODE_SIZE * elements.n_nodes)
+    acceleration[:held] = root.acceleration(0)
+    known = elements.momentum(acceleration.reshape(configuration.shape)).reshape(-1)
+    load = -(elements.internal_force(configuration) + known)
+    mass = elements.banded_mass()[:, held:]
+    acceleration[held:] = solve_banded((BANDWIDTH, BANDWIDTH), mass, load[held:])
+    return acceleration

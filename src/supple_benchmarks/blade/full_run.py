@@ -1,0 +1,75 @@
+"""Full-order simulations of the blade: long, kept on disk as they run, continued where they were cut off."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from supple.body import FlexibleBody, FullBody, RayleighDamping
+from supple.integrate import FixedStep, Run, Solution, Tolerances
+from supple.simulation import simulate_recorded
+from supple_benchmarks.blade.problem import FRAMES, Blade, BladeCase, TipMotion, tip_motion
+from supple_benchmarks.progress import Progress
+
+__all__ = ["OUTPUT_STEP", "STEP", "TOLERANCES", "FullCase", "FullRun", "run_full"]
+
+STEP = FixedStep(0.02)
+TOLERANCES = Tolerances(residual=1e-6)
+OUTPUT_STEP = 0.1
+"""s; every fifth step is kept: the modes that carry the motion lie below 3 Hz."""
+
+
+@dataclass(frozen=True)
+class FullCase:
+    """What is to be simulated in full.
+
+    frame, kinematics : names from FRAMES and KINEMATICS
+    linear : bool       internal force K q: what the blade does without its geometric stiffening
+    """
+
+    case: BladeCase
+    frame: str
+    kinematics: str
+    linear: bool
+    duration: float
+
+    @property
+    def label(self) -> str:
+        """For messages and file names."""
+        strains = "linear" if self.linear else self.kinematics
+        return f"{self.case.name}, {self.frame}, {strains}, {self.duration:g} s"
+
+
+@dataclass(frozen=True, eq=False)
+class FullRun:
+    """A finished full-order simulation."""
+
+    case: FullCase
+    body: FullBody
+    solution: Solution
+    tip: TipMotion
+
+
+def run_full(
+    blade: Blade,
+    body: FlexibleBody,
+    damping: RayleighDamping,
+    wanted: FullCase,
+    folder: Path,
+    progress: Progress,
+) -> FullRun:
+    """The run, read from the folder if it is there, continued if it is there in part.
+
+    body : of the kinematics wanted, nonlinear
+    """
+    full = FullBody(body.linearized() if wanted.linear else body, FRAMES[wanted.frame], damping)
+    name = wanted.label.replace(", ", "_").replace(" ", "-")
+    solution = simulate_recorded(
+        blade.system(full, wanted.case, blade.loads(wanted.case, wanted.duration)),
+        Run(duration=wanted.duration, output_step=OUTPUT_STEP, step=STEP, tolerances=TOLERANCES),
+        folder / f"full_{name}.h5",
+        case=json.dumps({**asdict(wanted), "grid": asdict(blade.grid), "step": STEP.size}),
+        progress=progress,
+    )
+    return FullRun(wanted, full, solution, tip_motion(blade, wanted.case, full, solution))

@@ -1,0 +1,135 @@
+"""Reduced simulations of the blade with bases of fixed size: those of [Wu2019] Table 2, and a few beyond."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from supple.body import FlexibleBody, FullBody, RayleighDamping
+from supple.integrate import Run, Solution
+from supple.reduction import (
+    AmplitudeProduct,
+    CompressedDerivatives,
+    CraigBampton,
+    DerivativeChoice,
+    LinearBasisRecipe,
+    NoDerivatives,
+    PickedDerivatives,
+    ReducedBody,
+    Rubin,
+    StaticCorrection,
+    StaticLoad,
+    reduce,
+)
+from supple.results import MotionError, motion_error
+from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
+from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES, FullRun
+from supple_benchmarks.blade.problem import BODY, FRAMES, Blade, BladeCase, TipMotion, tip_motion
+from supple_benchmarks.progress import Progress
+
+__all__ = ["FixedBasis", "ReducedRun", "bases_of", "error_against", "reduce_blade", "run_reduced"]
+
+
+@dataclass(frozen=True, eq=False)
+class FixedBasis:
+    """A basis of fixed size, and its names and numbers in the report."""
+
+    frame: str
+    recipe: LinearBasisRecipe
+    name: str
+    derivatives: DerivativeChoice
+    derivatives_name: str
+    n_linear: int
+    n_added: int
+
+    @property
+    def label(self) -> str:
+        """For tables and legends."""
+        return f"{self.name} {self.n_linear}+{self.n_added} {self.derivatives_name}".replace("+0 none", "")
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedRun:
+    """One reduced simulation; its error over the time that a full run of the same frame covers, if there is
+    one; `failed_at` is the time at which it broke off, or None."""
+
+    case: BladeCase
+    basis: FixedBasis
+    body: ReducedBody
+    solution: Solution
+    tip: TipMotion
+    error: MotionError | None
+    offline_seconds: float
+    failed_at: float | None
+
+
+def bases_of(
+    blade: Blade, body: FlexibleBody, frame: str, case: BladeCase, n_linear: int = 50
+) -> tuple[FixedBasis, ...]:
+    """10 + 15 with derivatives picked and compressed, n linear columns; and 8 + 2 static answers + 15.
+
+    Derivatives are weighted by the loads the blade is to bear: the wind's mean, and in the last basis, whose
+    columns hold its answer, the centrifugal load.
+    """
+    loads = blade.steady_load(body, case)
+    wind = AmplitudeProduct(StaticLoad(loads[:, 0]))
+    both = AmplitudeProduct(StaticLoad(loads.sum(axis=1)))
+
+    def linear(n_columns: int) -> LinearBasisRecipe:
+        return CraigBampton(n_modes=n_columns) if frame == "nodal-fixed" else Rubin(n_columns=n_columns)
+
+    name = "CB" if frame == "nodal-fixed" else "Rubin"
+    corrected = StaticCorrection(linear(8), loads)
+    return (
+        FixedBasis(frame, linear(10), name, PickedDerivatives(15, criterion=wind), "picked", 10, 15),
+        FixedBasis(frame, linear(10), name, CompressedDerivatives(15, weights=wind), "compressed", 10, 15),
+        FixedBasis(frame, linear(n_linear), name, NoDerivatives(), "none", n_linear, 0),
+        FixedBasis(
+            frame, corrected, f"{name}+static", PickedDerivatives(15, criterion=both), "picked", 10, 15
+        ),
+    )
+
+
+def reduce_blade(
+    body: FlexibleBody, basis: FixedBasis, damping: RayleighDamping
+) -> tuple[ReducedBody, float]:
+    """The reduced blade and the seconds it took."""
+    began = perf_counter()
+    reduced = reduce(body, FRAMES[basis.frame], basis.recipe, derivatives=basis.derivatives, damping=damping)
+    return reduced, perf_counter() - began
+
+
+def run_reduced(
+    blade: Blade,
+    case: BladeCase,
+    basis: FixedBasis,
+    reduced: tuple[ReducedBody, float],
+    full: FullRun | None,
+    duration: float,
+    progress: Progress,
+) -> ReducedRun:
+    """Simulate the whole duration, and measure the error where the full run has gone."""
+    body, offline_seconds = reduced
+    solution, failed_at = as_far_as_it_goes(
+        blade.system(body, case, blade.loads(case, duration)),
+        Run(duration=duration, output_step=OUTPUT_STEP, step=STEP, tolerances=TOLERANCES),
+        progress=progress,
+    )
+    return ReducedRun(
+        case=case,
+        basis=basis,
+        body=body,
+        solution=solution,
+        tip=tip_motion(blade, case, body, solution),
+        error=None if full is None else error_against(full.body, full.solution, body, solution),
+        offline_seconds=offline_seconds,
+        failed_at=failed_at,
+    )
+
+
+def error_against(full_body: FullBody, full: Solution, body: ReducedBody, solution: Solution) -> MotionError:
+    """RMS error (52) over the time that both runs cover."""
+    n = int(np.minimum(len(full.times), len(solution.times)))
+    return motion_error(full.at(slice(n)), full_body, solution.at(slice(n)), body, body=BODY)

@@ -1,0 +1,1 @@
+"""The eigenvalue errors of [Han2020], controlled."""

@@ -1,0 +1,1 @@
+"""The quadruple pendulum and the slider-crank of [Han2020], reduced to tolerances."""

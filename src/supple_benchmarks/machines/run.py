@@ -1,0 +1,132 @@
+"""A machine run with one variant of its flexible body, and what is measured of the motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import FullBody
+from supple.fem import Isotropic
+from supple.integrate import Solution
+from supple.machine import System
+from supple.multibody import balances, joint_residuals
+from supple.reduction import ReducedBody
+from supple.results import von_mises_history
+from supple.results.node_motion import node_motion
+from supple_benchmarks.machines.flexible_machine import FlexibleMachine
+
+__all__ = [
+    "Drift",
+    "MachineRun",
+    "PointHistory",
+    "Variant",
+    "deformation",
+    "drift",
+    "energy_norm",
+    "equivalent_strain",
+    "point_history",
+]
+
+Array = NDArray[np.float64]
+
+
+class Variant(Enum):
+    """What stands for the flexible body, in words."""
+
+    UNREDUCED = "unreduced"
+    EXACT_MODES = "exact modes"
+    MODAL_COORDINATES = "modal coordinates"
+    WITH_ATTACHMENT_MODES = "with attachment modes"
+    WHOLE_BASIS = "whole basis"
+
+
+@dataclass(frozen=True, eq=False)
+class PointHistory:
+    """What node A does: position, velocity, acceleration (t, 3), von Mises stress and strain (t,)."""
+
+    times: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    stress: Array
+    strain: Array
+
+
+class Drift(NamedTuple):
+    """What a run should have kept, and did not."""
+
+    energy: float
+    """Largest change of the energy not put in from outside, over the largest kinetic energy."""
+    joints: float
+    """Largest constraint equation, m or rad."""
+
+
+@dataclass(frozen=True, eq=False)
+class MachineRun:
+    """One simulation, and what is compared of it.
+
+    tolerance : of the eigenvalues; None where none was asked for      modes : fixed-interface modes, N_d
+    deformation_error : (t,), J^1/2     energy norm of its deformation minus that of the unreduced body, whose
+        own has its norm itself
+    """
+
+    variant: Variant
+    tolerance: float | None
+    modes: int | None
+    body: FullBody | ReducedBody
+    system: System
+    solution: Solution
+    point: PointHistory
+    deformation_error: Array
+    drift: Drift
+    offline_seconds: float = 0.0
+
+
+def drift(machine: FlexibleMachine, system: System, solution: Solution) -> Drift:
+    """How much energy and joints drift: by time integration, not by reduction."""
+    energies = balances(system, solution)
+    excess = energies.total - machine.work(solution)
+    return Drift(
+        float(np.abs(excess - excess[0]).max() / energies.kinetic.max()),
+        float(np.abs(joint_residuals(system, solution)).max()),
+    )
+
+
+def point_history(machine: FlexibleMachine, body: FullBody | ReducedBody, solution: Solution) -> PointHistory:
+    """The motion of node A, and its stress and strain."""
+    motion = solution.bodies[body.name]
+    node = node_motion(body, motion, [machine.point])
+    stress = von_mises_history(body, machine.model, motion.coordinates, [machine.point])[:, 0]
+    return PointHistory(
+        solution.times,
+        node.position[:, 0],
+        node.velocity[:, 0],
+        node.acceleration[:, 0],
+        stress,
+        equivalent_strain(machine.material, stress),
+    )
+
+
+def equivalent_strain(material: Isotropic, stress: Array) -> Array:
+    """Von Mises strain of a von Mises stress: in an isotropic material, over 3 G."""
+    shear_modulus = material.youngs_modulus / (2 + 2 * material.poissons_ratio)
+    return stress / (3 * shear_modulus)
+
+
+def deformation(body: FullBody | ReducedBody, solution: Solution) -> Array:
+    """Displacements (n_nodal, t) of all nodes in the body's frame, m."""
+    expanded = body.expand(solution.bodies[body.name].coordinates)
+    return expanded.reshape(len(expanded), -1).T
+
+
+def energy_norm(machine: FlexibleMachine, displacements: Array) -> Array:
+    """sqrt(u^T K u) (t,) of displacements (n_nodal, t), J^1/2: stress and strain errors, over the whole body.
+
+    It is in this norm that a larger space of columns is the better one; at a single node it need not be.
+    """
+    squares = np.einsum("nt,nt->t", displacements, machine.model.stiffness @ displacements)
+    return np.sqrt(np.maximum(squares, 0.0))

@@ -1,0 +1,163 @@
+"""The rotating beam's numbers: the JSON report, the tables beside the paper's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from supple_benchmarks.computer import describe_computer
+from supple_benchmarks.rotating_beam.run import BeamRun, FullRun, ReducedRun, TipMotion
+from supple_benchmarks.table import Table
+
+__all__ = ["PUBLISHED_PEAKS", "PUBLISHED_RMS", "report", "tables"]
+
+PUBLISHED_PEAKS = {6.0: -0.576, 8.0: -0.726, 10.0: -0.858, 12.0: -0.972}
+"""m: largest transverse tip deflection by final speed; at 6 rad/s the literature spans -0.574 to -0.578."""
+PUBLISHED_EXTENSION = 5.14e-4
+"""m: steady axial extension at 6 rad/s, rho A omega^2 L^3 / (3 EA)."""
+PUBLISHED_RMS = {"nodal-fixed": 1.5e-4, "mean-axis": 2e-5}
+"""m: largest RMS error with 10 + 10 columns at 6 rad/s, [Wu2019] Fig. 7a."""
+
+
+def _frame_of_record(run: BeamRun, omega: float) -> FullRun:
+    """The full run that stands for the motion: nodal-fixed, as in the literature, Green-Lagrange."""
+    candidates = [full for full in run.full if full.omega == omega]
+    return max(
+        candidates, key=lambda full: (full.kinematics == "green-lagrange", full.frame == "nodal-fixed")
+    )
+
+
+def _parting(tip: TipMotion, exact: TipMotion) -> dict[str, Any]:
+    """Where a tip leaves the exact beam's: largest difference, and when it passes 1 % of the peak."""
+    n = min(len(tip.times), len(exact.times))
+    difference = np.hypot(tip.u[:n] - exact.u[:n], tip.v[:n] - exact.v[:n])
+    apart = difference > 0.01 * np.max(abs(exact.v))
+    return {
+        "max_difference_m": float(difference.max()),
+        "over_peak": float(difference.max() / np.max(abs(exact.v))),
+        "parts_by_1_percent_at_s": float(tip.times[np.argmax(apart)]) if apart.any() else None,
+    }
+
+
+def _tip_numbers(tip: TipMotion, steady_from: float) -> dict[str, float]:
+    peak, time = tip.peak()
+    return {
+        "v_peak": peak,
+        "v_peak_time": time,
+        "u_mean_after_16s": tip.mean_extension(steady_from),
+    }
+
+
+def report(run: BeamRun) -> dict[str, Any]:
+    """Everything measured, ready for JSON; the keys `tip`, `roms`, `full` and `machine` are a contract."""
+    steady = run.problem.steady_from
+    speeds = [omega for omega in run.problem.speeds if any(full.omega == omega for full in run.full)]
+    return {
+        "tip": {
+            f"{omega:g}": {
+                **_tip_numbers(_frame_of_record(run, omega).tip, steady),
+                "model": f"full, {_model(_frame_of_record(run, omega))}",
+            }
+            for omega in speeds
+        },
+        "exact_beam": {f"{omega:g}": _tip_numbers(run.exact[omega], steady) for omega in speeds},
+        "full": [
+            {
+                "frame": full.frame,
+                "kinematics": full.kinematics,
+                "omega": full.omega,
+                "iterations": full.solution.statistics.iterations,
+                "steps": full.solution.statistics.steps,
+                "seconds": full.solution.statistics.seconds,
+                **_tip_numbers(full.tip, steady),
+                "against_exact_beam": _parting(full.tip, run.exact[full.omega]),
+            }
+            for full in run.full
+        ],
+        "roms": [_reduced_numbers(rom) for rom in run.reduced],
+        "problem": vars(run.problem),
+        "machine": describe_computer(),
+    }
+
+
+def _reduced_numbers(rom: ReducedRun) -> dict[str, Any]:
+    statistics = rom.solution.statistics
+    return {
+        "frame": rom.full.frame,
+        "basis": rom.basis,
+        "derivatives": rom.derivatives,
+        "kinematics": rom.full.kinematics,
+        "linear": rom.n_linear,
+        "added": rom.n_added,
+        "size": rom.body.r,
+        "omega": rom.full.omega,
+        "max_rms": rom.error.max_rms,
+        "re_percent": rom.error.relative_percent,
+        "iterations": statistics.iterations,
+        "seconds": statistics.seconds,
+        "compile_seconds": statistics.compile_seconds,
+        "offline_seconds": rom.offline_seconds,
+        "cuts": statistics.rejected_steps,
+        "failed_at": rom.failed_at,
+    }
+
+
+def tables(run: BeamRun) -> list[Table]:
+    """The report's tables: title, column heads, rows."""
+    steady = run.problem.steady_from
+    motion = []
+    for omega, exact in run.exact.items():
+        rows = [("exact beam", exact)]
+        rows += [(_model(full), full.tip) for full in run.full if full.omega == omega]
+        for model, tip in rows:
+            peak, time = tip.peak()
+            published = PUBLISHED_PEAKS.get(omega)
+            off = 100 * _parting(tip, exact)["over_peak"]
+            motion.append(
+                [
+                    f"{omega:g}",
+                    model,
+                    f"{peak:.4f}",
+                    "" if published is None else f"{published:.3f}",
+                    f"{time:.2f}",
+                    f"{tip.mean_extension(steady):.3e}",
+                    f"{off:.2f}",
+                ]
+            )
+    errors = []
+    for rom in run.reduced:
+        statistics, reference = rom.solution.statistics, rom.full.solution.statistics
+        published = PUBLISHED_RMS[rom.full.frame] if rom.n_added and rom.full.omega == 6.0 else None
+        errors.append(
+            [
+                f"{rom.full.omega:g}",
+                _model(rom.full),
+                rom.columns,
+                f"{rom.error.max_rms:.1e}" + ("" if rom.failed_at is None else "*"),
+                "" if published is None else f"{published:.1e}",
+                f"{statistics.seconds:.2f}",
+                f"{reference.seconds / statistics.seconds:.0f}",
+            ]
+        )
+    broken = [rom for rom in run.reduced if rom.failed_at is not None]
+    note = "; * broke off at " + ", ".join(f"{rom.failed_at:.2f} s" for rom in broken) if broken else ""
+    return [
+        (
+            "Tip motion in axes that turn with the root (GL: Green-Lagrange, vK: von Karman)",
+            ["rad/s", "model", "peak v, m", "paper", "at, s", "mean u, m", "off exact, %"],
+            motion,
+        ),
+        (
+            "Largest RMS error against the full model in the same frame" + note,
+            ["rad/s", "model", "columns", "RMS, m", "paper", "s", "faster"],
+            errors,
+        ),
+    ]
+
+
+_STRAINS = {"green-lagrange": "GL", "von-karman": "vK"}
+
+
+def _model(full: FullRun) -> str:
+    return f"{full.frame} {_STRAINS[full.kinematics]}"

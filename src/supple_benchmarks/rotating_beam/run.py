@@ -1,0 +1,253 @@
+"""Runs of the rotating beam: exact, full in both floating frames, reduced as in [Wu2019] Table 1."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import (
+    FlexibleBody,
+    FullBody,
+)
+from supple.integrate import FixedStep, Run, Solution
+from supple.machine import GROUND, At, Placed, PrescribedRotation, System
+from supple.machine.laws.spin_up import SpinUp
+from supple.reduction import (
+    AmplitudeProduct,
+    CompressedDerivatives,
+    CraigBampton,
+    DerivativeChoice,
+    LinearBasisRecipe,
+    NoDerivatives,
+    PickedDerivatives,
+    ReducedBody,
+    Rubin,
+    StaticLoad,
+    reduce,
+)
+from supple.results.error_measures import MotionError, motion_error
+from supple.results.recovery import displacement_from_axes, node_positions
+from supple.simulation import simulate
+from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
+from supple_benchmarks.beam_motion import spin_up_beam
+from supple_benchmarks.planar_beam import ROTATING_BEAM
+from supple_benchmarks.progress import Announce, Progress
+from supple_benchmarks.rotating_beam.problem import BODY, FRAMES, KINEMATICS, ROOT, RotatingBeam, spin_up_load
+
+__all__ = [
+    "BeamRun",
+    "FullRun",
+    "ReducedRun",
+    "TipMotion",
+    "run_rotating_beam",
+]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TipMotion:
+    """Tip displacement seen from axes that turn with the root, (51): axial `u`, transverse `v`, (t,) each."""
+
+    times: Array
+    u: Array
+    v: Array
+
+    def peak(self) -> tuple[float, float]:
+        """Largest deflection and its time, from the parabola through the three samples about the extreme."""
+        i = int(np.clip(np.argmin(self.v), 1, len(self.v) - 2))
+        before, at, after = self.v[i - 1 : i + 2]
+        curvature = before - 2 * at + after
+        shift = 0.5 * (before - after) / curvature if curvature > 0 else 0.0
+        step = self.times[i + 1] - self.times[i]
+        return float(at - 0.25 * (before - after) * shift), float(self.times[i] + shift * step)
+
+    def mean_extension(self, after: float) -> float:
+        """Mean axial displacement from a time on."""
+        return float(self.u[self.times >= after].mean())
+
+
+@dataclass(frozen=True)
+class FullRun:
+    """One full-order simulation."""
+
+    frame: str
+    kinematics: str
+    omega: float
+    solution: Solution
+    body: FullBody
+    tip: TipMotion
+
+
+@dataclass(frozen=True)
+class ReducedRun:
+    """One reduced simulation beside its full one; `failed_at` is the time at which it broke off, or None."""
+
+    full: FullRun
+    basis: str
+    derivatives: str
+    body: ReducedBody
+    n_linear: int
+    n_added: int
+    solution: Solution
+    tip: TipMotion
+    error: MotionError
+    offline_seconds: float
+    failed_at: float | None
+
+    @property
+    def columns(self) -> str:
+        """The columns of the basis, in words."""
+        if self.n_added:
+            return f"{self.n_linear}+{self.n_added} {self.derivatives}"
+        return f"{self.n_linear} linear"
+
+
+@dataclass(frozen=True)
+class BeamRun:
+    """All runs, and the exact beam's tip motion by speed."""
+
+    problem: RotatingBeam
+    exact: dict[float, TipMotion]
+    full: tuple[FullRun, ...]
+    reduced: tuple[ReducedRun, ...]
+
+
+def run_rotating_beam(problem: RotatingBeam, announce: Announce) -> Iterator[BeamRun]:
+    """Run the benchmark; yields everything known after each simulation, so that nothing computed is lost."""
+    exact: dict[float, TipMotion] = {}
+    full: list[FullRun] = []
+    reduced: list[ReducedRun] = []
+    for speed in problem.speeds:
+        spin = SpinUp(speed)
+        progress = announce(f"exact beam, {speed:g} rad/s")
+        exact[speed] = _exact_tip(problem, spin)
+        progress(1.0)
+        for kinematics in problem.kinematics:
+            body = problem.body(KINEMATICS[kinematics])
+            for frame in FRAMES:
+                label = f"{frame}, {kinematics}, {speed:g} rad/s"
+                reference = _run_full(problem, spin, body, frame, kinematics, announce(f"full {label}"))
+                full.append(reference)
+                yield BeamRun(problem, exact, tuple(full), tuple(reduced))
+                for choice in _choices(body, frame, with_linear=speed == problem.speeds[0]):
+                    name = f"{choice.n_linear} + {choice.n_added} {choice.derivatives_name}"
+                    reduced.append(
+                        _run_reduced(problem, spin, body, reference, choice, announce(f"{name}, {label}"))
+                    )
+                    yield BeamRun(problem, exact, tuple(full), tuple(reduced))
+
+
+def _exact_tip(problem: RotatingBeam, spin: SpinUp) -> TipMotion:
+    motion = spin_up_beam(ROTATING_BEAM, spin, duration=problem.duration, step=0.5 * problem.step)
+    every = round(problem.output_step / (0.5 * problem.step))
+    return TipMotion(motion.times[::every], motion.tip_axial[::every], motion.tip_transverse[::every])
+
+
+@dataclass(frozen=True)
+class _Choice:
+    """A basis: recipe, derivatives and their names and numbers in the report."""
+
+    recipe: LinearBasisRecipe
+    basis_name: str
+    derivatives: DerivativeChoice
+    derivatives_name: str
+    n_linear: int
+    n_added: int
+
+
+def _choices(body: FlexibleBody, frame: str, *, with_linear: bool) -> list[_Choice]:
+    """The bases of [Wu2019] Table 1, with picked and with compressed derivatives."""
+    load = AmplitudeProduct(StaticLoad(spin_up_load(body)))
+
+    def linear(n_columns: int) -> tuple[LinearBasisRecipe, str]:
+        if frame == "nodal-fixed":
+            return CraigBampton(n_modes=n_columns), "craig-bampton"
+        return Rubin(n_columns=n_columns), "rubin"
+
+    enriched: list[tuple[DerivativeChoice, str]] = [
+        (PickedDerivatives(10, criterion=load), "picked"),
+        (CompressedDerivatives(10, weights=load), "compressed"),
+    ]
+    choices = [_Choice(*linear(10), choice, name, 10, 10) for choice, name in enriched]
+    if with_linear:
+        choices.append(_Choice(*linear(50), NoDerivatives(), "none", 50, 0))
+    return choices
+
+
+def _system(body: FullBody | ReducedBody, spin: SpinUp) -> System:
+    hinge = PrescribedRotation(
+        name="hinge", first=GROUND, second=At(BODY, ROOT), axis=(0.0, -1.0, 0.0), angle=spin
+    )
+    return System(bodies=(Placed(body),), joints=(hinge,))
+
+
+def _tip(problem: RotatingBeam, spin: SpinUp, body: FullBody | ReducedBody, solution: Solution) -> TipMotion:
+    node = problem.mesh().nodes_of("tip_centre")
+    positions = node_positions(body, solution.bodies[BODY], node)[:, 0]
+    angle = np.asarray(spin(solution.times))
+    cosine, sine, zero, one = np.cos(angle), np.sin(angle), 0 * angle, 1 + 0 * angle
+    # Columns: the root's axis, the width, and the normal towards which a positive rotation moves the beam.
+    axes = np.stack(
+        [
+            np.stack([cosine, zero, sine], axis=-1),
+            np.stack([zero, one, zero], axis=-1),
+            np.stack([-sine, zero, cosine], axis=-1),
+        ],
+        axis=-1,
+    )
+    seen = displacement_from_axes(positions, np.zeros(3), axes, body.nodes[node[0]])
+    return TipMotion(solution.times, seen[:, 0], seen[:, 2])
+
+
+def _run_full(
+    problem: RotatingBeam,
+    spin: SpinUp,
+    body: FlexibleBody,
+    frame: str,
+    kinematics: str,
+    progress: Progress,
+) -> FullRun:
+    full = FullBody(body, FRAMES[frame])
+    solution = simulate(
+        _system(full, spin),
+        Run(duration=problem.duration, output_step=problem.output_step, step=FixedStep(problem.step)),
+        progress=progress,
+    )
+    return FullRun(frame, kinematics, spin.speed, solution, full, _tip(problem, spin, full, solution))
+
+
+def _run_reduced(
+    problem: RotatingBeam,
+    spin: SpinUp,
+    body: FlexibleBody,
+    full: FullRun,
+    choice: _Choice,
+    progress: Progress,
+) -> ReducedRun:
+    began = perf_counter()
+    reduced = reduce(body, FRAMES[full.frame], choice.recipe, derivatives=choice.derivatives)
+    offline = perf_counter() - began
+    solution, failed_at = as_far_as_it_goes(
+        _system(reduced, spin),
+        Run(duration=problem.duration, output_step=problem.output_step, step=FixedStep(problem.step)),
+        progress=progress,
+    )
+    reference = full.solution.at(slice(len(solution.times)))
+    return ReducedRun(
+        full=full,
+        basis=choice.basis_name,
+        derivatives=choice.derivatives_name,
+        body=reduced,
+        n_linear=choice.n_linear,
+        n_added=choice.n_added,
+        solution=solution,
+        tip=_tip(problem, spin, reduced, solution),
+        error=motion_error(reference, full.body, solution, reduced, body=BODY),
+        offline_seconds=offline,
+        failed_at=failed_at,
+    )
