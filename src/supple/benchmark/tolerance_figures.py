@@ -10,6 +10,7 @@ import numpy as np
 from supple.benchmark.flexible_machine import FlexibleMachine
 from supple.benchmark.machine_run import Form, MachineRun, equivalent_strain
 from supple.benchmark.tolerance_study import Study
+from supple.body import in_space
 from supple.integrate import Solution
 from supple.results import node_positions, von_mises_history
 from supple.viz.animation import animate
@@ -148,8 +149,7 @@ def _actors(study: Study, run: MachineRun, rows: slice, *, coloured: bool) -> li
     ]
     for name, look in machine.looks.items():
         rigid = run.solution.bodies[name].at(rows)
-        turned = np.einsum("tij,nj->tni", rigid.rotation, look.nodes)
-        actors.append(Actor(skin_of(look), rigid.position[:, None] + turned))
+        actors.append(Actor(skin_of(look), in_space(rigid.position, rigid.rotation, look.nodes[None])))
     return actors
 
 
