@@ -37,7 +37,7 @@ def in_space(position: Array, rotation: Array, local: Array) -> Array:
     ----------
     position : array (t, 3)       R, of the frame's origin
     rotation : array (t, 3, 3)    A, frame to space
-    local : array (t, k, 3)       y, in the frame
+    local : array (t, k, 3)       y, in the frame; (1, k, 3) for places that stay
 
     Returns
     -------

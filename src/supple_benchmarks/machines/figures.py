@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from supple.body import in_space
 from supple.integrate import Solution
 from supple.results import node_positions, von_mises_history
 from supple.viz.animation import animate
@@ -149,8 +150,7 @@ def _actors(study: Study, run: MachineRun, rows: slice, *, coloured: bool) -> li
     ]
     for name, look in machine.looks.items():
         rigid = run.solution.bodies[name].at(rows)
-        turned = np.einsum("tij,nj->tni", rigid.rotation, look.nodes)
-        actors.append(Actor(skin_of(look), rigid.position[:, None] + turned))
+        actors.append(Actor(skin_of(look), in_space(rigid.position, rigid.rotation, look.nodes[None])))
     return actors
 
 
