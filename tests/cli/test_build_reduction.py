@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from supple.cases.case_tables import ErrorControlled as ErrorControlledTable
 from supple.cli.build_reduction import build_basis
-from supple.cli.case_schema import ErrorControlled as ErrorControlledTable
 from supple.cli.read_case import read_case
 from supple.reduction import (
     AttachmentModes,

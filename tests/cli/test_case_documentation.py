@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from supple.cli.case_schema import Case
+from supple.cases.case_tables import Case
 from supple.cli.read_case import read_case
 from supple.cli.run_case import run_case
 from supple.fem import Isotropic, solid_model

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from supple.cases.case_tables import NoDerivatives, Picked, Rubin
 from supple.cli.build_reduction import build_derivatives, corrects_itself
-from supple.cli.case_schema import NoDerivatives, Picked, Rubin
 from supple.cli.read_case import read_case
 from supple.errors import CaseError
 

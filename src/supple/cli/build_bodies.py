@@ -34,10 +34,10 @@ from supple.body import (
     read_superelement,
     rigid_mass_properties,
 )
-from supple.cli import case_schema as schema
+from supple.cases import case_tables as schema
+from supple.cases.line_index import KeyPath
 from supple.cli.build_reduction import build_basis, build_derivatives, corrects_itself, search_words
 from supple.cli.did_you_mean import did_you_mean
-from supple.cli.line_index import KeyPath
 from supple.cli.read_case import CaseFile
 from supple.errors import ModelError
 from supple.fem import (

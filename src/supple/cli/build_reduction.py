@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from supple.body import FlexibleBody
-from supple.cli import case_schema as schema
+from supple.cases import case_tables as schema
 from supple.correction import ReductionStart, SelfCorrection
 from supple.reduction import (
     AttachmentModes,

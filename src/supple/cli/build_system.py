@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from supple.body import FlexibleBody
-from supple.cli import case_schema as schema
+from supple.cases import case_tables as schema
+from supple.cases.laws import time_function
 from supple.cli.build_bodies import (
     Notify,
     build_body,
@@ -22,7 +23,6 @@ from supple.cli.build_bodies import (
 from supple.cli.build_reduction import build_start, corrects_itself
 from supple.cli.read_case import CaseFile
 from supple.cli.reduced_file import read_body
-from supple.cli.time_laws import time_function
 from supple.correction import ReductionStart
 from supple.errors import ModelError
 from supple.fem import stress_recovery

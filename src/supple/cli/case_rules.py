@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, get_args
 
-from supple.cli.case_schema import JointKind
+from supple.cases.case_tables import JointKind
+from supple.cases.line_index import KeyPath
 from supple.cli.did_you_mean import did_you_mean
-from supple.cli.line_index import KeyPath
 from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, NODE_SUFFIXES
 
 Raw = Mapping[str, Any]

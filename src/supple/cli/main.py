@@ -60,7 +60,7 @@ def run(
 ) -> None:
     """Simulate a case file; write results (HDF5, JSON), pictures (PNG) and an animation (GIF)."""
     # Imported here: the solvers take seconds to load, which help and version need not wait for.
-    from supple.cli.compilation_cache import keep_compiled_programs
+    from supple.algebra.compilation_cache import keep_compiled_programs
     from supple.cli.run_case import run_case
 
     keep_compiled_programs()
@@ -120,9 +120,9 @@ def rotating_beam(
     debug: Debug = False,
 ) -> None:
     """Spin up the beam of [Wu2019] section 6.1, full and reduced, and set our numbers beside the paper's."""
+    from supple.algebra.compilation_cache import keep_compiled_programs
     from supple.benchmark.rotating_beam import RotatingBeam
     from supple.cli.benchmark_rotating_beam import benchmark_rotating_beam
-    from supple.cli.compilation_cache import keep_compiled_programs
 
     keep_compiled_programs()
     with reported_errors(debug=debug), reported_warnings():
@@ -204,8 +204,8 @@ def _benchmark_machine(
     output: Path,
     debug: bool,
 ) -> None:
+    from supple.algebra.compilation_cache import keep_compiled_programs
     from supple.cli.benchmark_tolerances import benchmark_tolerances
-    from supple.cli.compilation_cache import keep_compiled_programs
     from supple.mesh import CellType
 
     keep_compiled_programs()
@@ -232,9 +232,9 @@ def blade(
     debug: Debug = False,
 ) -> None:
     """The 61.5 m blade of [Wu2019] section 6.2 in the wind: full (two hours), reduced, self-correcting."""
+    from supple.algebra.compilation_cache import keep_compiled_programs
     from supple.benchmark.blade_benchmark import BladeBenchmark
     from supple.cli.benchmark_blade import benchmark_blade
-    from supple.cli.compilation_cache import keep_compiled_programs
 
     keep_compiled_programs()
     with reported_errors(debug=debug), reported_warnings():

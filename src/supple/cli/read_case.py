@@ -11,10 +11,10 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from supple.cases.case_tables import Case
+from supple.cases.line_index import KeyPath, LineIndex, index_lines
 from supple.cli.case_rules import broken_rules
-from supple.cli.case_schema import Case
 from supple.cli.did_you_mean import did_you_mean
-from supple.cli.line_index import KeyPath, LineIndex, index_lines
 from supple.cli.reduced_file import with_interfaces_of_files
 from supple.errors import CaseError
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from supple.cli.line_index import KeyPath
+from supple.cases.line_index import KeyPath
 from supple.errors import ResultFileError
 
 if TYPE_CHECKING:

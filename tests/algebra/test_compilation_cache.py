@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import pytest
 
-from supple.cli.compilation_cache import keep_compiled_programs
+from supple.algebra.compilation_cache import keep_compiled_programs
 
 
 @pytest.fixture

@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from supple.cli.case_schema import Constant, Ramp, Sine, SpinUp, TableLaw
-from supple.cli.time_laws import read_time_table, time_function
+from supple.cases.case_tables import Constant, Ramp, Sine, SpinUp, TableLaw
+from supple.cases.laws import read_time_table, time_function
 from supple.errors import ImportFormatError
 
 TIMES = np.linspace(0.0, 5.0, 101)

@@ -1,0 +1,1 @@
+"""The case file: one file per section, its tables and their build."""
