@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+
 
 class SuppleError(Exception):
     """Base of every error that supple raises on purpose."""
@@ -72,3 +75,18 @@ class RedundantConstraintWarning(SuppleWarning):
 
 class StepCutWarning(SuppleWarning):
     """Time steps that had to be cut before Newton's method converged."""
+
+
+def nearest_name(name: str, known: Iterable[str]) -> str | None:
+    """The known name that is spelled most like `name`, in either case; None when none is near."""
+    by_lower = {candidate.lower(): candidate for candidate in known}
+    for spelled in (name.lower().replace("_", "-"), name.lower()):
+        if nearest := get_close_matches(spelled, by_lower, n=1):
+            return by_lower[nearest[0]]
+    return None
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """`, did you mean 'NEAREST'?` or nothing when no known name is near."""
+    nearest = nearest_name(name, known)
+    return f", did you mean {nearest!r}?" if nearest else ""

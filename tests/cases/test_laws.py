@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from supple.cases.case_tables import Constant, Ramp, Sine, SpinUp, TableLaw
+from supple.cases.law_tables import Constant, Ramp, Sine, SpinUp, TableLaw
 from supple.cases.laws import read_time_table, time_function
 from supple.errors import ImportFormatError
 

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from supple.cli.correction_summary import best_round
 from supple.cli.main import app
-from supple.correction import CorrectionFolder
+from supple.correction import CorrectionFolder, best_round
 from supple.storage import read_header, read_reduced_body, read_solution
 
 

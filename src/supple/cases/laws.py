@@ -11,8 +11,8 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from supple.cases.case_tables import Constant, Law, Ramp, Sine, TableLaw
-from supple.cases.case_tables import SpinUp as SpinUpTable
+from supple.cases.law_tables import Constant, Law, Ramp, Sine, TableLaw
+from supple.cases.law_tables import SpinUp as SpinUpTable
 from supple.errors import ImportFormatError
 from supple.machine.laws.spin_up import SpinUp
 

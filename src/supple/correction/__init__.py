@@ -21,6 +21,10 @@ from supple.correction.round_archive import (
     RoundArchive,
     RoundBases,
 )
+from supple.correction.round_table import (
+    best_round,
+    correction_numbers,
+)
 from supple.correction.self_correction import (
     self_correct,
 )
@@ -37,6 +41,8 @@ __all__ = [
     "SelfCorrected",
     "SelfCorrection",
     "SelfCorrectionError",
+    "best_round",
+    "correction_numbers",
     "residual_corrections",
     "self_correct",
     "system_corrections",

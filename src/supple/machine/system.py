@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from supple.body import RigidBody
 from supple.body.full_body import FullBody
-from supple.errors import ModelError
+from supple.errors import ModelError, nearest_name
 from supple.machine.forces.force_element import ForceElement
 from supple.machine.joints.joint import GROUND, At, Joint
 from supple.machine.laws.time_law import check_law_shape
@@ -92,8 +91,8 @@ def interface_names(body: Body) -> tuple[str, ...]:
 
 
 def _did_you_mean(name: str, known: Sequence[str]) -> str:
-    close = get_close_matches(name, known, n=1)
-    return f"; did you mean '{close[0]}'?" if close else f"; there are: {', '.join(known) or 'none'}"
+    nearest = nearest_name(name, known)
+    return f"; did you mean '{nearest}'?" if nearest else f"; there are: {', '.join(known) or 'none'}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,10 +1,13 @@
-"""What a simulation tells: recovery, error measures, stress."""
+"""What a simulation tells: recovery, tracked motion, joint loads, error measures, stress."""
 
 from supple.results.error_measures import (
     MotionError,
     motion_error,
     relative_error,
     rms_error,
+)
+from supple.results.joint_loads import (
+    joint_loads,
 )
 from supple.results.node_motion import (
     NodeMotion,
@@ -16,6 +19,10 @@ from supple.results.recovery import (
     node_displacements,
     node_positions,
 )
+from supple.results.run_summary import (
+    body_numbers,
+    summarize,
+)
 from supple.results.stress_history import (
     von_mises_history,
     von_mises_strain_history,
@@ -26,6 +33,11 @@ from supple.results.stress_modes import (
     strain_modes,
     stress_modes,
 )
+from supple.results.tracked_motion import (
+    TrackedMotion,
+    deflections,
+    tracked_motion,
+)
 
 __all__ = [
     "ElasticBody",
@@ -33,7 +45,11 @@ __all__ = [
     "NodeMotion",
     "StrainModes",
     "StressModes",
+    "TrackedMotion",
+    "body_numbers",
+    "deflections",
     "displacement_from_axes",
+    "joint_loads",
     "motion_error",
     "node_displacements",
     "node_motion",
@@ -42,6 +58,8 @@ __all__ = [
     "rms_error",
     "strain_modes",
     "stress_modes",
+    "summarize",
+    "tracked_motion",
     "von_mises_history",
     "von_mises_strain_history",
 ]

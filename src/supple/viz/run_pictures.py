@@ -1,37 +1,36 @@
-"""The pictures of a run: meshes, modes, deformed bodies, tracked motion, joint forces, and a film."""
+"""The pictures of a run: meshes, modes, deformed bodies, tracked motion, joint forces, and an animation."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
-from supple.body import FullBody
-from supple.cli.build_bodies import build_model
-from supple.cli.build_system import BuiltCase, with_faces
-from supple.cli.tracked_motion import TrackedMotion, deflections
+from supple.body import FullBody, RigidBody
+from supple.fem import FiniteElementModel
 from supple.integrate import FloatingMotion, Solution
+from supple.machine import System
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody, clamped_modes
-from supple.results import node_positions, von_mises_history
-from supple.viz import (
-    Camera,
-    Panel,
-    Series,
-    Skin,
-    animate,
-    displacement_magnitude,
-    mode_titles,
-    plot_contour,
-    plot_mesh,
-    plot_mode_shapes,
-    plot_time_history,
-    skin_of,
-    stress_field,
+from supple.results import (
+    TrackedMotion,
+    deflections,
+    joint_loads,
+    node_positions,
+    von_mises_history,
 )
+from supple.viz.animation import animate
+from supple.viz.camera import Camera
+from supple.viz.contour import plot_contour, stress_field
+from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
+from supple.viz.mesh_skin import Skin, skin_of
+from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
+from supple.viz.time_history import Panel, Series, plot_time_history
 
 ElasticBody = ReducedBody | FullBody
+Elements = Mapping[str, FiniteElementModel]
 
 N_MODES = 6
 N_FRAMES = 100
@@ -42,59 +41,72 @@ N_INSTANTS = 200
 VISIBLE = 0.08
 
 
-def draw_pictures(
-    built: BuiltCase,
-    solution: Solution,
-    tracked: Sequence[TrackedMotion],
-    joint_sizes: dict[str, dict[str, np.ndarray]],
+def draw_run(
     folder: Path,
+    system: System,
+    solution: Solution,
+    meshes: Mapping[str, Mesh],
+    *,
+    tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
+    elements: Elements | None = None,
 ) -> list[Path]:
-    """Draw everything but the film.
+    """Draw everything but the animation: mesh, modes and deformation of the bodies, what is tracked, joints.
 
-    joint_sizes : magnitude (t,) of "force" and "moment" of each joint, by joint name
-    Returns the paths of the pictures.
+    Parameters
+    ----------
+    folder : where the pictures go
+    meshes : of the elastic bodies to draw, by name; each has faces
+    tracked : motions of places, by their names
+    elements : of these bodies, by name, to draw their von Mises stress too; see `von_mises_history`
+
+    Returns
+    -------
+    the paths of the pictures
     """
     pictures: list[Path] = []
-    for body, mesh in _elastic_bodies(built):
+    for body, mesh in _drawn(system, meshes):
         surface = skin_of(mesh)
-        stem = folder / body.name
-        pictures.append(
-            plot_mesh(stem.with_name(f"{body.name}-mesh.png"), mesh.nodes, surface, title=body.name)
-        )
+
+        def path(what: str, name: str = body.name) -> Path:
+            return folder / f"{name}-{what}.png"
+
+        pictures.append(plot_mesh(path("mesh"), mesh.nodes, surface, title=body.name))
         if isinstance(body, ReducedBody):
-            pictures.append(_draw_modes(stem.with_name(f"{body.name}-modes.png"), body, surface))
-        motion = solution.bodies[body.name]
-        path = stem.with_name(f"{body.name}-deformed.png")
-        pictures.append(_draw_deformed(path, body, motion, solution.times, surface))
-        if _shows_stress(built):
-            path = stem.with_name(f"{body.name}-stress.png")
-            pictures.append(_draw_stress(path, built, body, solution, surface))
+            pictures.append(_draw_modes(path("modes"), body, surface))
+        pictures.append(_draw_deformed(path("deformed"), body, solution, surface))
+        if elements is not None:
+            pictures.append(_draw_stress(path("stress"), body, elements[body.name], solution, surface))
     if tracked:
         pictures.append(_draw_tracked(folder / "tracked-motion.png", tracked, solution.times))
-    panels = [
-        Panel(f"{what} ({unit})", series)
-        for what, unit in (("force", "N"), ("moment", "N m"))
-        if (series := _joint_series(joint_sizes, what, solution.times))
-    ]
+    panels = _joint_panels(system, solution)
     if panels:
         pictures.append(plot_time_history(folder / "joint-forces.png", panels))
     return pictures
 
 
-def draw_animation(
-    built: BuiltCase, solution: Solution, path: Path, progress: Callable[[float], None]
+def animate_run(
+    path: Path,
+    system: System,
+    solution: Solution,
+    meshes: Mapping[str, Mesh],
+    *,
+    elements: Elements | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Path | None:
-    """Film all bodies that have a mesh, coloured by deflection or stress; None when there is none."""
+    """Animate all bodies that have a mesh, coloured by deflection or stress; None when there is none.
+
+    Parameters as for `draw_run`; `progress` hears of the share that is drawn.
+    """
     chosen = _instants(solution.times, N_FRAMES)
     positions, values, surfaces, traced, n_nodes = [], [], [], [], 0
-    for body, mesh in _elastic_bodies(built):
+    for body, mesh in _drawn(system, meshes):
         motion = solution.bodies[body.name].at(chosen)
         deflection = np.linalg.norm(deflections(body, motion), axis=2)
         positions.append(node_positions(body, motion))
-        if _shows_stress(built):
-            values.append(1e-6 * _stress(built, body, motion))
-        else:
+        if elements is None:
             values.append(deflection)
+        else:
+            values.append(1e-6 * von_mises_history(body, elements[body.name], motion.coordinates))
         surface = skin_of(mesh)
         surfaces.append(Skin(surface.triangles + n_nodes, surface.mesh_lines.copy()))
         # The path of the node that moves most against its body tells how the body swings.
@@ -112,9 +124,9 @@ def draw_animation(
         solution.times[chosen],
         moving,
         together,
-        camera=_upright_camera(moving, built.system.gravity),
+        camera=_upright_camera(moving, system.gravity),
         values=np.concatenate(values, axis=1),
-        values_label="von Mises stress (MPa)" if _shows_stress(built) else "deflection (m)",
+        values_label="deflection (m)" if elements is None else "von Mises stress (MPa)",
         traced_nodes=traced,
         frames_per_second=FRAMES_PER_SECOND,
         progress=progress,
@@ -132,26 +144,13 @@ def _upright_camera(positions: np.ndarray, gravity: np.ndarray) -> Camera | None
     return Camera.looking(along=-thin - 0.35 * wide - 0.25 * up, up=up)
 
 
-def _elastic_bodies(built: BuiltCase) -> list[tuple[ElasticBody, Mesh]]:
+def _drawn(system: System, meshes: Mapping[str, Mesh]) -> list[tuple[ElasticBody, Mesh]]:
     """Elastic bodies that have something to show."""
-    bodies = [placed.body for placed in built.system.bodies]
-    shown = with_faces(built.meshes)
     return [
-        (body, shown[body.name])
-        for body in bodies
-        if isinstance(body, ReducedBody | FullBody) and body.name in shown
+        (placed.body, meshes[placed.body.name])
+        for placed in system.bodies
+        if not isinstance(placed.body, RigidBody) and placed.body.name in meshes
     ]
-
-
-def _stress(built: BuiltCase, body: ElasticBody, motion: FloatingMotion) -> np.ndarray:
-    """Von Mises stress (t, N) of all nodes, Pa."""
-    (table,) = (table for table in built.case_file.case.body if table.name == body.name)
-    model = build_model(built.case_file, table, built.meshes[body.name])
-    return von_mises_history(body, model, motion.coordinates)
-
-
-def _shows_stress(built: BuiltCase) -> bool:
-    return built.case_file.case.output.colour == "von-mises"
 
 
 def _draw_modes(path: Path, body: ReducedBody, surface: Skin) -> Path:
@@ -168,12 +167,10 @@ def _draw_modes(path: Path, body: ReducedBody, surface: Skin) -> Path:
     )
 
 
-def _draw_deformed(
-    path: Path, body: ElasticBody, motion: FloatingMotion, times: np.ndarray, surface: Skin
-) -> Path:
+def _draw_deformed(path: Path, body: ElasticBody, solution: Solution, surface: Skin) -> Path:
     """The body when it is bent most, enlarged if that were too little to see."""
-    instants = _instants(times, N_INSTANTS)
-    displaced = deflections(body, motion.at(instants))
+    instants, motion = _sampled(body, solution)
+    displaced = deflections(body, motion)
     size = np.linalg.norm(displaced, axis=2).max(axis=1)
     worst = int(np.argmax(size))
     scale, enlarged = _enlargement(body, displaced[worst])
@@ -183,7 +180,7 @@ def _draw_deformed(
         surface,
         colour_by=displacement_magnitude(displaced[worst]),
         undeformed=body.nodes,
-        title=f"{body.name} at t = {times[instants[worst]]:.4g} s, deflection {enlarged}",
+        title=f"{body.name} at t = {solution.times[instants[worst]]:.4g} s, deflection {enlarged}",
     )
 
 
@@ -195,13 +192,14 @@ def _enlargement(body: ElasticBody, displaced: np.ndarray) -> tuple[float, str]:
     return scale, "true to scale" if scale == 1.0 else f"enlarged {scale:.3g} times"
 
 
-def _draw_stress(path: Path, built: BuiltCase, body: ElasticBody, solution: Solution, surface: Skin) -> Path:
+def _draw_stress(
+    path: Path, body: ElasticBody, model: FiniteElementModel, solution: Solution, surface: Skin
+) -> Path:
     """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
-    instants = _instants(solution.times, N_INSTANTS)
-    sampled = solution.bodies[body.name].at(instants)
-    stress = _stress(built, body, sampled)
+    instants, motion = _sampled(body, solution)
+    stress = von_mises_history(body, model, motion.coordinates)
     worst = int(np.argmax(stress.max(axis=1)))
-    displaced = deflections(body, sampled.at(np.array([worst])))[0]
+    displaced = deflections(body, motion.at(np.array([worst])))[0]
     scale, enlarged = _enlargement(body, displaced)
     return plot_contour(
         path,
@@ -213,21 +211,34 @@ def _draw_stress(path: Path, built: BuiltCase, body: ElasticBody, solution: Solu
     )
 
 
-def _draw_tracked(path: Path, tracked: Sequence[TrackedMotion], times: np.ndarray) -> Path:
+def _draw_tracked(path: Path, tracked: Mapping[str, TrackedMotion], times: np.ndarray) -> Path:
     panels = [
         Panel(
             f"deflection {axis} (m)",
-            [Series(place.place, times, place.deflection[:, i]) for place in tracked],
+            [Series(name, times, place.deflection[:, i]) for name, place in tracked.items()],
         )
         for i, axis in enumerate("xyz")
     ]
     return plot_time_history(path, panels)
 
 
-def _joint_series(
-    joint_sizes: dict[str, dict[str, np.ndarray]], what: str, times: np.ndarray
-) -> list[Series]:
-    return [Series(name, times, sizes[what]) for name, sizes in joint_sizes.items() if what in sizes]
+def _joint_panels(system: System, solution: Solution) -> list[Panel]:
+    loads = joint_loads(system, solution)
+    panels = []
+    for what, unit in (("force", "N"), ("moment", "N m")):
+        series = [
+            Series(name, solution.times, np.linalg.norm(parts[what], axis=1))
+            for name, parts in loads.items()
+            if what in parts
+        ]
+        panels += [Panel(f"{what} ({unit})", series)] if series else []
+    return panels
+
+
+def _sampled(body: ElasticBody, solution: Solution) -> tuple[np.ndarray, FloatingMotion]:
+    """Instants to search for the largest value, and the motion of a body then."""
+    instants = _instants(solution.times, N_INSTANTS)
+    return instants, solution.bodies[body.name].at(instants)
 
 
 def _instants(times: np.ndarray, number: int) -> np.ndarray:

@@ -1,75 +1,20 @@
-"""From a TOML file to a checked case: every mistake at once, each with its line and remedy."""
+"""The mistakes of a case file in words: all of them in one error, each with its line, key and remedy."""
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from supple.cases.case_tables import Case
-from supple.cases.line_index import KeyPath, LineIndex, index_lines
-from supple.cli.case_rules import broken_rules
-from supple.cli.did_you_mean import did_you_mean
-from supple.cli.reduced_file import with_interfaces_of_files
-from supple.errors import CaseError
+from supple.cases.case_tables import CaseTables
+from supple.cases.line_index import KeyPath, LineIndex
+from supple.errors import CaseError, did_you_mean
 
 
-@dataclass(frozen=True)
-class CaseFile:
-    """A checked case with the way back to its text."""
-
-    path: Path
-    case: Case
-    lines: LineIndex
-
-    def resolve(self, name: str) -> Path:
-        """A file named in the case, which is relative to the case file."""
-        return self.path.parent / name
-
-    def error(self, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:
-        """One error that lists mistakes found after reading, such as a node set missing in a mesh."""
-        return _case_error(self.path, self.lines, mistakes)
-
-
-def read_case(path: str | Path) -> CaseFile:
-    """Read and check a case file.
-
-    Raises
-    ------
-    CaseError   no such file, not TOML, or any number of mistakes: one line each, with line number and remedy
-    """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise CaseError(f"cannot read the case file {path}: {error.strerror}; check the path") from error
-    except UnicodeDecodeError as error:
-        raise CaseError(f"{path} is not a text file in UTF-8; is it a case file (.toml)?") from error
-    try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise CaseError(
-            f"{path} is not valid TOML: {error}; strings need quotes, keys need a value"
-        ) from error
-    lines = index_lines(text)
-    raw, mistakes = with_interfaces_of_files(raw, path.parent)
-    mistakes += broken_rules(raw, path.parent)
-    try:
-        case = Case.model_validate(raw)
-    except ValidationError as error:
-        details = error.errors(include_url=False)
-        raise _case_error(path, lines, [*(_mistake(item) for item in details), *mistakes]) from error
-    if mistakes:
-        raise _case_error(path, lines, mistakes)
-    return CaseFile(path, case, lines)
-
-
-def _case_error(path: Path, lines: LineIndex, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:
+def case_error(path: Path, lines: LineIndex, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:
+    """The error of a file: its mistakes in the order of their lines, each with its key."""
     found = sorted({(lines.line_of(place), _spell(place), message) for place, message in mistakes})
     count = "one mistake" if len(found) == 1 else f"{len(found)} mistakes"
     listed = "\n".join(f"  line {line}, {place}: {message}" for line, place, message in found)
@@ -84,7 +29,7 @@ def _spell(path: KeyPath) -> str:
     )
 
 
-def _mistake(item: ErrorDetails) -> tuple[KeyPath, str]:
+def schema_mistake(item: ErrorDetails) -> tuple[KeyPath, str]:
     """One schema error as the path of its key in the file, and a sentence with the remedy."""
     place, schema = _follow(item["loc"])
     kind, seen, context = item["type"], item["input"], item.get("ctx", {})
@@ -126,7 +71,7 @@ def _follow(location: tuple[int | str, ...]) -> tuple[KeyPath, Mapping[str, Any]
     A location also holds the tags of the alternatives that were tried (`reduction`, `rubin`, `modes`),
     which are no keys of the file.
     """
-    root = Case.model_json_schema()
+    root = CaseTables.model_json_schema()
     schema, path = _resolve(root, root), ()
     for part in location:
         alternatives = schema.get("discriminator", {}).get("mapping", {})

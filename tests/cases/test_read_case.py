@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from supple.cases.case_tables import NoDerivatives, Picked, Rubin
-from supple.cli.build_reduction import build_derivatives, corrects_itself
-from supple.cli.read_case import read_case
+from supple.cases import read_case
+from supple.cases.reductions import NoDerivatives, Picked, Rubin, derivative_choice
 from supple.errors import CaseError
 
 GOOD = """\
@@ -99,7 +98,7 @@ def line_of(text, part):
 
 
 def test_a_good_case_is_read_into_typed_tables(folder):
-    case = read(folder, GOOD).case
+    case = read(folder, GOOD).tables
     assert [body.name for body in case.body] == ["blade", "hub"]
     assert isinstance(case.body[0].reduction, Rubin)
     assert case.body[0].reduction.derivatives == Picked(kind="picked", number=5)
@@ -111,10 +110,10 @@ def test_a_good_case_is_read_into_typed_tables(folder):
 
 
 def test_derivatives_are_off_unless_asked_for(folder):
-    body = read(folder, GOOD.replace(', derivatives = { kind = "picked", number = 5 }', "")).case.body[0]
+    body = read(folder, GOOD.replace(', derivatives = { kind = "picked", number = 5 }', "")).tables.body[0]
     assert isinstance(body.reduction, Rubin)
     assert body.reduction.derivatives is None
-    assert build_derivatives(None) == build_derivatives(NoDerivatives(kind="none"))
+    assert derivative_choice(None) == derivative_choice(NoDerivatives(kind="none"))
 
 
 SIZES = 'reduction = { basis = "rubin", modes = 10, derivatives = { kind = "picked", number = 5 } }'
@@ -138,12 +137,12 @@ DAMPING = 'damping = { kind = "rayleigh-ratio", ratio = 0.02, modes = [1, 2] }'
     ],
 )
 def test_a_reduction_corrects_itself_unless_its_size_is_fixed(folder, reduction, corrects):
-    body = read(folder, GOOD.replace(SIZES, reduction)).case.body[0]
-    assert corrects_itself(body) is corrects
+    body = read(folder, GOOD.replace(SIZES, reduction)).tables.body[0]
+    assert body.corrects_itself is corrects
 
 
 def test_a_rigid_body_has_nothing_to_correct(folder):
-    assert not corrects_itself(read(folder, GOOD).case.body[1])
+    assert not read(folder, GOOD).tables.body[1].corrects_itself
 
 
 # (what stands in GOOD, what is written instead, what the message says at the line of the new text)
@@ -497,7 +496,7 @@ step = 0.1
 
 
 def test_a_superelement_names_nodes_by_number(folder):
-    assert read(folder, SUPERELEMENT).case.body[0].interface[0].node_indices == (0, 3)
+    assert read(folder, SUPERELEMENT).tables.body[0].interface[0].node_indices == (0, 3)
     report = mistakes(folder, SUPERELEMENT.replace("node_indices = [0, 3]", 'nodes = "A"'))
     assert "line 9, body[1].interface[1].nodes: a superelement has no node sets; give node_indices" in report
 
@@ -560,7 +559,7 @@ def test_a_file_that_is_not_text(tmp_path):
 
 
 def test_mistakes_found_after_reading_carry_their_line(folder):
-    case_file = read(folder, GOOD)
-    error = case_file.error([(("body", 0, "interface", 1, "nodes"), "there is no node set named 'TIP'")])
+    case = read(folder, GOOD)
+    error = case.error([(("body", 0, "interface", 1, "nodes"), "there is no node set named 'TIP'")])
     line = line_of(GOOD, "TIP")
     assert f"line {line}, body[1].interface[2].nodes: there is no node set" in str(error)

@@ -1,57 +1,61 @@
-"""Motion of the places a case asks to track, in space and against their body's first interface."""
+"""Motion of a place of a body, in space and against the body's first interface."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from supple.body import FullBody, RigidBody
-from supple.integrate import FloatingMotion, Solution
-from supple.machine import System
-from supple.mesh import Mesh
+from supple.integrate import FloatingMotion
 from supple.reduction import ReducedBody
-from supple.results import displacement_from_axes, node_displacements, node_positions
+from supple.results.recovery import displacement_from_axes, node_displacements, node_positions
 
 
 @dataclass(frozen=True, eq=False)
 class TrackedMotion:
     """A place of a body over time.
 
-    place : str              BODY.INTERFACE or BODY.NODE_SET (the mean of its nodes)
     position : (t, 3)        global, m
     seen_from : str          the body's first interface, or "" when the body has none to look from
     deflection : (t, 3)      displacement as seen from there, in the mesh axes that turn with it, m
     """
 
-    place: str
     position: np.ndarray
     seen_from: str
     deflection: np.ndarray
 
 
-def track(place: str, system: System, meshes: Mapping[str, Mesh], solution: Solution) -> TrackedMotion:
+def tracked_motion(
+    body: RigidBody | ReducedBody | FullBody, motion: FloatingMotion, at: str | ArrayLike
+) -> TrackedMotion:
     """Motion of one place, `r = R + A (x + u)`, and its deflection `A_p^T (r - r_p) - (x - x_p)`.
 
     p is the body's first interface, with its own axes A_p: what is seen from there does not depend on the
     choice of the floating frame.
+
+    Parameters
+    ----------
+    motion : FloatingMotion     of the body, at t times
+    at : name of an interface, or node numbers (k,), whose mean is taken
+
+    Raises
+    ------
+    ModelError  a node number outside the body
     """
-    name, _, where = place.partition(".")
-    body = system.bodies[system.body_index(name)].body
-    motion = solution.bodies[name]
     if isinstance(body, RigidBody):
-        position = _in_space(motion, np.tile(body.interface(where), (len(solution.times), 1)))
-        return TrackedMotion(place, position, "", np.zeros(position.shape))
-    rest, displacement = _relative(body, where, motion, meshes)
+        position = _in_space(motion, np.tile(body.interface(str(at)), (len(motion.position), 1)))
+        return TrackedMotion(position, "", np.zeros(position.shape))
+    rest, displacement = _in_frame(body, motion, at)
     position = _in_space(motion, rest + displacement)
     if not body.interfaces:
-        return TrackedMotion(place, position, "", displacement)
+        return TrackedMotion(position, "", displacement)
     origin, axes = _base_axes(body, motion)
     base = body.interfaces[0]
     deflection = displacement_from_axes(position, origin, axes, rest - base.position)
-    return TrackedMotion(place, position, base.name, deflection)
+    return TrackedMotion(position, base.name, deflection)
 
 
 def deflections(body: ReducedBody | FullBody, motion: FloatingMotion) -> np.ndarray:
@@ -75,12 +79,12 @@ def _in_space(motion: FloatingMotion, local: np.ndarray) -> np.ndarray:
     return motion.position + np.einsum("tij,tj->ti", motion.rotation, local)
 
 
-def _relative(
-    body: ReducedBody | FullBody, where: str, motion: FloatingMotion, meshes: Mapping[str, Mesh]
+def _in_frame(
+    body: ReducedBody | FullBody, motion: FloatingMotion, at: str | ArrayLike
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rest position (3,) and displacement (t, 3) in the floating frame."""
-    for interface in body.interfaces:
-        if interface.name == where:
-            return interface.position, (motion.coordinates @ interface.motion.T)[:, :3]
-    nodes = meshes[body.name].nodes_of(where)
+    if isinstance(at, str):
+        interface = next(each for each in body.interfaces if each.name == at)
+        return interface.position, (motion.coordinates @ interface.motion.T)[:, :3]
+    nodes = np.asarray(at)
     return body.nodes[nodes].mean(axis=0), node_displacements(body, motion.coordinates, nodes).mean(axis=1)

@@ -1,19 +1,14 @@
-"""Bodies of a case that are files of reduced bodies: their interfaces, and the bodies themselves."""
+"""Bodies of a case that are files of reduced bodies bring their interfaces."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 from supple.cases.line_index import KeyPath
+from supple.cases.raw_tables import Raw
 from supple.errors import ResultFileError
-
-if TYPE_CHECKING:
-    from supple.reduction import ReducedBody
-
-Raw = Mapping[str, Any]
+from supple.storage import read_interface_names
 
 
 def with_interfaces_of_files(raw: Raw, folder: Path) -> tuple[Raw, list[tuple[KeyPath, str]]]:
@@ -38,18 +33,8 @@ def with_interfaces_of_files(raw: Raw, folder: Path) -> tuple[Raw, list[tuple[Ke
     return {**raw, "body": completed}, mistakes
 
 
-def read_body(path: Path, name: str) -> ReducedBody:
-    """The reduced body of a file under its name in the case; ResultFileError when it cannot be read."""
-    from supple.storage import read_reduced_body
-
-    return replace(read_reduced_body(path), name=name)
-
-
 def _interface_names(path: Path) -> tuple[tuple[str, ...], str]:
     """The names, or what is wrong with the file."""
-    # Imported here: the solvers take seconds to load, and few cases have such bodies.
-    from supple.storage import read_interface_names
-
     try:
         return read_interface_names(path), ""
     except ResultFileError as error:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from supple.cases.case_tables import ErrorControlled as ErrorControlledTable
-from supple.cli.build_reduction import build_basis
-from supple.cli.read_case import read_case
+from supple.cases import read_case
+from supple.cases.reductions import ErrorControlled as ErrorControlledTable
 from supple.reduction import (
     AttachmentModes,
     CouplingMoment,
@@ -31,7 +30,7 @@ def reduction_table(case_folder, keys):
     path = case_folder / "strip.toml"
     start, _, rest = path.read_text().partition("reduction = ")
     path.write_text(f"{start}reduction = {{ {keys} }}{rest[rest.index(chr(10)) :]}")
-    return read_case(path).case.body[0].reduction
+    return read_case(path).tables.body[0].reduction
 
 
 @pytest.mark.parametrize(
@@ -57,13 +56,13 @@ def reduction_table(case_folder, keys):
     ],
 )
 def test_a_table_means_a_recipe(case_folder, keys, recipe):
-    assert build_basis(reduction_table(case_folder, keys)) == recipe
+    assert reduction_table(case_folder, keys).recipe() == recipe
 
 
 def test_a_search_tells_how_far_it_has_come(case_folder):
     told: list[str] = []
     table = reduction_table(case_folder, f"{CONTROLLED}, attachment_modes = false")
-    recipe = build_basis(table, told.append)
+    recipe = table.recipe(told.append)
     for errors in ([0.5, np.inf], [0.02, 0.0456]):
         recipe.progress(SearchStep(12, np.array(errors), 1e-2, "SharperBound", 0.1))
     assert told == ["12 modes, too few", "12 modes, error 4.6 %"]

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from supple.cases.case_tables import Case
-from supple.cli.read_case import read_case
-from supple.cli.run_case import run_case
+from supple.cases import read_case, run_case
+from supple.cases.case_tables import CaseTables
 from supple.fem import Isotropic, solid_model
 from supple.importers import read_mesh
 from supple.mesh import CellType, block, cylinder
@@ -22,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 
 def words_of_the_schema():
     """Keys of all tables, and their fixed choices."""
-    tables = [Case.model_json_schema(), *Case.model_json_schema()["$defs"].values()]
+    tables = [CaseTables.model_json_schema(), *CaseTables.model_json_schema()["$defs"].values()]
     for table in tables:
         for key, rule in table["properties"].items():
             yield key
@@ -42,7 +41,7 @@ def test_the_example_of_the_mesh_page_is_a_valid_case(tmp_path):
     (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     (tmp_path / "wing.inp").touch()
     (tmp_path / "wing.toml").write_text(text, encoding="utf-8")
-    assert read_case(tmp_path / "wing.toml").case.body[0].name == "wing"
+    assert read_case(tmp_path / "wing.toml").tables.body[0].name == "wing"
 
 
 def test_the_examples_of_the_import_page_are_valid_cases(tmp_path):
@@ -54,7 +53,7 @@ def test_the_examples_of_the_import_page_are_valid_cases(tmp_path):
     for text in found:
         title, simulation = rest.split("[simulation]")
         (tmp_path / "arm.toml").write_text(f"{title}\n{text}\n[simulation]{simulation}", encoding="utf-8")
-        assert read_case(tmp_path / "arm.toml").case.body[0].name == "arm"
+        assert read_case(tmp_path / "arm.toml").tables.body[0].name == "arm"
     assert len(found) == 2
 
 
@@ -79,7 +78,7 @@ def test_the_scripts_of_the_import_page_run(tmp_path, monkeypatch, bulk):
 
 
 def test_the_blade_example_is_a_valid_case():
-    case = read_case(ROOT / "examples" / "blade.toml").case
+    case = read_case(ROOT / "examples" / "blade.toml").tables
     assert case.joint[0].law is not None
     assert case.simulation.duration == 20.0
 
@@ -98,7 +97,7 @@ def test_the_pendulum_example_pulls_at_its_joint_as_a_rigid_bar_does(tmp_path):
     text = (ROOT / "examples" / "pendulum.toml").read_text(encoding="utf-8")
     (tmp_path / "rod.inp").write_bytes((ROOT / "examples" / "rod.inp").read_bytes())
     (tmp_path / "pendulum.toml").write_text(text + "pictures = false\nanimation = false\n", encoding="utf-8")
-    run_case(tmp_path / "pendulum.toml", tmp_path)
+    run_case(read_case(tmp_path / "pendulum.toml"), tmp_path)
     numbers = json.loads((tmp_path / "pendulum.json").read_text(encoding="utf-8"))
     assert "10 eigenvalues, each within 0.1 %, none missed" in numbers["bodies"]["rod"]["eigenvalues"]
     weight = numbers["bodies"]["rod"]["mass"] * 9.81

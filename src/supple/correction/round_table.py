@@ -1,4 +1,4 @@
-"""The rounds of a self-correction as numbers for a file, and as the table that a run prints."""
+"""The rounds of a self-correction in numbers, for a table or a file."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
-from supple.correction import Round
+from supple.correction.correction_rounds import Round
 
 
 def correction_numbers(rounds: Sequence[Round]) -> list[dict[str, Any]]:
@@ -41,27 +40,5 @@ def best_round(numbers: Sequence[Mapping[str, Any]]) -> int:
     return min(worst, key=lambda number: (worst[number], -number))
 
 
-def correction_table(numbers: Sequence[Mapping[str, Any]]) -> Table:
-    """One row a round and body."""
-    table = Table(
-        "body",
-        "round",
-        "coordinates",
-        "estimated error",
-        "allowed",
-        "missing motion",
-        "seconds",
-        title="Self-correction",
-    )
-    for each in numbers:
-        errors = (_number(each[key]) for key in ("estimated_error", "allowed", "indicator"))
-        table.add_row(each["body"], str(each["round"]), str(each["size"]), *errors, f"{each['seconds']:.1f}")
-    return table
-
-
 def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None
-
-
-def _number(value: float | None) -> str:
-    return "unknown" if value is None else f"{value:.2e}"
