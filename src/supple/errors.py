@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from difflib import get_close_matches
 
 
@@ -77,6 +77,12 @@ class StepCutWarning(SuppleWarning):
     """Time steps that had to be cut before Newton's method converged."""
 
 
+def did_you_mean(name: str, known: Collection[str]) -> str:
+    """How the message of an unknown name ends: with the nearest of the known names, or with all of them."""
+    nearest = nearest_name(name, known)
+    return f"; did you mean '{nearest}'?" if nearest else f"; there are: {', '.join(known) or 'none'}"
+
+
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
     """The known name that is spelled most like `name`, in either case; None when none is near."""
     by_lower = {candidate.lower(): candidate for candidate in known}
@@ -84,9 +90,3 @@ def nearest_name(name: str, known: Iterable[str]) -> str | None:
         if nearest := get_close_matches(spelled, by_lower, n=1):
             return by_lower[nearest[0]]
     return None
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """`, did you mean 'NEAREST'?` or nothing when no known name is near."""
-    nearest = nearest_name(name, known)
-    return f", did you mean {nearest!r}?" if nearest else ""

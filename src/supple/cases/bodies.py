@@ -5,12 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
-from supple.body import FlexibleBody, FullBody, ModalDamping, RigidBody, rigid_mass_properties
+from supple.body import (
+    FlexibleBody,
+    FullBody,
+    MeanAxisFrame,
+    ModalDamping,
+    NodalFixedFrame,
+    RigidBody,
+    rigid_mass_properties,
+)
 from supple.cases.body_kinds import (
     KINDS,
     BodyParts,
@@ -24,7 +32,6 @@ from supple.cases.body_kinds import (
     kind_of,
 )
 from supple.cases.damping import Damping, damped_modes_differ
-from supple.cases.frames import Frame
 from supple.cases.interfaces import Interface, interfaces_suit_their_body
 from supple.cases.line_index import KeyPath
 from supple.cases.notify import Notify
@@ -45,6 +52,30 @@ from supple.importers import Connection
 from supple.machine import Placed
 from supple.reduction import ReducedBody, reduce
 from supple.storage import read_reduced_body
+
+
+class MeanAxis(Table):
+    """Frame that follows the mean motion of the body."""
+
+    kind: Literal["mean-axis"]
+
+    def build(self) -> MeanAxisFrame:
+        """The frame."""
+        return MeanAxisFrame()
+
+
+class NodalFixed(Table):
+    """Frame fixed to one interface."""
+
+    kind: Literal["nodal-fixed"]
+    interface: str = Field(description="name of the interface the frame moves with")
+
+    def build(self) -> NodalFixedFrame:
+        """The frame."""
+        return NodalFixedFrame(self.interface)
+
+
+Frame = Annotated[MeanAxis | NodalFixed, Field(discriminator="kind")]
 
 
 class Body(Table):

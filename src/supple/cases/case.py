@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from supple.body import FlexibleBody
 from supple.cases.bodies import checked_line
@@ -16,9 +17,10 @@ from supple.cases.case_tables import CaseTables
 from supple.cases.line_index import KeyPath, LineIndex
 from supple.cases.mistakes import case_error
 from supple.cases.notify import Notify, silent
+from supple.cases.raw_tables import did_you_mean
 from supple.cases.reductions import reduction_start
 from supple.correction import ReductionStart
-from supple.errors import CaseError, ModelError, did_you_mean
+from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.integrate import Run
 from supple.machine import System
@@ -56,6 +58,14 @@ class Case:
     def made_here(self) -> frozenset[str]:
         """Names of the bodies that the case makes, not read as reduced."""
         return frozenset(body.name for body in self.tables.body if body.reduced is None)
+
+    def place(self, text: str) -> tuple[str, str | NDArray[np.int64]]:
+        """The body of `BODY.PLACE`, and the name of its interface, or the nodes of the set of its mesh."""
+        name, _, place = text.partition(".")
+        body = next(table for table in self.tables.body if table.name == name)
+        if place in [interface.name for interface in body.interface]:
+            return name, place
+        return name, self.meshes[name].nodes_of(place)
 
     def error(self, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:
         """One error that lists mistakes found after reading, such as a node set missing in a mesh."""
@@ -131,7 +141,7 @@ class Case:
         bodies = [table.build(flexible.get(table.name), self.folder, self.notify) for table in tables.body]
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
-        loads = [table.build(unloaded, self.meshes, self.folder) for table in tables.load]
+        loads = [table.build(*self.place(table.at), self.folder) for table in tables.load]
         springs = [table.build(unloaded) for table in tables.spring]
         return replace(unloaded, loads=(*loads, *springs))
 

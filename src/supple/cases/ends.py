@@ -6,8 +6,7 @@ from typing import Any
 
 from supple.cases.body_kinds import kind_of
 from supple.cases.line_index import KeyPath
-from supple.cases.raw_tables import Mistakes, Raw, names, table, tables, unknown
-from supple.errors import did_you_mean
+from supple.cases.raw_tables import Mistakes, Raw, did_you_mean, names, table, tables, unknown
 from supple.machine import GROUND, At
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from supple.cases.law_tables import Constant, Law
@@ -20,10 +20,7 @@ from supple.machine import (
     FollowerForce,
     FollowerTorque,
     ForceElement,
-    System,
 )
-from supple.machine.system import interface_names
-from supple.mesh import Mesh
 
 
 class Load(Table):
@@ -37,31 +34,28 @@ class Load(Table):
         default=Constant(kind="constant", value=1.0), description="factor on vector against time"
     )
 
-    def build(self, system: System, meshes: Mapping[str, Mesh], folder: Path) -> DeadForce | ForceElement:
-        """The load on a system; over a node set a force is shared evenly.
+    def build(self, body: str, at: str | NDArray[np.int64], folder: Path) -> DeadForce | ForceElement:
+        """The load on a body, at an interface or at nodes; over nodes a force is shared evenly.
 
         folder : where the file of its law lies
         """
         factor = time_function(self.law, folder)
         vector = np.array(self.vector)
-        name, _, place = self.at.partition(".")
-        body = system.bodies[system.body_index(name)].body
-        if place not in interface_names(body):
-            nodes = meshes[name].nodes_of(place)
-            return DeadForce(body=name, at=nodes, force=lambda t: vector / len(nodes) * factor(t))
+        if not isinstance(at, str):
+            return DeadForce(body=body, at=at, force=lambda t: vector / len(at) * factor(t))
 
         def history(t: Any) -> Any:
             return vector * factor(t)
 
         match self.kind, self.follower:
             case "force", False:
-                return DeadForce(body=name, at=place, force=history)
+                return DeadForce(body=body, at=at, force=history)
             case "force", True:
-                return FollowerForce(first=At(name, place), force=history)
+                return FollowerForce(first=At(body, at), force=history)
             case "torque", False:
-                return DeadTorque(first=At(name, place), torque=history)
+                return DeadTorque(first=At(body, at), torque=history)
             case _:
-                return FollowerTorque(first=At(name, place), torque=history)
+                return FollowerTorque(first=At(body, at), torque=history)
 
 
 def _suit_their_place(raw: Raw) -> Mistakes:

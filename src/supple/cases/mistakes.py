@@ -10,7 +10,8 @@ from pydantic_core import ErrorDetails
 
 from supple.cases.case_tables import CaseTables
 from supple.cases.line_index import KeyPath, LineIndex
-from supple.errors import CaseError, did_you_mean
+from supple.cases.raw_tables import did_you_mean
+from supple.errors import CaseError
 
 
 def case_error(path: Path, lines: LineIndex, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:

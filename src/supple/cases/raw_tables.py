@@ -6,11 +6,11 @@ every mistake is reported at once. A value of the wrong type is the schema's bus
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from supple.cases.line_index import KeyPath
-from supple.errors import did_you_mean
+from supple.errors import nearest_name
 
 Raw = Mapping[str, Any]
 Mistakes = Iterator[tuple[KeyPath, str]]
@@ -70,6 +70,12 @@ def axes_with_length(path: KeyPath, raw: Raw) -> Mistakes:
     for key in ("axis", "second_axis"):
         if raw.get(key) == [0, 0, 0]:
             yield (*path, key), "an axis of length zero has no direction; give for example [1, 0, 0]"
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """`, did you mean 'NEAREST'?` or nothing when no known name is near."""
+    nearest = nearest_name(name, known)
+    return f", did you mean {nearest!r}?" if nearest else ""
 
 
 def unknown(what: str, name: str, known: Sequence[str]) -> str:

@@ -8,14 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from supple.cases.case import Case
-from supple.cases.correct_case import correct_case
 from supple.cases.notify import Progress, silent
-from supple.cases.report import write_report
-from supple.correction import Round, correction_numbers
-from supple.integrate import Solution, Validity
+from supple.correction import Round, SelfCorrectionError, correct_recorded, correction_numbers
+from supple.integrate import Run, Solution, Validity
 from supple.machine import System
 from supple.multibody import warn_of_missing_modes
-from supple.results import TrackedMotion, summarize
+from supple.results import TrackedMotion, summarize, tracked_motion
 from supple.simulation import (
     begin_recorded,
     continue_recorded,
@@ -23,6 +21,7 @@ from supple.simulation import (
     reduced_bodies,
     with_kept_bodies,
 )
+from supple.storage import write_json
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,21 +63,43 @@ def run_case(
     ResultFileError         a result file that cannot be written or continued
     SuppleError             whatever the build and the simulation find wrong; what was computed is kept
     """
+    path, run = folder / f"{case.path.stem}.h5", replace(case.run, validity=Validity(strict=strict))
     folder.mkdir(parents=True, exist_ok=True)
     _look_at_loads(case)
-    rounds: Sequence[Round] = ()
+    rounds: list[Round] = []
+
+    def finished(each: Round) -> None:
+        rounds.append(each)
+        announce(each)
+
     if case.starts:
-        corrected, rounds = correct_case(
-            case, folder, resume=resume, strict=strict, progress=progress, announce=announce
-        )
+        try:
+            corrected = correct_recorded(
+                case.system,
+                run,
+                case.starts,
+                path,
+                case=case.text,
+                title=case.title,
+                resume=resume,
+                announce=finished,
+                progress=progress,
+            )
+        except SelfCorrectionError:
+            _write_report(case, folder, correction_numbers(rounds), {})
+            raise
         system, solution = corrected.system, corrected.solution
     else:
-        system, solution = _simulated(case, folder, resume=resume, strict=strict, progress=progress)
-    tracked = case.tables.output.tracked(system, case.meshes, solution)
-    numbers = summarize(system, solution, tracked)
-    write_report(case, folder, rounds, numbers)
-    _draw(case, system, solution, tracked, folder, progress)
-    return CaseResult(system, solution, correction_numbers(rounds), numbers)
+        system, solution = _simulated(case, run, path, resume=resume, progress=progress)
+    tracked = {}
+    for place in case.tables.output.track:
+        name, at = case.place(place)
+        body = system.bodies[system.body_index(name)].body
+        tracked[place] = tracked_motion(body, solution.bodies[name], at)
+    result = CaseResult(system, solution, correction_numbers(rounds), summarize(system, solution, tracked))
+    _write_report(case, folder, result.rounds, result.numbers)
+    _draw(case, result, tracked, folder, progress)
+    return result
 
 
 def _look_at_loads(case: Case) -> None:
@@ -88,28 +109,38 @@ def _look_at_loads(case: Case) -> None:
 
 
 def _simulated(
-    case: Case, folder: Path, *, resume: bool, strict: bool, progress: Progress
+    case: Case, run: Run, path: Path, *, resume: bool, progress: Progress
 ) -> tuple[System, Solution]:
-    path, run = folder / f"{case.path.stem}.h5", replace(case.run, validity=Validity(strict=strict))
-
     def simulating(fraction: float) -> None:
         progress("compiling and simulating", fraction)
 
     simulating(0.0)
     if resume:
-        system = with_kept_bodies(case.system, case.made_here, folder)
+        system = with_kept_bodies(case.system, case.made_here, path.parent)
         return system, continue_recorded(system, run, path, case=case.text, progress=simulating)
-    keep_bodies(case.system, case.made_here, folder)
+    keep_bodies(case.system, case.made_here, path.parent)
     metadata = {"title": case.title}
     return case.system, begin_recorded(
         case.system, run, path, case=case.text, metadata=metadata, progress=simulating
     )
 
 
+def _write_report(
+    case: Case, folder: Path, rounds: Sequence[Mapping[str, Any]], numbers: Mapping[str, Any]
+) -> None:
+    """Write the numbers of a run; draw the rounds, if there are any and the case asks for pictures."""
+    report = {"title": case.title, "self_correction": rounds, **numbers}
+    write_json(folder / f"{case.path.stem}.json", report)
+    if rounds and case.tables.output.pictures:
+        # Imported here: a run without pictures does not wait for the drawing library.
+        from supple.viz import plot_rounds
+
+        plot_rounds(folder / "self_correction.png", rounds)
+
+
 def _draw(
     case: Case,
-    system: System,
-    solution: Solution,
+    result: CaseResult,
     tracked: Mapping[str, TrackedMotion],
     folder: Path,
     progress: Progress,
@@ -117,19 +148,17 @@ def _draw(
     output = case.tables.output
     if not (output.pictures or output.animation):
         return
-    # Imported here: a run without pictures does not wait for the drawing library.
     from supple.viz import animate_run, draw_run
 
+    run = (result.system, result.solution, case.drawn)
     elements = case.elements if output.colour == "von-mises" else None
     if output.pictures:
         case.notify("drawing pictures")
-        draw_run(folder, system, solution, case.drawn, tracked=tracked, elements=elements)
+        draw_run(folder, *run, tracked=tracked, elements=elements)
     if output.animation:
         animate_run(
             folder / "motion.gif",
-            system,
-            solution,
-            case.drawn,
+            *run,
             elements=elements,
             progress=lambda share: progress("drawing the animation", share),
         )

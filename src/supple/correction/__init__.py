@@ -11,6 +11,9 @@ from supple.correction.correction_rounds import (
     SelfCorrection,
     SelfCorrectionError,
 )
+from supple.correction.recorded_correction import (
+    correct_recorded,
+)
 from supple.correction.residual_correction import (
     ResidualCorrections,
     residual_corrections,
@@ -42,6 +45,7 @@ __all__ = [
     "SelfCorrection",
     "SelfCorrectionError",
     "best_round",
+    "correct_recorded",
     "correction_numbers",
     "residual_corrections",
     "self_correct",

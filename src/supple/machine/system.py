@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from supple.body import RigidBody
 from supple.body.full_body import FullBody
-from supple.errors import ModelError, nearest_name
+from supple.errors import ModelError, did_you_mean
 from supple.machine.forces.force_element import ForceElement
 from supple.machine.joints.joint import GROUND, At, Joint
 from supple.machine.laws.time_law import check_law_shape
@@ -90,11 +89,6 @@ def interface_names(body: Body) -> tuple[str, ...]:
     return tuple(interface.name for interface in body.interfaces)
 
 
-def _did_you_mean(name: str, known: Sequence[str]) -> str:
-    nearest = nearest_name(name, known)
-    return f"; did you mean '{nearest}'?" if nearest else f"; there are: {', '.join(known) or 'none'}"
-
-
 @dataclass(frozen=True, eq=False)
 class System:
     """Bodies, joints, loads and gravity; checked when built.
@@ -149,7 +143,7 @@ class System:
         if end.interface not in known:
             raise ModelError(
                 f"{what}: body '{end.body}' has no interface '{end.interface}'"
-                + _did_you_mean(end.interface, known)
+                + did_you_mean(end.interface, known)
             )
 
     def _check_dead_force(self, load: DeadForce) -> None:
@@ -174,5 +168,5 @@ class System:
         """Position of the body of that name among `bodies`."""
         names = [placed.body.name for placed in self.bodies]
         if name not in names:
-            raise ModelError(f"{what}: there is no body '{name}'" + _did_you_mean(name, names))
+            raise ModelError(f"{what}: there is no body '{name}'" + did_you_mean(name, names))
         return names.index(name)
