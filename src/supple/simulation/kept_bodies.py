@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from supple.machine import Placed, System
+from supple.machine import System
 from supple.reduction import ReducedBody
 from supple.storage import read_reduced_body, write_reduced_body
 
@@ -41,10 +41,11 @@ def with_kept_bodies(system: System, names: Collection[str], folder: Path) -> Sy
     }
     keep_bodies(system, set(names) - kept.keys(), folder)
 
-    def resumed(placed: Placed) -> Placed:
-        return replace(placed, body=kept.get(placed.body.name, placed.body))
-
-    return replace(system, bodies=tuple(resumed(placed) for placed in system.bodies))
+    bodies = (
+        replace(placed, body=kept[placed.body.name]) if placed.body.name in kept else placed
+        for placed in system.bodies
+    )
+    return replace(system, bodies=tuple(bodies))
 
 
 def _kept_path(folder: Path, name: str) -> Path:
