@@ -19,6 +19,7 @@ from supple.body import (
     RigidBody,
     rigid_mass_properties,
 )
+from supple.cases import damping, interfaces, reductions
 from supple.cases.body_kinds import (
     KINDS,
     BodyParts,
@@ -31,21 +32,12 @@ from supple.cases.body_kinds import (
     Superelement,
     kind_of,
 )
-from supple.cases.damping import Damping, damped_modes_differ
-from supple.cases.interfaces import Interface, interfaces_suit_their_body
+from supple.cases.damping import Damping
+from supple.cases.interfaces import Interface
 from supple.cases.line_index import KeyPath
 from supple.cases.notify import Notify
 from supple.cases.raw_tables import Mistakes, Raw, names, on_each, table, unknown, usable_names
-from supple.cases.reductions import (
-    FullOrder,
-    Reduction,
-    bases_have_interfaces,
-    derivative_choice,
-    nonlinear_options_have_strains,
-    search_words,
-    selections_have_candidates,
-    sizes_are_fixed_or_corrected,
-)
+from supple.cases.reductions import FullOrder, Reduction, derivative_choice, search_words
 from supple.cases.table import ZERO, Table, Vector
 from supple.errors import ModelError
 from supple.importers import Connection
@@ -173,10 +165,10 @@ class Body(Table):
         assert flexible is not None
         assert self.frame is not None  # a rule of the case file
         frame = self.frame.build()
-        damping = self.damping.build(flexible, frame) if self.damping else None
+        damped = self.damping.build(flexible, frame) if self.damping else None
         if self.reduction is None or self.reduction.corrects_itself or isinstance(self.reduction, FullOrder):
-            assert not isinstance(damping, ModalDamping)  # a rule of the case file
-            return FullBody(flexible, frame, damping)
+            assert not isinstance(damped, ModalDamping)  # a rule of the case file
+            return FullBody(flexible, frame, damped)
         step = f"reducing body '{self.name}' ({flexible.n} freedoms)"
         notify(step)
         body = reduce(
@@ -184,7 +176,7 @@ class Body(Table):
             frame,
             self.reduction.recipe(lambda detail: notify(step, detail)),
             derivatives=derivative_choice(self.reduction.derivatives),
-            damping=damping,
+            damping=damped,
         )
         proven = body.report.certificate
         if proven is not None:  # the numbers tried last are not those that were kept
@@ -249,11 +241,8 @@ RULES = (
         _is_of_one_kind,
         _mesh_can_be_read,
         _interfaces_have_names,
-        interfaces_suit_their_body,
-        nonlinear_options_have_strains,
-        bases_have_interfaces,
-        selections_have_candidates,
-        sizes_are_fixed_or_corrected,
-        damped_modes_differ,
+        *interfaces.RULES_OF_BODY,
+        *reductions.RULES_OF_BODY,
+        *damping.RULES_OF_BODY,
     ),
 )

@@ -65,16 +65,17 @@ class Modal(Table):
 Damping = Annotated[RayleighRatio | Rayleigh | Modal, Field(discriminator="kind")]
 
 
-def damped_modes_differ(path: KeyPath, body: Raw) -> Mistakes:
+def _damped_modes_differ(path: KeyPath, body: Raw) -> Mistakes:
     """The rule on the two modes of a Rayleigh ratio."""
     modes = table(body, "damping").get("modes")
     if isinstance(modes, list) and len(modes) == 2 and (modes[0] == modes[1] or min(modes) < 1):
-        yield (
-            (*path, "damping", "modes"),
-            f"give two different mode numbers from 1, for example [1, 2]; got {modes}",
-        )
+        message = f"give two different mode numbers from 1, for example [1, 2]; got {modes}"
+        yield (*path, "damping", "modes"), message
 
 
 def is_modal(body: Raw) -> bool:
     """True of a body whose damping needs the modes of a reduction."""
     return table(body, "damping").get("kind") == "modal"
+
+
+RULES_OF_BODY = (_damped_modes_differ,)

@@ -42,7 +42,7 @@ class Interface(Table):
         return kind(self.name, nodes, position=self.position)
 
 
-def interfaces_suit_their_body(path: KeyPath, body: Raw) -> Mistakes:
+def _interfaces_suit_their_body(path: KeyPath, body: Raw) -> Mistakes:
     """The rule that an interface lies where its body has something."""
     kind = kind_of(body)
     if "reduced" in body:  # whose file has been asked for them
@@ -51,10 +51,8 @@ def interfaces_suit_their_body(path: KeyPath, body: Raw) -> Mistakes:
         sources = [key for key in ("nodes", "node_indices", "connection") if key in interface]
         if kind is Rigid:
             if sources:
-                yield (
-                    (*place, sources[0]),
-                    f"a rigid body has no nodes; give position instead of {sources[0]}",
-                )
+                message = f"a rigid body has no nodes; give position instead of {sources[0]}"
+                yield (*place, sources[0]), message
             elif "position" not in interface:
                 yield place, "an interface of a rigid body needs position = [x, y, z] in body axes"
         elif len(sources) != 1:
@@ -71,3 +69,6 @@ def interfaces_suit_their_body(path: KeyPath, body: Raw) -> Mistakes:
                 yield (*place, key), f"a connection has its own {key}; remove the key"
         elif kind is Superelement and "nodes" in interface:
             yield (*place, "nodes"), "a superelement has no node sets; give node_indices (from 0) instead"
+
+
+RULES_OF_BODY = (_interfaces_suit_their_body,)

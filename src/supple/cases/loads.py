@@ -66,10 +66,8 @@ def _suit_their_place(raw: Raw) -> Mistakes:
     for path, load in tables(raw, "load"):
         turns = load.get("kind") == "torque" or load.get("follower") is True
         if turns and load.get("at") not in places:
-            yield (
-                (*path, "at"),
-                "a torque or a follower load acts at an interface; add one around these nodes",
-            )
+            message = "a torque or a follower load acts at an interface; add one around these nodes"
+            yield (*path, "at"), message
 
 
 RULES = (_suit_their_place,)

@@ -29,10 +29,8 @@ def _stress_has_elements(raw: Raw) -> Mistakes:
     able = kinds_that("has_elements")
     shown = table(raw, "output").get("colour") == "von-mises"
     if shown and not any(kind in body for _, body in tables(raw, "body") for kind in able):
-        yield (
-            ("output", "colour"),
-            f"no body has elements whose stress could be shown ({', '.join(able)}); remove the key",
-        )
+        message = f"no body has elements whose stress could be shown ({', '.join(able)}); remove the key"
+        yield ("output", "colour"), message
 
 
 RULES = (_stress_has_elements,)

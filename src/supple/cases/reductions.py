@@ -261,17 +261,15 @@ def search_words(n_modes: int, largest_error: float) -> str:
     return f"{n_modes} modes, {error}"
 
 
-def bases_have_interfaces(path: KeyPath, body: Raw) -> Mistakes:
+def _bases_have_interfaces(path: KeyPath, body: Raw) -> Mistakes:
     """The rule that static shapes need a place for their forces."""
     basis = table(body, "reduction").get("basis")
     if basis in _NEED_INTERFACES and is_elastic(body) and not names(body, "interface"):
-        yield (
-            (*path, "reduction", "basis"),
-            f'{basis} needs an interface; add [[body.interface]], or take basis = "normal-modes"',
-        )
+        message = f'{basis} needs an interface; add [[body.interface]], or take basis = "normal-modes"'
+        yield (*path, "reduction", "basis"), message
 
 
-def selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
+def _selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
     """The rule on the modes that a selection chooses among."""
     given = table(body, "reduction")
     candidates, modes, place = given.get("candidates"), given.get("modes"), (*path, "reduction", "candidates")
@@ -287,17 +285,15 @@ def selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
         yield place, f"{modes} modes cannot be selected among {candidates} candidates; give more"
 
 
-def sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
+def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
     """The rule that a reduction has a fixed size, or corrects itself, then with a damping of full bodies."""
     given = table(body, "reduction")
     if not is_elastic(body) or given.get("basis") in ("none", "error-controlled"):  # which have one size
         return
     accuracy = given.get("accuracy")
     if {"relative", "absolute"} <= table(given, "accuracy").keys():
-        yield (
-            (*path, "reduction", "accuracy", "absolute"),
-            "give the error either as relative or as absolute (m), not both",
-        )
+        message = "give the error either as relative or as absolute (m), not both"
+        yield (*path, "reduction", "accuracy", "absolute"), message
     sized = "modes" in given or given.get("basis") == "guyan"
     if "derivatives" in given and not sized and accuracy is None:
         yield (
@@ -313,7 +309,7 @@ def sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
         )
 
 
-def nonlinear_options_have_strains(path: KeyPath, body: Raw) -> Mistakes:
+def _nonlinear_options_have_strains(path: KeyPath, body: Raw) -> Mistakes:
     """The rule that modal derivatives come from quadratic strains, and modal damping from modes."""
     given, kind = table(body, "reduction"), kind_of(body)
     linear = body.get("linear") is True or (kind is not None and kind.is_elastic and not kind.has_elements)
@@ -322,3 +318,11 @@ def nonlinear_options_have_strains(path: KeyPath, body: Raw) -> Mistakes:
     if is_modal(body) and given.get("basis") == "none":
         message = "a body that is not reduced takes rayleigh or rayleigh-ratio damping"
         yield (*path, "damping", "kind"), message
+
+
+RULES_OF_BODY = (
+    _bases_have_interfaces,
+    _selections_have_candidates,
+    _sizes_are_fixed_or_corrected,
+    _nonlinear_options_have_strains,
+)
