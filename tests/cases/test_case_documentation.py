@@ -36,6 +36,17 @@ def test_the_page_names_every_key_and_choice(word):
     assert re.search(rf"(?<![\w-]){re.escape(word)}(?![\w-])", page)
 
 
+def test_the_script_of_the_page_runs(case_folder, monkeypatch):
+    page = (ROOT / "docs" / "how-to" / "case_file.md").read_text(encoding="utf-8")
+    (script,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    text = (case_folder / "strip.toml").read_text().replace("duration = 0.4", "duration = 0.004")
+    (case_folder / "blade.toml").write_text(text)
+    monkeypatch.chdir(case_folder)
+    names: dict[str, Any] = {}
+    exec(compile(script, "case_file.md", "exec"), names)
+    assert names["solution"].times[-1] == 0.004
+
+
 def test_the_example_of_the_mesh_page_is_a_valid_case(tmp_path):
     page = (ROOT / "docs" / "how-to" / "your_own_mesh.md").read_text(encoding="utf-8")
     (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
