@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from supple.body import RigidBody
 from supple.body.full_body import FullBody
-from supple.errors import ModelError, did_you_mean
+from supple.errors import ModelError
 from supple.machine.forces.force_element import ForceElement
 from supple.machine.joints.joint import GROUND, At, Joint
 from supple.machine.laws.time_law import check_law_shape
@@ -89,6 +91,11 @@ def interface_names(body: Body) -> tuple[str, ...]:
     return tuple(interface.name for interface in body.interfaces)
 
 
+def _did_you_mean(name: str, known: Sequence[str]) -> str:
+    close = get_close_matches(name, known, n=1)
+    return f"; did you mean '{close[0]}'?" if close else f"; there are: {', '.join(known) or 'none'}"
+
+
 @dataclass(frozen=True, eq=False)
 class System:
     """Bodies, joints, loads and gravity; checked when built.
@@ -143,7 +150,7 @@ class System:
         if end.interface not in known:
             raise ModelError(
                 f"{what}: body '{end.body}' has no interface '{end.interface}'"
-                + did_you_mean(end.interface, known)
+                + _did_you_mean(end.interface, known)
             )
 
     def _check_dead_force(self, load: DeadForce) -> None:
@@ -168,5 +175,5 @@ class System:
         """Position of the body of that name among `bodies`."""
         names = [placed.body.name for placed in self.bodies]
         if name not in names:
-            raise ModelError(f"{what}: there is no body '{name}'" + did_you_mean(name, names))
+            raise ModelError(f"{what}: there is no body '{name}'" + _did_you_mean(name, names))
         return names.index(name)
