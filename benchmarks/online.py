@@ -14,6 +14,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from measure import keep
+from supple.multibody.compiled.compiled_run import controls
+from supple.multibody.compiled.compiler_options import MARCHING
+from supple.multibody.compiled.initial_state import consistent_start
 
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.fem import GREEN_LAGRANGE
@@ -29,9 +32,6 @@ from supple.machine import (
     Table,
 )
 from supple.machine.laws.spin_up import SpinUp
-from supple.multibody.compiled.compiled_run import controls
-from supple.multibody.compiled.compiler_options import MARCHING
-from supple.multibody.compiled.initial_state import consistent_start
 from supple.multibody.compiled.time_step import march
 from supple.reduction import (
     CompressedDerivatives,

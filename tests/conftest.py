@@ -6,10 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from supple.cli.compilation_cache import keep_compiled_programs
+from supple.algebra.compilation_cache import keep_compiled_programs
 from supple.mesh import CellType
 
-pytest_plugins = ("fixtures.strips_and_rods", "fixtures.reduced_blocks", "fixtures.made_up_solutions")
+pytest_plugins = (
+    "fixtures.strips_and_rods",
+    "fixtures.reduced_blocks",
+    "fixtures.made_up_solutions",
+    "fixtures.strip_case",
+)
 
 # The systems here are small and run for moments: compile them quickly rather than well.
 os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from difflib import get_close_matches
 
 
@@ -79,5 +79,14 @@ class StepCutWarning(SuppleWarning):
 
 def did_you_mean(name: str, known: Collection[str]) -> str:
     """How the message of an unknown name ends: with the nearest of the known names, or with all of them."""
-    close = get_close_matches(name, known, n=1)
-    return f"; did you mean '{close[0]}'?" if close else f"; there are: {', '.join(known) or 'none'}"
+    nearest = nearest_name(name, known)
+    return f"; did you mean '{nearest}'?" if nearest else f"; there are: {', '.join(known) or 'none'}"
+
+
+def nearest_name(name: str, known: Iterable[str]) -> str | None:
+    """The known name that is spelled most like `name`, in either case; None when none is near."""
+    by_lower = {candidate.lower(): candidate for candidate in known}
+    for spelled in (name.lower().replace("_", "-"), name.lower()):
+        if nearest := get_close_matches(spelled, by_lower, n=1):
+            return by_lower[nearest[0]]
+    return None

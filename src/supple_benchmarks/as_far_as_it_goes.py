@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from supple.errors import ConvergenceError
-from supple.integrate import Progress, Run, Solution, concatenate
+from supple.integrate import Run, Solution
 from supple.machine import System
 from supple.simulation import simulate
 from supple_benchmarks.progress import Progress
@@ -11,10 +10,6 @@ from supple_benchmarks.progress import Progress
 
 def as_far_as_it_goes(system: System, run: Run, *, progress: Progress) -> tuple[Solution, float | None]:
     """The motion, and the time at which it broke off, or None."""
-    parts: list[Solution] = []
-    try:
-        simulate(system, run, progress=progress, record=parts.append)
-    except ConvergenceError:
-        progress(1.0)
-        return concatenate(parts), float(parts[-1].times[-1])
-    return concatenate(parts), None
+    solution = simulate(system, run, progress=progress, check=False)
+    progress(1.0)
+    return solution, None if solution.stopped is None else float(solution.times[-1])

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from supple.cli.build_bodies import build_flexible_body, read_meshes
+from supple.cases import read_case
 from supple.cli.main import app
-from supple.cli.read_case import read_case
 from supple.errors import CaseError, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.mesh import strip
@@ -134,12 +133,9 @@ def test_info_of_bulk_data_shows_mesh_and_check(folder):
 
 
 def test_both_bodies_of_the_case_are_the_same(folder):
-    case_file = read_case(folder / "strip.toml")
-    meshes = read_meshes(case_file)
-    assert list(meshes) == ["strip"]
-    strip_body, copy = (
-        build_flexible_body(case_file, table, meshes.get(table.name)) for table in case_file.case.body
-    )
+    case = read_case(folder / "strip.toml")
+    assert list(case.meshes) == ["strip"]
+    strip_body, copy = case.flexible.values()
     assert abs(strip_body.stiffness - copy.stiffness).max() <= 1e-14 * abs(copy.stiffness).max()
     np.testing.assert_array_equal(strip_body.interface("root").position, copy.interface("root").position)
     assert copy.model is None
@@ -147,21 +143,20 @@ def test_both_bodies_of_the_case_are_the_same(folder):
 
 def test_a_refused_body_is_not_run(folder):
     write_matrices(folder / "strip.h5", shell_model(MESH, HomogeneousSection(STEEL, 0.01)), ground=1e9)
-    case_file = read_case(folder / "strip.toml")
+    case = read_case(folder / "strip.toml")
     with pytest.raises(ModelError, match=r"(?s)body 'copy' cannot be used.*free of supports.*leave supports"):
-        build_flexible_body(case_file, case_file.case.body[1], None)
+        assert case.flexible
 
 
 def test_an_rbe2_that_is_no_interface_is_not_lost(folder):
     """It stiffens the body in Nastran; left out of the interfaces, it would not here."""
     table = 'connection = "rbe2_7"'
     (folder / "strip.toml").write_text(CASE.replace(table, 'nodes = "rbe2_7"'))
-    case_file = read_case(folder / "strip.toml")
-    build_flexible_body(case_file, case_file.case.body[0], read_meshes(case_file)["strip"])
+    assert read_case(folder / "strip.toml").flexible
     (folder / "strip.toml").write_text(CASE.replace(table, 'nodes = "rbe2_7"\nkind = "averaging"'))
-    case_file = read_case(folder / "strip.toml")
+    case = read_case(folder / "strip.toml")
     with pytest.raises(ModelError, match=r'rbe2_7 of strip\.bdf ties nodes rigidly.*connection = "rbe2_7"'):
-        build_flexible_body(case_file, case_file.case.body[0], read_meshes(case_file)["strip"])
+        assert case.flexible
 
 
 @pytest.mark.parametrize(

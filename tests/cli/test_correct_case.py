@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from supple.cli.correction_summary import best_round
 from supple.cli.main import app
 from supple.correction import CorrectionFolder
 from supple.storage import read_header, read_reduced_body, read_solution
@@ -130,16 +129,3 @@ def test_loads_beyond_the_modes_of_a_fixed_size_are_named(case):
     output = call("run", case, "-o", case.parent / "out")
     assert "its spectrum reaches to 100 Hz, where body 'strip' has 3 modes, 2 of which" in output
     assert "Ask for at least 3 modes" in output
-
-
-def test_the_best_round_is_that_of_the_worst_body():
-    def numbers(*errors):
-        return [
-            {"body": "b", "round": number, "estimated_error": error, "allowed": 1.0}
-            for number, error in enumerate(errors)
-        ]
-
-    assert best_round(numbers(3.0, 2.0, None)) == 1
-    assert best_round(numbers(None, None)) == 1
-    other = [{"body": "c", "round": 1, "estimated_error": 9.0, "allowed": 1.0}]
-    assert best_round(numbers(3.0, 2.0) + other) == 0

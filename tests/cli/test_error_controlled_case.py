@@ -11,10 +11,8 @@ from typer.testing import CliRunner
 
 from supple.algebra import lowest_modes
 from supple.body import MeanAxisFrame
-from supple.cli.build_bodies import build_flexible_body, read_meshes
-from supple.cli.build_system import build_case
+from supple.cases import read_case
 from supple.cli.main import app
-from supple.cli.read_case import read_case
 from supple.storage import read_reduced_body
 
 N = 6
@@ -49,8 +47,7 @@ def test_what_is_kept_has_the_eigenvalues_of_the_whole_body(case):
     assert re.search(f"eigenvalues {PROOF}", output)
     reduced = read_reduced_body(case.parent / "strip-reduced.h5")
     assert re.search(f"eigenvalues {PROOF}", call("info", case.parent / "strip-reduced.h5"))
-    case_file = read_case(case)
-    body = build_flexible_body(case_file, case_file.case.body[0], read_meshes(case_file)["strip"])
+    body = read_case(case).flexible["strip"]
     exact = lowest_modes(body.stiffness, body.mass, N, constraint=MeanAxisFrame().constraint(body)).values
     errors = reduced.frequencies[:N] ** 2 / exact - 1
     assert np.all(errors > -1e-9)
@@ -95,11 +92,11 @@ def test_a_run_says_what_is_proven_and_bends_as_a_beam_does(case):
 
 def test_every_step_of_the_search_is_told_of_one_step_of_the_build(case):
     told: list[tuple[str, str]] = []
-    built = build_case(read_case(case), lambda step, detail="": told.append((step, detail)))
+    system = read_case(case, lambda step, detail="": told.append((step, detail))).system
     (name,) = {step for step, detail in told if detail}
     steps = [detail for step, detail in told if step == name]
     assert steps[0] == ""
-    certificate = built.system.bodies[0].body.report.certificate
+    certificate = system.bodies[0].body.report.certificate
     assert len(steps) == len(("it begins", *certificate.steps, "what was kept"))
     assert steps[-1].startswith(f"{certificate.n_fixed_interface_modes} modes, error ")
 

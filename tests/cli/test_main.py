@@ -11,11 +11,10 @@ import pytest
 from typer.testing import CliRunner
 
 from supple import __version__
-from supple.body import RigidInterface, flexible_body
-from supple.cli import build_system
+from supple.cases.body_kinds import Shell
 from supple.cli.main import app
 from supple.fem import LaminateSection, shell_model
-from supple.mesh import strip
+from supple.importers import read_mesh
 from supple.storage import ResultFile, read_header, read_solution
 
 ROOT_WEIGHT = 7850.0 * 1.0 * 0.1 * 0.01 * 9.81
@@ -68,9 +67,8 @@ def test_a_run_coloured_by_stress_draws_its_contours(case_folder):
 def test_stress_that_cannot_be_drawn_is_known_before_the_run(case_folder, monkeypatch):
     """A laminate does not say the stress of its plies; nor is it a matter for the end of a long run."""
     laminate = LaminateSection(1e7 * np.eye(3), np.zeros((3, 3)), 1e2 * np.eye(3), 10.0, 1e-4)
-    model = shell_model(strip(1.0, 0.1, 4, 2), laminate)
-    body = flexible_body("strip", model, [RigidInterface("root", "root")])
-    monkeypatch.setattr(build_system, "build_flexible_body", lambda *_: body)
+    model = shell_model(read_mesh(case_folder / "strip.inp"), laminate)
+    monkeypatch.setattr(Shell, "model", lambda *_: model)
     case = case_folder / "strip.toml"
     case.write_text(case.read_text().replace("animation = false", 'colour = "von-mises"'))
     output = call("run", case, "-o", case_folder / "out", code=2)
@@ -149,7 +147,7 @@ def test_a_run_that_was_cut_off_is_continued_to_the_same_end(case_folder):
 
 
 def test_pictures_and_film_are_drawn(case_folder, monkeypatch):
-    monkeypatch.setattr("supple.cli.pictures.N_FRAMES", 4)
+    monkeypatch.setattr("supple.viz.run_pictures.N_FRAMES", 4)
     case = case_folder / "strip.toml"
     case.write_text(
         re.sub(r"(pictures|animation) = false", r"\1 = true", case.read_text()).replace("0.4", "0.04")

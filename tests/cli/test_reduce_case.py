@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from supple.cases import read_case
 from supple.cli.main import app
-from supple.cli.read_case import read_case
 from supple.errors import CaseError
 from supple.storage import read_reduced_body, read_solution
 

@@ -16,9 +16,8 @@ from supple.body import (
     nastran_model,
     read_nodal_matrices,
 )
-from supple.cli.build_bodies import check_body, read_meshes
+from supple.cases import read_case
 from supple.cli.console import console
-from supple.cli.read_case import read_case
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES, read_nastran
 
@@ -66,12 +65,8 @@ def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck]]:
         matrices = read_nodal_matrices(nodes=path, stiffness=path, mass=path)
         yield str(path), check_nodal_matrices(matrices, n_frequencies=n_frequencies)
     elif suffix == ".toml":
-        case_file = read_case(path)
-        meshes = read_meshes(case_file)
-        for table in case_file.case.body:
-            if table.rigid is None and table.reduced is None:
-                check = check_body(case_file, table, meshes.get(table.name), n_frequencies=n_frequencies)
-                yield f"body '{table.name}'", check
+        for name, parts in read_case(path).parts.items():
+            yield f"body '{name}'", parts.check(n_frequencies)
     else:
         complete = ", ".join((".toml", *NASTRAN_SUFFIXES, *HDF5_SUFFIXES))
         raise ImportFormatError(

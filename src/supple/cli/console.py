@@ -15,6 +15,7 @@ from rich.progress import (
     BarColumn,
     Progress,
     SpinnerColumn,
+    TaskID,
     TaskProgressColumn,
     TextColumn,
     TimeElapsedColumn,
@@ -56,6 +57,35 @@ def progress_bars() -> Progress:
 def worded(step: str, detail: str = "") -> str:
     """A step and how far it has come, in a line."""
     return f"{step}: {detail}" if detail else step
+
+
+class Steps:
+    """A bar for every step, in the order in which they come; one of unknown length spins until the next."""
+
+    def __init__(self, bars: Progress) -> None:
+        self._bars = bars
+        self._tasks: dict[str, TaskID] = {}
+        self._spinning: TaskID | None = None
+
+    def show(self, step: str, detail: str = "", /) -> None:
+        """A step of unknown length begins, or has come so far."""
+        self._spinning = self._task(step, None)
+        self._bars.update(self._spinning, description=worded(step, detail))
+
+    def share(self, step: str, fraction: float) -> None:
+        """A step begins, or has come so far."""
+        self._bars.update(self._task(step, 1.0), completed=fraction)
+
+    def finish(self) -> None:
+        """The step that spins is over."""
+        if self._spinning is not None:
+            self._bars.update(self._spinning, total=1.0, completed=1.0)
+
+    def _task(self, step: str, total: float | None) -> TaskID:
+        if step not in self._tasks:
+            self.finish()
+            self._spinning, self._tasks[step] = None, self._bars.add_task(step, total=total)
+        return self._tasks[step]
 
 
 def bar(bars: Progress, label: str) -> Callable[[float], None]:

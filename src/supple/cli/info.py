@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from supple.cli.build_reduction import corrects_itself
+from supple.cases import read_case
 from supple.cli.check import print_check
 from supple.cli.console import console
-from supple.cli.read_case import read_case
 from supple.errors import ImportFormatError
 from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, read_mesh
 from supple.mesh import Mesh
@@ -36,18 +35,13 @@ def print_info(path: Path) -> None:
 
 
 def _case(path: Path) -> Table:
-    case = read_case(path).case
+    case = read_case(path).tables
     table = _named(f"Case {path}", case.title)
     for body in case.body:
-        kind = next(
-            key
-            for key in ("shell", "solid", "nastran", "matrices", "superelement", "rigid", "reduced")
-            if getattr(body, key) is not None
-        )
         basis = f", basis {body.reduction.basis}" if body.reduction else ""
-        basis += ", corrects itself" if corrects_itself(body) else ""
+        basis += ", corrects itself" if body.corrects_itself else ""
         interfaces = ", ".join(interface.name for interface in body.interface) or "none"
-        table.add_row(f"body {body.name}", f"{kind}{basis}; interfaces: {interfaces}")
+        table.add_row(f"body {body.name}", f"{body.kind}{basis}; interfaces: {interfaces}")
     for joint in case.joint:
         table.add_row(f"joint {joint.name or ''}", f"{joint.kind}: {joint.first} - {joint.second}")
     for load in case.load:

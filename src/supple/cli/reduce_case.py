@@ -6,14 +6,13 @@ from pathlib import Path
 
 from rich.table import Table
 
-from supple.cli.build_system import build_case
+from supple.cases import read_case
 from supple.cli.console import console, worded
-from supple.cli.kept_bodies import kept_path
-from supple.cli.read_case import read_case
-from supple.cli.summary import body_numbers, body_table
+from supple.cli.summary_tables import body_table
 from supple.errors import CaseError
 from supple.reduction import ReducedBody
-from supple.storage import write_reduced_body
+from supple.results import body_numbers
+from supple.simulation import keep_body, reduced_bodies
 
 
 def reduce_case(path: Path, folder: Path) -> None:
@@ -25,15 +24,9 @@ def reduce_case(path: Path, folder: Path) -> None:
     ResultFileError     a file that cannot be written
     SuppleError         whatever building and reducing find wrong
     """
-    case_file = read_case(path)
-    made_here = {table.name for table in case_file.case.body if table.reduced is None}
     with console.status("reducing") as status:
-        built = build_case(case_file, lambda step, detail="": status.update(worded(step, detail)))
-    bodies = [
-        placed.body
-        for placed in built.system.bodies
-        if isinstance(placed.body, ReducedBody) and placed.body.name in made_here
-    ]
+        case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
+        bodies = list(reduced_bodies(case.system, case.made_here))
     if not bodies:
         raise CaseError(
             f"{path} has no body to reduce: give an elastic body a reduction of fixed size, for example "
@@ -43,7 +36,7 @@ def reduce_case(path: Path, folder: Path) -> None:
     console.print(body_table({"bodies": {body.name: body_numbers(body) for body in bodies}}))
     for body in bodies:
         console.print(_report_table(body))
-        written = write_reduced_body(kept_path(folder, body.name), body)
+        written = keep_body(body, folder)
         console.print(f"written to {written} ({written.stat().st_size / 2**20:.1f} MiB)", highlight=False)
 
 

@@ -11,6 +11,9 @@ from supple.correction.correction_rounds import (
     SelfCorrection,
     SelfCorrectionError,
 )
+from supple.correction.recorded_correction import (
+    correct_recorded,
+)
 from supple.correction.residual_correction import (
     ResidualCorrections,
     residual_corrections,
@@ -20,6 +23,10 @@ from supple.correction.round_archive import (
     MissedMotion,
     RoundArchive,
     RoundBases,
+)
+from supple.correction.round_table import (
+    best_round,
+    correction_numbers,
 )
 from supple.correction.self_correction import (
     self_correct,
@@ -37,6 +44,9 @@ __all__ = [
     "SelfCorrected",
     "SelfCorrection",
     "SelfCorrectionError",
+    "best_round",
+    "correct_recorded",
+    "correction_numbers",
     "residual_corrections",
     "self_correct",
     "system_corrections",

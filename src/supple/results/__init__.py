@@ -1,4 +1,4 @@
-"""What a simulation tells: recovery, error measures, stress."""
+"""What a simulation tells: recovery, tracked motion, joint loads, error measures, stress."""
 
 from supple.body import node_displacements
 from supple.results.error_measures import (
@@ -7,6 +7,9 @@ from supple.results.error_measures import (
     relative_error,
     rms_error,
 )
+from supple.results.joint_loads import (
+    joint_loads,
+)
 from supple.results.node_motion import (
     NodeMotion,
     node_motion,
@@ -14,6 +17,10 @@ from supple.results.node_motion import (
 from supple.results.recovery import (
     displacement_from_axes,
     node_positions,
+)
+from supple.results.run_summary import (
+    body_numbers,
+    summarize,
 )
 from supple.results.stress_history import (
     von_mises_history,
@@ -25,13 +32,22 @@ from supple.results.stress_modes import (
     strain_modes,
     stress_modes,
 )
+from supple.results.tracked_motion import (
+    TrackedMotion,
+    deflections,
+    tracked_motion,
+)
 
 __all__ = [
     "MotionError",
     "NodeMotion",
     "StrainModes",
     "StressModes",
+    "TrackedMotion",
+    "body_numbers",
+    "deflections",
     "displacement_from_axes",
+    "joint_loads",
     "motion_error",
     "node_displacements",
     "node_motion",
@@ -40,6 +56,8 @@ __all__ = [
     "rms_error",
     "strain_modes",
     "stress_modes",
+    "summarize",
+    "tracked_motion",
     "von_mises_history",
     "von_mises_strain_history",
 ]

@@ -4,6 +4,12 @@ from supple.simulation.batch import (
     BatchSolution,
     simulate_batch,
 )
+from supple.simulation.kept_bodies import (
+    keep_bodies,
+    keep_body,
+    reduced_bodies,
+    with_kept_bodies,
+)
 from supple.simulation.recorded_run import (
     begin_recorded,
     continue_recorded,
@@ -17,7 +23,11 @@ __all__ = [
     "BatchSolution",
     "begin_recorded",
     "continue_recorded",
+    "keep_bodies",
+    "keep_body",
+    "reduced_bodies",
     "simulate",
     "simulate_batch",
     "simulate_recorded",
+    "with_kept_bodies",
 ]

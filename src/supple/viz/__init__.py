@@ -9,8 +9,9 @@ from supple.viz.mesh_skin import Skin, skin_of
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
 from supple.viz.response_errors import Response, plot_response_errors
 from supple.viz.rms_error import plot_error_over_parameter, plot_rms_error
+from supple.viz.run_pictures import animate_run, draw_run
 from supple.viz.scene import Actor, Scene, scene_of
-from supple.viz.self_correction import RoundErrors, plot_self_correction
+from supple.viz.self_correction import RoundErrors, plot_rounds, plot_self_correction
 from supple.viz.style import PUBLISHED, REFERENCE, SOLID, Stroke
 from supple.viz.time_history import Panel, Series, plot_time_history
 
@@ -29,7 +30,9 @@ __all__ = [
     "Skin",
     "Stroke",
     "animate",
+    "animate_run",
     "displacement_magnitude",
+    "draw_run",
     "mode_titles",
     "plot_contour",
     "plot_eigenvalue_error",
@@ -38,6 +41,7 @@ __all__ = [
     "plot_mode_shapes",
     "plot_response_errors",
     "plot_rms_error",
+    "plot_rounds",
     "plot_self_correction",
     "plot_time_history",
     "scene_of",

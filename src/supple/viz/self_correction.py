@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -73,6 +74,17 @@ def plot_self_correction(
         legend_above(grid[0], len(grid[0].get_lines()))
         grid[-1].set_xlabel("number of coordinates")
         return save_figure(figure, path)
+
+
+def plot_rounds(path: Path | str, rounds: Sequence[Mapping[str, Any]]) -> Path:
+    """`plot_self_correction` of rounds in numbers, as `correction_numbers` gives them."""
+    keys = ("size", "estimated_error", "indicator", "allowed")
+    names = dict.fromkeys(each["body"] for each in rounds)
+    of_body = {name: [each for each in rounds if each["body"] == name] for name in names}
+    return plot_self_correction(
+        path,
+        {name: RoundErrors(*([each[key] for each in own] for key in keys)) for name, own in of_body.items()},
+    )
 
 
 def _draw_rounds(axes: Axes, errors: RoundErrors) -> None:

@@ -60,7 +60,7 @@ def initial_state(system: System, time: float, first_step: float) -> tuple[Model
 
 def _state(**known: Any) -> State:
     count = jnp.zeros((), dtype=int)
-    fresh = {
+    fresh: dict[str, Any] = {
         "steps": count,
         "iterations": count,
         "rejected_steps": count,

@@ -1,0 +1,248 @@
+"""The bodies of a case: what they are made of, how they are reduced, and where they start."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from supple.body import (
+    FlexibleBody,
+    FullBody,
+    MeanAxisFrame,
+    ModalDamping,
+    NodalFixedFrame,
+    RigidBody,
+    rigid_mass_properties,
+)
+from supple.cases import damping, interfaces, reductions
+from supple.cases.body_kinds import (
+    KINDS,
+    BodyParts,
+    ElasticKind,
+    Matrices,
+    Nastran,
+    Rigid,
+    Shell,
+    Solid,
+    Superelement,
+    kind_of,
+)
+from supple.cases.damping import Damping
+from supple.cases.interfaces import Interface
+from supple.cases.line_index import KeyPath
+from supple.cases.notify import Notify
+from supple.cases.raw_tables import Mistakes, Raw, names, on_each, table, unknown, usable_names
+from supple.cases.reductions import FullOrder, Reduction, derivative_choice, search_words
+from supple.cases.table import ZERO, Table, Vector
+from supple.errors import ModelError
+from supple.importers import Connection
+from supple.machine import Placed
+from supple.reduction import ReducedBody, reduce
+from supple.storage import read_reduced_body
+
+
+class MeanAxis(Table):
+    """Frame that follows the mean motion of the body."""
+
+    kind: Literal["mean-axis"]
+
+    def build(self) -> MeanAxisFrame:
+        """The frame."""
+        return MeanAxisFrame()
+
+
+class NodalFixed(Table):
+    """Frame fixed to one interface."""
+
+    kind: Literal["nodal-fixed"]
+    interface: str = Field(description="name of the interface the frame moves with")
+
+    def build(self) -> NodalFixedFrame:
+        """The frame."""
+        return NodalFixedFrame(self.interface)
+
+
+Frame = Annotated[MeanAxis | NodalFixed, Field(discriminator="kind")]
+
+
+class Body(Table):
+    """A rigid or elastic body and where it starts."""
+
+    name: str = Field(min_length=1, description="used as NAME.INTERFACE by joints, loads and output")
+    mesh: str | None = Field(
+        None,
+        description="mesh file beside the case file: Gmsh .msh, Abaqus/CalculiX .inp or Nastran .bdf; "
+        "for matrices also HDF5 .h5",
+    )
+    shell: Shell | None = None
+    solid: Solid | None = None
+    nastran: Nastran | None = None
+    matrices: Matrices | None = None
+    superelement: Superelement | None = None
+    rigid: Rigid | None = None
+    reduced: str | None = Field(
+        None, description="file of a reduced body, made by supple reduce, beside the case file"
+    )
+    interface: Annotated[tuple[Interface, ...], Field(strict=False)] = ()
+    frame: Frame | None = None
+    reduction: Reduction | None = None
+    damping: Damping | None = None
+    linear: bool = Field(False, description="true leaves the nonlinear strains out (for comparison)")
+    position: Vector = Field(ZERO, description="start of the mesh origin, global axes, m")
+    rotation: Vector = Field(ZERO, description="start orientation as a rotation vector, global axes, rad")
+    velocity: Vector = Field(ZERO, description="start velocity of the mesh origin, global axes, m/s")
+    angular_velocity: Vector = Field(ZERO, description="start angular velocity, body axes, rad/s")
+
+    @property
+    def kind(self) -> str:
+        """The key that says what the body is made of."""
+        return next(key for key in KINDS if getattr(self, key) is not None)
+
+    @property
+    def elastic(self) -> ElasticKind | None:
+        """What an elastic body is made of that the case builds; None of any other."""
+        made_of = getattr(self, self.kind)
+        return made_of if isinstance(made_of, ElasticKind) else None
+
+    @property
+    def corrects_itself(self) -> bool:
+        """True of an elastic body whose reduction has no fixed size."""
+        if self.reduction is None:
+            return self.elastic is not None
+        return self.reduction.corrects_itself
+
+    def flexible(self, parts: BodyParts) -> FlexibleBody:
+        """The elastic body, not yet reduced.
+
+        Raises
+        ------
+        ModelError   whatever is wrong with the model: all findings of its check, if that refuses it
+        """
+        try:
+            connections = parts.connections()
+            self._check_rigid_connections(connections)
+            body = parts.body(self.name, [each.build(connections) for each in self.interface])
+        except ModelError:
+            parts.check(0).raise_if_refused(self.name)
+            raise
+        return body.linearized() if self.linear else body
+
+    def _check_rigid_connections(self, connections: Sequence[Connection]) -> None:
+        """ModelError for an RBE2 that is no interface: it stiffens the body that the file describes."""
+        taken = {interface.connection for interface in self.interface}
+        taken |= {interface.nodes for interface in self.interface if interface.kind == "rigid"}
+        left = [c.name for c in connections if c.weights is None and c.name not in taken]
+        if left:
+            raise ModelError(
+                f"body '{self.name}': {', '.join(left)} of {self.mesh} ties nodes rigidly and is not among "
+                f'the interfaces; add an interface with connection = "{left[0]}", or remove the RBE2 from '
+                "the file"
+            )
+
+    def build(self, flexible: FlexibleBody | None, folder: Path, notify: Notify) -> Placed:
+        """The body where it starts; in full if its basis is "none", or if its reduction is to correct itself.
+
+        flexible : from `flexible`; None of a body that is not elastic, or is a file
+        folder : where that file lies
+        notify : hears of each long step
+        """
+        start = {key: np.array(getattr(self, key)) for key in _START}
+        return Placed(self._form(flexible, folder, notify), **start)
+
+    def _form(
+        self, flexible: FlexibleBody | None, folder: Path, notify: Notify
+    ) -> RigidBody | ReducedBody | FullBody:
+        if self.reduced is not None:
+            return replace(read_reduced_body(folder / self.reduced), name=self.name)
+        if self.rigid is not None:
+            places = {i.name: np.array(i.position) for i in self.interface if i.position is not None}
+            return self.rigid.body(self.name, places)
+        assert flexible is not None
+        assert self.frame is not None  # a rule of the case file
+        frame = self.frame.build()
+        damped = self.damping.build(flexible, frame) if self.damping else None
+        if self.reduction is None or self.reduction.corrects_itself or isinstance(self.reduction, FullOrder):
+            assert not isinstance(damped, ModalDamping)  # a rule of the case file
+            return FullBody(flexible, frame, damped)
+        step = f"reducing body '{self.name}' ({flexible.n} freedoms)"
+        notify(step)
+        body = reduce(
+            flexible,
+            frame,
+            self.reduction.recipe(lambda detail: notify(step, detail)),
+            derivatives=derivative_choice(self.reduction.derivatives),
+            damping=damped,
+        )
+        proven = body.report.certificate
+        if proven is not None:  # the numbers tried last are not those that were kept
+            notify(step, search_words(proven.n_fixed_interface_modes, proven.largest_error))
+        return body
+
+
+_START = ("position", "rotation", "velocity", "angular_velocity")
+_ELASTIC_ONLY = ("frame", "reduction", "damping", "linear")
+
+
+def checked_line(body: FlexibleBody) -> str:
+    """What the checks of a body found, in a line: they refuse all but free, symmetric, positive models."""
+    found = rigid_mass_properties(body.nodal_mass, body.nodes, body.dofs_per_node)
+    return f"checked body '{body.name}': free, no mechanism, symmetric, mass {found.mass:.5g}"
+
+
+def _bodies_are_there(raw: Raw) -> Mistakes:
+    if raw.get("body") == []:
+        yield ("body",), "a case needs at least one [[body]]"
+
+
+def _is_of_one_kind(path: KeyPath, body: Raw) -> Mistakes:
+    given = [key for key in KINDS if key in body]
+    if len(given) != 1:
+        seen = f"this one has {' and '.join(given)}" if given else "this one has none"
+        yield path, f"a body needs exactly one of {', '.join(KINDS)}; {seen}"
+        return
+    (key,) = given
+    kind = KINDS[key]
+    if kind.mesh_suffixes and "mesh" not in body:
+        yield path, f'a {key} body needs a mesh; add mesh = "FILE{kind.mesh_suffixes[0]}"'
+    if not kind.mesh_suffixes and "mesh" in body:
+        yield (*path, "mesh"), f"a {key} body takes no mesh; remove the key"
+    if kind.is_elastic and "frame" not in body:
+        yield path, f'a {key} body needs frame; for example frame = {{kind = "mean-axis"}}'
+    if not kind.is_elastic:
+        for needless in (each for each in _ELASTIC_ONLY if each in body):
+            yield (*path, needless), f"a {key} body takes no {needless}; remove the key"
+
+
+def _mesh_can_be_read(path: KeyPath, body: Raw) -> Mistakes:
+    kind, mesh = kind_of(body), body.get("mesh")
+    allowed = (kind.mesh_suffixes if kind is not None else ()) or Shell.mesh_suffixes
+    if isinstance(mesh, str) and Path(mesh).suffix.lower() not in allowed:
+        yield (*path, "mesh"), f"{mesh!r} is not a mesh that can be read: {' or '.join(allowed)}"
+
+
+def _interfaces_have_names(path: KeyPath, body: Raw) -> Mistakes:
+    yield from usable_names(body, "interface", path)
+    for key, inner in (("frame", "interface"), ("damping", "held")):
+        wanted, known = table(body, key).get(inner), names(body, "interface")
+        if isinstance(wanted, str) and wanted not in known:
+            yield (*path, key, inner), unknown("interface", wanted, known)
+
+
+RULES = (
+    _bodies_are_there,
+    lambda raw: usable_names(raw, "body"),
+    on_each(
+        "body",
+        _is_of_one_kind,
+        _mesh_can_be_read,
+        _interfaces_have_names,
+        *interfaces.RULES_OF_BODY,
+        *reductions.RULES_OF_BODY,
+        *damping.RULES_OF_BODY,
+    ),
+)

@@ -1,0 +1,292 @@
+"""What the bodies of a case are made of, one table a kind: elements, matrices, nothing that bends, a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from supple.body import (
+    AveragingInterface,
+    FlexibleBody,
+    ModelCheck,
+    NodalMatrices,
+    RigidBody,
+    RigidInterface,
+    check_elements,
+    check_model,
+    check_nodal_matrices,
+    flexible_body,
+    labelled_superelement,
+    nastran_model,
+    read_nodal_matrices,
+    read_superelement,
+)
+from supple.cases.raw_tables import Raw
+from supple.cases.table import ZERO, Matrix, Positive, Table, Vector
+from supple.fem import (
+    GREEN_LAGRANGE,
+    VON_KARMAN,
+    FiniteElementModel,
+    HomogeneousSection,
+    Isotropic,
+    shell_model,
+    solid_model,
+)
+from supple.importers import (
+    MESH_SUFFIXES,
+    NASTRAN_SUFFIXES,
+    NODE_SUFFIXES,
+    Connection,
+    read_matrix,
+    read_mesh,
+    read_nastran,
+)
+from supple.mesh import Mesh
+
+Kinematics = Literal["green-lagrange", "von-karman"]
+_KINEMATICS = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
+
+
+@dataclass(frozen=True, eq=False)
+class BodyParts:
+    """What the files of an elastic body hold; each is read, or assembled, once and when it is first needed.
+
+    check : of the nodal matrices, before the interfaces; with so many elastic modes
+    body : of that name with those interfaces; ModelError for whatever is wrong with the model
+    connections : RBE2 and RBE3 elements that may be interfaces
+    mesh, model : with elements, also of a body that is made linear; matrices have none
+    """
+
+    check: Callable[[int], ModelCheck]
+    body: Callable[[str, Sequence[RigidInterface | AveragingInterface]], FlexibleBody]
+    connections: Callable[[], Sequence[Connection]] = tuple
+    mesh: Mesh | None = None
+    model: Callable[[], FiniteElementModel] | None = None
+
+
+def _element_parts(
+    mesh: Mesh, assemble: Callable[[], FiniteElementModel], connections: Sequence[Connection] = ()
+) -> BodyParts:
+    model = cache(assemble)
+    return BodyParts(
+        lambda n_frequencies: check_elements(model(), n_frequencies=n_frequencies),
+        lambda name, interfaces: flexible_body(name, model(), interfaces),
+        lambda: connections,
+        mesh,
+        model,
+    )
+
+
+class BodyKind(Table):
+    """What a body is made of. The class says what a body of this kind has, and what its table must hold."""
+
+    mesh_suffixes: ClassVar[tuple[str, ...]] = ()
+    """Of its mesh file; none if it takes no mesh."""
+    file_keys: ClassVar[tuple[str, ...]] = ()
+    """Keys that name further files."""
+    is_elastic: ClassVar[bool] = False
+    """True of what the case builds, and may reduce: it has a frame, a reduction and a damping."""
+    has_elements: ClassVar[bool] = False
+    """True of what has node sets to load, stress and nonlinear strains."""
+    has_connections: ClassVar[bool] = False
+    """True of what may bring RBE2 and RBE3 elements as interfaces."""
+
+
+class ElasticKind(BodyKind):
+    """What an elastic body is made of."""
+
+    is_elastic = True
+
+    def parts(self, folder: Path, mesh: str, /) -> BodyParts:
+        """What the files hold, which lie in `folder`; a superelement has no mesh file."""
+        raise NotImplementedError
+
+
+class Homogeneous(ElasticKind):
+    """Elements of one material on every cell of the mesh."""
+
+    mesh_suffixes = MESH_SUFFIXES
+    has_elements = True
+
+    youngs_modulus: Positive = Field(description="Young's modulus, Pa")
+    poissons_ratio: float = Field(gt=-1.0, lt=0.5, description="Poisson's ratio")
+    density: Positive = Field(description="mass per volume, kg/m3")
+
+    def parts(self, folder: Path, mesh: str, /) -> BodyParts:
+        """The mesh file with elements."""
+        read = read_mesh(folder / mesh)
+        material = Isotropic(self.youngs_modulus, self.poissons_ratio, self.density)
+        return _element_parts(read, lambda: self.model(read, material))
+
+    def model(self, mesh: Mesh, material: Isotropic) -> FiniteElementModel:
+        """The elements on a mesh."""
+        raise NotImplementedError
+
+
+class Shell(Homogeneous):
+    """Homogeneous flat-shell triangles on every cell of the mesh."""
+
+    thickness: Positive = Field(description="wall thickness, m")
+    kinematics: Kinematics = Field(
+        "green-lagrange",
+        description="membrane strain; von-karman only for flat structures bending out of their plane",
+    )
+
+    def model(self, mesh: Mesh, material: Isotropic) -> FiniteElementModel:
+        """Shells of one thickness."""
+        section = HomogeneousSection(material, self.thickness)
+        return shell_model(mesh, section, kinematics=_KINEMATICS[self.kinematics])
+
+
+class Solid(Homogeneous):
+    """Green-Lagrange solid elements (tetrahedra, hexahedra) on every cell of the mesh."""
+
+    def model(self, mesh: Mesh, material: Isotropic) -> FiniteElementModel:
+        """Solids of one material."""
+        return solid_model(mesh, material)
+
+
+class Nastran(ElasticKind):
+    """The elements, materials and walls of a Nastran bulk data file."""
+
+    mesh_suffixes = NASTRAN_SUFFIXES
+    has_elements = True
+    has_connections = True
+
+    kinematics: Kinematics = Field(
+        "green-lagrange",
+        description="membrane strain of shells; von-karman only for flat ones bending out of their plane",
+    )
+
+    def parts(self, folder: Path, mesh: str, /) -> BodyParts:
+        """The bulk data file."""
+        read, kinematics = read_nastran(folder / mesh), _KINEMATICS[self.kinematics]
+        return _element_parts(read.mesh, lambda: nastran_model(read, kinematics=kinematics), read.connections)
+
+
+class Matrices(ElasticKind):
+    """A linear body from matrices exported by another program, with the nodes of its mesh file."""
+
+    mesh_suffixes = NODE_SUFFIXES
+    file_keys = ("stiffness", "mass")
+    has_connections = True
+
+    stiffness: str = Field(
+        description="DMIG .pch, OUTPUT4 .op4, HDF5 .h5, Abaqus .mtx or CalculiX .sti, beside the case file"
+    )
+    mass: str = Field(description="likewise, or CalculiX .mas; may be the same file")
+    stiffness_name: str | None = Field(
+        None, description="matrix to take from a DMIG or OUTPUT4 file; the one with K.. if left out"
+    )
+    mass_name: str | None = Field(None, description="likewise; the one with M.. if left out")
+    rigid_tolerance: Positive | None = Field(
+        None, description="largest relative force against rigid motion; from the printed digits if left out"
+    )
+
+    def parts(self, folder: Path, mesh: str, /) -> BodyParts:
+        """The matrices; they stand for any elements, also such as a mesh cannot have: it is not read."""
+
+        @cache
+        def read() -> NodalMatrices:
+            return read_nodal_matrices(
+                nodes=folder / mesh,
+                stiffness=folder / self.stiffness,
+                mass=folder / self.mass,
+                stiffness_name=self.stiffness_name,
+                mass_name=self.mass_name,
+            )
+
+        exact = self.rigid_tolerance
+        return BodyParts(
+            lambda n: check_nodal_matrices(read(), n_frequencies=n, rigid_tolerance=exact),
+            lambda name, interfaces: labelled_superelement(name, read(), interfaces, rigid_tolerance=exact),
+            lambda: read().connections,
+        )
+
+
+class Superelement(ElasticKind):
+    """A linear body from matrices made elsewhere."""
+
+    file_keys = ("stiffness", "mass", "nodes")
+
+    stiffness: str = Field(description="Matrix Market file of the stiffness matrix, beside the case file")
+    mass: str = Field(description="Matrix Market file of the mass matrix, beside the case file")
+    nodes: str = Field(description="Matrix Market file of the node positions, an array of 3 columns, m")
+    dofs_per_node: Literal[3, 6] = Field(
+        description="freedoms per node: 3 (translations) or 6 (and rotations)"
+    )
+
+    def parts(self, folder: Path, _mesh: str, /) -> BodyParts:
+        """The three files."""
+        nodes, stiffness, mass = (folder / name for name in (self.nodes, self.stiffness, self.mass))
+        size = self.dofs_per_node
+
+        def check(n: int) -> ModelCheck:
+            K, M = read_matrix(stiffness), read_matrix(mass)
+            return check_model(read_matrix(nodes).toarray(), K, M, dofs_per_node=size, n_frequencies=n)
+
+        return BodyParts(
+            check,
+            lambda name, interfaces: read_superelement(
+                name, nodes=nodes, stiffness=stiffness, mass=mass, dofs_per_node=size, interfaces=interfaces
+            ),
+        )
+
+
+class Rigid(BodyKind):
+    """A rigid body."""
+
+    mass: Positive = Field(description="kg")
+    centre: Vector = Field(ZERO, description="centre of mass in body axes, m")
+    inertia: Matrix = Field(description="inertia tensor about the centre of mass in body axes, 3 rows, kg m2")
+
+    def body(self, name: str, places: Mapping[str, np.ndarray]) -> RigidBody:
+        """The body with its interfaces at the places."""
+        return RigidBody(
+            name=name,
+            mass=self.mass,
+            inertia=np.array(self.inertia),
+            centre=np.array(self.centre),
+            points=places,
+        )
+
+
+class ReducedFile(BodyKind):
+    """The file of a reduced body: its key holds a name instead of a table."""
+
+
+KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
+    {
+        "shell": Shell,
+        "solid": Solid,
+        "nastran": Nastran,
+        "matrices": Matrices,
+        "superelement": Superelement,
+        "rigid": Rigid,
+        "reduced": ReducedFile,
+    }
+)
+"""The kinds by their key in the table of a body, which has just one of them."""
+
+
+def kind_of(body: Raw) -> type[BodyKind] | None:
+    """The kind of a body; None where no key tells."""
+    return next((kind for key, kind in KINDS.items() if key in body), None)
+
+
+def is_elastic(body: Raw) -> bool:
+    """True of a body that the case builds, and may reduce; also where it does not say what it is made of."""
+    kind = kind_of(body)
+    return kind is None or kind.is_elastic
+
+
+def kinds_that(fact: str) -> list[str]:
+    """Keys of the kinds of which a fact is true, such as `has_elements`."""
+    return [key for key, kind in KINDS.items() if getattr(kind, fact)]

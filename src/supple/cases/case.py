@@ -1,0 +1,197 @@
+"""A case: a checked case file, and the system, the run and the meshes that it describes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import FlexibleBody
+from supple.cases.bodies import checked_line
+from supple.cases.body_kinds import BodyParts
+from supple.cases.case_tables import CaseTables
+from supple.cases.line_index import KeyPath, LineIndex
+from supple.cases.mistakes import case_error
+from supple.cases.notify import Notify, silent
+from supple.cases.raw_tables import did_you_mean
+from supple.cases.reductions import reduction_start
+from supple.correction import ReductionStart
+from supple.errors import CaseError, ModelError
+from supple.fem import FiniteElementModel, stress_recovery
+from supple.integrate import Run
+from supple.machine import System
+from supple.mesh import Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A checked case file. What it describes is read and built when it is asked for, once.
+
+    path : Path             of the file; the files it names are relative to it
+    text : str              what stands in it
+    tables : CaseTables     the same, checked
+    lines : LineIndex       the way back from a table to its line
+    notify                  hears of each long step of the build as it begins, and how far it has come
+    """
+
+    path: Path
+    text: str = field(repr=False)
+    tables: CaseTables = field(repr=False)
+    lines: LineIndex = field(repr=False)
+    notify: Notify = field(default=silent, repr=False)
+
+    @property
+    def title(self) -> str:
+        """One line for tables and pictures."""
+        return self.tables.title
+
+    @property
+    def folder(self) -> Path:
+        """Where the file lies, and those it names."""
+        return self.path.parent
+
+    @property
+    def made_here(self) -> frozenset[str]:
+        """Names of the bodies that the case makes, not read as reduced."""
+        return frozenset(body.name for body in self.tables.body if body.reduced is None)
+
+    def place(self, text: str) -> tuple[str, str | NDArray[np.int64]]:
+        """The body of `BODY.PLACE`, and the name of its interface, or the nodes of the set of its mesh."""
+        name, _, place = text.partition(".")
+        body = next(table for table in self.tables.body if table.name == name)
+        if place in [interface.name for interface in body.interface]:
+            return name, place
+        return name, self.meshes[name].nodes_of(place)
+
+    def error(self, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:
+        """One error that lists mistakes found after reading, such as a node set missing in a mesh."""
+        return case_error(self.path, self.lines, mistakes)
+
+    @cached_property
+    def run(self) -> Run:
+        """The span of time, and how it is stepped through."""
+        return self.tables.simulation.build()
+
+    @cached_property
+    def parts(self) -> Mapping[str, BodyParts]:
+        """What the files of each elastic body hold, by body name.
+
+        Raises
+        ------
+        CaseError   interfaces, loads or output that name a node set no mesh has: all, with their lines
+        """
+        self.notify("reading meshes")
+        parts = {
+            body.name: body.elastic.parts(self.folder, body.mesh or "")
+            for body in self.tables.body
+            if body.elastic is not None
+        }
+        mistakes = [
+            (path, message)
+            for path, body, name in self._node_sets_named()
+            if body in parts and (message := _missing(name, parts[body].mesh))
+        ]
+        if mistakes:
+            raise self.error(mistakes)
+        return parts
+
+    @cached_property
+    def meshes(self) -> Mapping[str, Mesh]:
+        """The mesh of each body that has elements, by body name."""
+        return {name: part.mesh for name, part in self.parts.items() if part.mesh is not None}
+
+    @cached_property
+    def elements(self) -> Mapping[str, FiniteElementModel]:
+        """The elements of each body that has any, by body name; of a linear one too."""
+        return {name: part.model() for name, part in self.parts.items() if part.model is not None}
+
+    @cached_property
+    def flexible(self) -> Mapping[str, FlexibleBody]:
+        """The elastic bodies that are made here, not yet reduced, by body name.
+
+        Raises
+        ------
+        CaseError    as for `parts`
+        SuppleError  whatever is wrong with a model: all findings of its check, if that refuses it
+        """
+        flexible = {}
+        for table in self.tables.body:
+            if table.name in self.parts:
+                self.notify(f"assembling body '{table.name}'")
+                flexible[table.name] = table.flexible(self.parts[table.name])
+                self.notify(checked_line(flexible[table.name]))
+        return flexible
+
+    @cached_property
+    def system(self) -> System:
+        """The bodies, reduced if their reduction has a fixed size, with joints, loads and springs.
+
+        Raises
+        ------
+        CaseError    as for `parts`; stress to draw of elements that have none
+        SuppleError  whatever the meshes, bodies, reductions and joints find wrong
+        """
+        tables, flexible = self.tables, self.flexible
+        if tables.output.colour == "von-mises":
+            self._check_stress()
+        bodies = [table.build(flexible.get(table.name), self.folder, self.notify) for table in tables.body]
+        joints = [table.build(self.folder) for table in tables.joint]
+        unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
+        loads = [table.build(*self.place(table.at), self.folder) for table in tables.load]
+        springs = [table.build(unloaded) for table in tables.spring]
+        return replace(unloaded, loads=(*loads, *springs))
+
+    @cached_property
+    def starts(self) -> Mapping[str, ReductionStart]:
+        """Of the bodies that stand in the system in full, to be reduced as far as their accuracy allows."""
+        return {
+            table.name: reduction_start(table.reduction, self.flexible[table.name])
+            for table in self.tables.body
+            if table.corrects_itself
+        }
+
+    @property
+    def drawn(self) -> Mapping[str, Mesh]:
+        """The meshes that can be drawn: beams alone have no faces."""
+        return {
+            name: mesh for name, mesh in self.meshes.items() if any(kind.dimension > 1 for kind in mesh.cells)
+        }
+
+    def _check_stress(self) -> None:
+        """CaseError where what is drawn has no stress: better now than when the run is over."""
+        mistakes = [] if self.drawn else ["stress colours faces, and beams have none; remove the key"]
+        for name in self.drawn:
+            try:
+                stress_recovery(self.elements[name])
+            except ModelError as error:
+                mistakes.append(f"body '{name}': {error}; remove the key")
+        if mistakes:
+            raise self.error((("output", "colour"), mistake) for mistake in mistakes)
+
+    def _node_sets_named(self) -> Iterator[tuple[KeyPath, str, str]]:
+        """Where a node set is named: key path, body, set. Loads and output may name interfaces instead."""
+        tables = self.tables
+        for i, body in enumerate(tables.body):
+            for j, interface in enumerate(body.interface):
+                if interface.nodes is not None:
+                    yield ("body", i, "interface", j, "nodes"), body.name, interface.nodes
+        interfaces = {f"{body.name}.{interface.name}" for body in tables.body for interface in body.interface}
+        places: list[tuple[KeyPath, str]] = [
+            (("load", i, "at"), load.at) for i, load in enumerate(tables.load)
+        ]
+        places += [(("output", "track", i), place) for i, place in enumerate(tables.output.track)]
+        for path, place in places:
+            if place not in interfaces:
+                body, _, name = place.partition(".")
+                yield path, body, name
+
+
+def _missing(name: str, mesh: Mesh | None) -> str:
+    if mesh is None or name in mesh.node_sets:
+        return ""
+    known = ", ".join(mesh.node_sets) or "none"
+    return f"there is no node set named {name!r}{did_you_mean(name, mesh.node_sets)}; the mesh has: {known}"

@@ -1,0 +1,78 @@
+"""The whole case file: all its tables, and all its rules."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
+
+from supple.cases import bodies, joints, loads, output, simulation, springs
+from supple.cases.bodies import Body
+from supple.cases.body_kinds import KINDS
+from supple.cases.ends import ends_exist
+from supple.cases.joints import Joint
+from supple.cases.line_index import KeyPath
+from supple.cases.loads import Load
+from supple.cases.output import Output
+from supple.cases.raw_tables import Mistakes, Raw, Rule, table, tables
+from supple.cases.simulation import Simulation
+from supple.cases.springs import Spring
+from supple.cases.table import ZERO, Table, Vector
+
+
+class CaseTables(Table):
+    """A whole case file."""
+
+    title: str = Field(description="one line for tables and pictures")
+    gravity: Vector = Field(ZERO, description="global axes, m/s2")
+    units: dict[str, str] = Field(
+        default_factory=dict, description="a note only: the numbers must be one consistent set"
+    )
+    body: Annotated[tuple[Body, ...], Field(strict=False)]
+    joint: Annotated[tuple[Joint, ...], Field(strict=False)] = ()
+    load: Annotated[tuple[Load, ...], Field(strict=False)] = ()
+    spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
+    simulation: Simulation
+    output: Output = Field(default_factory=lambda: Output.model_validate({}))
+
+
+RULES: tuple[Rule, ...] = (
+    *bodies.RULES,
+    *joints.RULES,
+    *loads.RULES,
+    *springs.RULES,
+    *simulation.RULES,
+    *output.RULES,
+    ends_exist,
+)
+"""What one key demands of another; each section states its own."""
+
+
+def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
+    """Every broken rule of a case: the path of the key to look at, and what is wrong with the remedy.
+
+    Parameters
+    ----------
+    raw : mapping    the case as the TOML reader returns it
+    folder : Path    where the case file lies: its file names are relative to it
+    """
+    return [mistake for rule in RULES for mistake in rule(raw)] + list(_files_exist(raw, folder))
+
+
+def _files_exist(raw: Raw, folder: Path) -> Mistakes:
+    for path, name in _files(raw):
+        if isinstance(name, str) and not (folder / name).is_file():
+            yield path, f"there is no file {folder / name}; file names are relative to the case file"
+
+
+def _files(raw: Raw) -> Iterator[tuple[KeyPath, object]]:
+    for path, body in tables(raw, "body"):
+        yield (*path, "mesh"), body.get("mesh")
+        for kind, made_of in KINDS.items():
+            for key in made_of.file_keys:
+                yield (*path, kind, key), table(body, kind).get(key)
+    for section in ("joint", "load"):
+        for path, item in tables(raw, section):
+            yield (*path, "law", "file"), table(item, "law").get("file")

@@ -1,0 +1,81 @@
+"""The damping of an elastic body."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from supple.algebra import lowest_modes
+from supple.body import (
+    FlexibleBody,
+    Frame,
+    ModalDamping,
+    NodalFixedFrame,
+    RayleighDamping,
+    rayleigh_from_ratios,
+)
+from supple.cases.line_index import KeyPath
+from supple.cases.raw_tables import Mistakes, Raw, table
+from supple.cases.table import NonNegative, Table
+
+
+class RayleighRatio(Table):
+    """Rayleigh damping with the same ratio on two modes of the body in its frame."""
+
+    kind: Literal["rayleigh-ratio"]
+    ratio: NonNegative = Field(description="damping ratio, 0.02 for 2 %")
+    modes: Annotated[tuple[int, int], Field(strict=False)] = Field((1, 2), description="mode numbers from 1")
+    held: str | None = Field(
+        None, description="interface held while these modes vibrate; none: free in the frame"
+    )
+
+    def build(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
+        """Damping of a body; the frequencies are those of the whole mesh."""
+        constraint = (NodalFixedFrame(self.held) if self.held else frame).constraint(body)
+        found = lowest_modes(body.stiffness, body.mass, max(self.modes), constraint=constraint)
+        first, second = (float(np.sqrt(found.values[mode - 1])) for mode in self.modes)
+        return rayleigh_from_ratios(self.ratio, first, second)
+
+
+class Rayleigh(Table):
+    """Rayleigh damping alpha M + beta K."""
+
+    kind: Literal["rayleigh"]
+    alpha: NonNegative = Field(description="1/s")
+    beta: NonNegative = Field(description="s")
+
+    def build(self, _body: FlexibleBody, _frame: Frame) -> RayleighDamping:
+        """Damping of any body."""
+        return RayleighDamping(self.alpha, self.beta)
+
+
+class Modal(Table):
+    """The same damping ratio on every mode of the reduced body."""
+
+    kind: Literal["modal"]
+    ratio: NonNegative = Field(description="damping ratio, 0.02 for 2 %")
+
+    def build(self, _body: FlexibleBody, _frame: Frame) -> ModalDamping:
+        """Damping of any body that is reduced."""
+        return ModalDamping(self.ratio)
+
+
+Damping = Annotated[RayleighRatio | Rayleigh | Modal, Field(discriminator="kind")]
+
+
+def _damped_modes_differ(path: KeyPath, body: Raw) -> Mistakes:
+    """The rule on the two modes of a Rayleigh ratio."""
+    modes = table(body, "damping").get("modes")
+    if isinstance(modes, list) and len(modes) == 2 and (modes[0] == modes[1] or min(modes) < 1):
+        message = f"give two different mode numbers from 1, for example [1, 2]; got {modes}"
+        yield (*path, "damping", "modes"), message
+
+
+def is_modal(body: Raw) -> bool:
+    """True of a body whose damping needs the modes of a reduction."""
+    return table(body, "damping").get("kind") == "modal"
+
+
+RULES_OF_BODY = (_damped_modes_differ,)

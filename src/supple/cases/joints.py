@@ -1,0 +1,96 @@
+"""The joints of a case."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Literal, get_args
+
+from pydantic import Field
+
+from supple import machine
+from supple.cases.ends import end
+from supple.cases.law_tables import Law
+from supple.cases.laws import time_law
+from supple.cases.line_index import KeyPath
+from supple.cases.raw_tables import Mistakes, Raw, axes_with_length, on_each, usable_names
+from supple.cases.table import Table, Vector
+
+JointKind = Literal[
+    "fixed",
+    "ball",
+    "revolute",
+    "universal",
+    "cylindrical",
+    "prismatic",
+    "prescribed-rotation",
+    "prescribed-translation",
+]
+
+_KINDS: Mapping[JointKind, tuple[Callable[..., machine.Joint], Mapping[str, str]]] = MappingProxyType(
+    {
+        "fixed": (machine.Fixed, {}),
+        "ball": (machine.Ball, {}),
+        "revolute": (machine.Revolute, {"axis": "axis"}),
+        "universal": (machine.Universal, {"axis": "first_axis", "second_axis": "second_axis"}),
+        "cylindrical": (machine.Cylindrical, {"axis": "axis"}),
+        "prismatic": (machine.Prismatic, {"axis": "axis"}),
+        "prescribed-rotation": (machine.PrescribedRotation, {"axis": "axis", "law": "angle"}),
+        "prescribed-translation": (machine.PrescribedTranslation, {"axis": "axis", "law": "displacement"}),
+    }
+)
+"""The joint of each kind, and the keys it needs besides its ends, each with the name it has there."""
+
+_EXAMPLES = {
+    "axis": "[1, 0, 0]",
+    "second_axis": "[0, 1, 0]",
+    "law": '{kind = "spin-up", speed = 1.0, duration = 10.0}',
+}
+
+
+class Joint(Table):
+    """A connection of two interfaces, or of one with the ground."""
+
+    kind: JointKind
+    name: str | None = Field(None, description="label in results; made from kind and ends if left out")
+    first: str = Field(description="ground or BODY.INTERFACE")
+    second: str = Field(description="BODY.INTERFACE")
+    axis: Vector | None = Field(
+        None, description="direction at the start, global axes; its length does not matter"
+    )
+    second_axis: Vector | None = Field(None, description="universal: the other cross-pin axis, global axes")
+    law: Law | None = Field(None, description="prescribed joints: angle in rad, or path in m, against time")
+
+    def build(self, folder: Path) -> machine.Joint:
+        """The joint.
+
+        folder : where the file of a law lies
+        """
+        made, needed = _KINDS[self.kind]
+        given: dict[str, Any] = {"axis": self.axis, "second_axis": self.second_axis}
+        given["law"] = time_law(self.law, folder) if self.law else None
+        return made(
+            first=end(self.first),
+            second=end(self.second),
+            name=self.name or "",
+            **{name: given[key] for key, name in needed.items()},
+        )
+
+
+def _has_what_its_kind_needs(path: KeyPath, joint: Raw) -> Mistakes:
+    kind: Any = joint.get("kind")
+    if kind not in get_args(JointKind):
+        return
+    _, needed = _KINDS[kind]
+    for key, example in _EXAMPLES.items():
+        if key in needed and key not in joint:
+            yield path, f"a {kind} joint needs {key}; add {key} = {example}"
+        if key in joint and key not in needed:
+            yield (*path, key), f"a {kind} joint takes no {key}; remove the key"
+
+
+RULES = (
+    lambda raw: usable_names(raw, "joint"),
+    on_each("joint", _has_what_its_kind_needs, axes_with_length),
+)

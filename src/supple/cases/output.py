@@ -1,0 +1,36 @@
+"""What is printed and drawn of a run besides its result file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from supple.cases.body_kinds import kinds_that
+from supple.cases.raw_tables import Mistakes, Raw, table, tables
+from supple.cases.table import Table
+
+
+class Output(Table):
+    """What is drawn besides the result file."""
+
+    track: Annotated[tuple[str, ...], Field(strict=False)] = Field(
+        (), description="BODY.INTERFACE or BODY.NODE_SET whose motion is printed and drawn"
+    )
+    pictures: bool = Field(True, description="draw mesh, modes, motion and deformed bodies (PNG)")
+    animation: bool = Field(True, description="draw the motion (GIF)")
+    colour: Literal["deflection", "von-mises"] = Field(
+        "deflection",
+        description="what colours the film; von-mises also draws contours where the stress is largest",
+    )
+
+
+def _stress_has_elements(raw: Raw) -> Mistakes:
+    able = kinds_that("has_elements")
+    shown = table(raw, "output").get("colour") == "von-mises"
+    if shown and not any(kind in body for _, body in tables(raw, "body") for kind in able):
+        message = f"no body has elements whose stress could be shown ({', '.join(able)}); remove the key"
+        yield ("output", "colour"), message
+
+
+RULES = (_stress_has_elements,)

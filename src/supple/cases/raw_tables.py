@@ -1,0 +1,84 @@
+"""The tables of a case file as the TOML reader returns them, for rules on what one key demands of another.
+
+The rules read the raw data, not the checked tables, so that they all run even when other keys are wrong and
+every mistake is reported at once. A value of the wrong type is the schema's business: rules pass it over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from supple.cases.line_index import KeyPath
+from supple.errors import nearest_name
+
+Raw = Mapping[str, Any]
+Mistakes = Iterator[tuple[KeyPath, str]]
+"""Paths of the keys to look at, each with what is wrong there and the remedy."""
+Rule = Callable[[Raw], Mistakes]
+"""A rule on a whole case."""
+RuleOfOne = Callable[[KeyPath, Raw], Mistakes]
+"""A rule on one table, such as a body, which stands at the path."""
+
+
+def tables(raw: Raw, key: str, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Raw]]:
+    """The items of an array of tables with their paths; nothing if `key` holds something else."""
+    items = raw.get(key)
+    for position, item in enumerate(items if isinstance(items, list) else []):
+        if isinstance(item, Mapping):
+            yield (*path, key, position), item
+
+
+def table(raw: Raw, key: str) -> Raw:
+    """The table under a key; an empty one if `key` holds something else."""
+    inner = raw.get(key)
+    return inner if isinstance(inner, Mapping) else {}
+
+
+def on_each(key: str, *rules: RuleOfOne) -> Rule:
+    """The rules on one table as a rule on all tables of an array."""
+
+    def on_all(raw: Raw) -> Mistakes:
+        for path, item in tables(raw, key):
+            for rule in rules:
+                yield from rule(path, item)
+
+    return on_all
+
+
+def names(raw: Raw, key: str) -> list[str]:
+    """The names of the items of an array of tables."""
+    return [str(item.get("name")) for _, item in tables(raw, key)]
+
+
+def usable_names(raw: Raw, key: str, path: KeyPath = ()) -> Mistakes:
+    """The rule that names of bodies, interfaces or joints differ, and can stand in `BODY.INTERFACE`."""
+    taken: set[str] = set()
+    for place, item in tables(raw, key, path):
+        name = item.get("name")
+        if not isinstance(name, str):
+            continue
+        if name in taken:
+            yield (*place, "name"), f"an earlier {key} is already named {name!r}; names must differ"
+        if "." in name or name == "ground":
+            yield (*place, "name"), f"{name!r} cannot be a {key} name: no dots, and not the word ground"
+        taken.add(name)
+
+
+def axes_with_length(path: KeyPath, raw: Raw) -> Mistakes:
+    """The rule that a direction is not zero."""
+    for key in ("axis", "second_axis"):
+        if raw.get(key) == [0, 0, 0]:
+            yield (*path, key), "an axis of length zero has no direction; give for example [1, 0, 0]"
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """`, did you mean 'NEAREST'?` or nothing when no known name is near."""
+    nearest = nearest_name(name, known)
+    return f", did you mean {nearest!r}?" if nearest else ""
+
+
+def unknown(what: str, name: str, known: Sequence[str]) -> str:
+    """The mistake of a name that is not there."""
+    listed = ", ".join(dict.fromkeys(known)) or "none"
+    return f"there is no {what} named {name!r}{did_you_mean(name, known)}; there is: {listed}"

@@ -1,0 +1,328 @@
+"""The reduction of a body: a basis of fixed size, or the start of one that corrects itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, ClassVar, Literal, get_args
+
+import numpy as np
+from pydantic import Field
+
+from supple import reduction
+from supple.body import FlexibleBody
+from supple.cases.body_kinds import is_elastic, kind_of
+from supple.cases.damping import is_modal
+from supple.cases.line_index import KeyPath
+from supple.cases.raw_tables import Mistakes, Raw, names, table
+from supple.cases.table import Positive, Table
+from supple.correction import ReductionStart, SelfCorrection
+from supple.reduction import DerivativeChoice, LinearBasisRecipe, SearchStep
+
+DEFAULT_ACCURACY = 1e-3
+"""Largest RMS error of the nodes over the largest displacement."""
+FIRST_MODES = 5
+FIRST_DERIVATIVES = 5
+CANDIDATES_PER_MODE = 5
+"""Modes to select among, for each one kept."""
+
+Tell = Callable[[str], None]
+"""Hears in words how far a search for the number of modes has come."""
+
+
+class AllPairsCompressed(Table):
+    """Modal derivatives of all pairs, compressed to the leading directions."""
+
+    kind: Literal["compressed"]
+    number: int = Field(ge=1, description="directions kept")
+
+
+class Picked(Table):
+    """The modal derivatives of the heaviest pairs."""
+
+    kind: Literal["picked"]
+    number: int = Field(ge=1, description="derivatives kept")
+
+
+class NoDerivatives(Table):
+    """A basis without modal derivatives: small deformation only."""
+
+    kind: Literal["none"]
+
+
+Derivatives = Annotated[AllPairsCompressed | Picked | NoDerivatives, Field(discriminator="kind")]
+
+
+def derivative_choice(table: Derivatives | None) -> DerivativeChoice:
+    """The choice of modal derivatives; none unless they are asked for."""
+    match table:
+        case AllPairsCompressed():
+            return reduction.CompressedDerivatives(table.number)
+        case Picked():
+            return reduction.PickedDerivatives(table.number)
+        case _:
+            return reduction.NoDerivatives()
+
+
+class Accuracy(Table):
+    """The error down to which a reduction corrects itself; 1e-3 relative if neither is given."""
+
+    relative: Positive | None = Field(
+        None,
+        description="largest RMS error of the nodes over their largest displacement from the first interface",
+    )
+    absolute: Positive | None = Field(None, description="largest RMS error of the nodes, m")
+    instants: int = Field(50, ge=1, description="output times at which a run's residual is evaluated")
+    directions: int = Field(3, ge=1, description="columns added a round")
+    largest_size: int = Field(60, ge=1, description="coordinates")
+    max_rounds: int = Field(8, ge=1, description="enrichments before giving up")
+
+    def target(self) -> SelfCorrection:
+        """The error to reach, and how to get there."""
+        given = self.model_dump()
+        if self.relative is None and self.absolute is None:
+            given["relative"] = DEFAULT_ACCURACY
+        return SelfCorrection(**given)
+
+
+class Sized(Table):
+    """A basis of a number of modes besides static columns; it corrects itself unless the number is given."""
+
+    made: ClassVar[Callable[[int], LinearBasisRecipe]]
+    needs_interface: ClassVar[bool] = True
+
+    basis: Any
+    modes: int | None = None
+    derivatives: Derivatives | None = None
+    accuracy: Accuracy | None = None
+
+    @property
+    def corrects_itself(self) -> bool:
+        """True unless the size is fixed."""
+        return self.accuracy is not None or self.modes is None
+
+    @property
+    def n_modes(self) -> int:
+        """Modes of the basis, or of the first one."""
+        return FIRST_MODES if self.modes is None else self.modes
+
+    def recipe(self, _tell: Tell | None = None) -> LinearBasisRecipe:
+        """The linear columns; of those to start with, where no number is given."""
+        return type(self).made(self.n_modes)
+
+
+class Rubin(Sized):
+    """Free-interface modes and attachment modes."""
+
+    made = reduction.Rubin
+
+    basis: Literal["rubin"]
+    modes: int | None = Field(None, ge=1, description="vibration modes, besides the attachment modes")
+
+
+class CraigBampton(Sized):
+    """Fixed-interface modes and constraint modes."""
+
+    basis: Literal["craig-bampton"]
+    modes: int | None = Field(None, ge=0, description="fixed-interface modes, besides the constraint modes")
+    select: Literal["lowest-frequency", "effective-interface-mass", "coupling-moment"] = Field(
+        "lowest-frequency", description="which modes are kept: the lowest, or those the interfaces feel most"
+    )
+    candidates: int | None = Field(
+        None, ge=1, description="lowest modes to select among; five times as many as are kept if left out"
+    )
+
+    def recipe(self, _tell: Tell | None = None) -> LinearBasisRecipe:
+        """The linear columns; of those to start with, where no number is given."""
+        candidates = self.candidates or max(CANDIDATES_PER_MODE * self.n_modes, 1)
+        selection = {
+            "lowest-frequency": reduction.LowestFrequency,
+            "effective-interface-mass": lambda: reduction.EffectiveInterfaceMass(candidates),
+            "coupling-moment": lambda: reduction.CouplingMoment(candidates),
+        }[self.select]()
+        return reduction.CraigBampton(self.n_modes, selection=selection)
+
+
+class CraigBamptonResidual(Sized):
+    """Fixed-interface modes, constraint modes, and the static answer of the modes left out."""
+
+    made = reduction.CraigBamptonResidual
+
+    basis: Literal["craig-bampton-residual"]
+    modes: int | None = Field(
+        None, ge=0, description="fixed-interface modes, besides the constraint and residual modes"
+    )
+
+
+class Herting(Sized):
+    """Constraint modes, inertia relief modes and free-interface modes."""
+
+    made = reduction.Herting
+
+    basis: Literal["herting"]
+    modes: int | None = Field(
+        None, ge=1, description="free-interface modes, besides the constraint and inertia relief modes"
+    )
+
+
+class NormalModes(Sized):
+    """Vibration modes only."""
+
+    made = reduction.NormalModes
+    needs_interface = False
+
+    basis: Literal["normal-modes"]
+    modes: int | None = Field(None, ge=1, description="vibration modes")
+
+
+class Guyan(Table):
+    """Static shapes of the interfaces only."""
+
+    needs_interface: ClassVar[bool] = True
+
+    basis: Literal["guyan"]
+    derivatives: Derivatives | None = None
+    accuracy: Accuracy | None = None
+
+    @property
+    def corrects_itself(self) -> bool:
+        """True of a basis that is to reach an accuracy; else its size is that of the interfaces."""
+        return self.accuracy is not None
+
+    def recipe(self, _tell: Tell | None = None) -> LinearBasisRecipe:
+        """The linear columns."""
+        return reduction.Guyan()
+
+
+class ErrorControlled(Table):
+    """The lowest vibrations of the free body, each eigenvalue proven to be within a tolerance."""
+
+    needs_interface: ClassVar[bool] = True
+    corrects_itself: ClassVar[bool] = False
+
+    basis: Literal["error-controlled"]
+    # The lower end is what round-off leaves, as in supple.reduction.
+    tolerance: float = Field(
+        ge=1e-7, lt=1.0, description="largest relative error of the eigenvalues, such as 1e-3 for 0.1 %"
+    )
+    modes: int = Field(ge=1, description="elastic eigenvalues, the lowest, that are within the tolerance")
+    attachment_modes: bool = Field(
+        True, description="false leaves out the static answers to forces at the interfaces"
+    )
+    derivatives: Derivatives | None = None
+
+    def recipe(self, tell: Tell | None = None) -> LinearBasisRecipe:
+        """The linear columns, whose number a search finds."""
+
+        def progress(step: SearchStep) -> None:
+            if tell is not None:
+                tell(search_words(step.n_modes, step.largest))
+
+        vibrations = reduction.ErrorControlled(self.tolerance, self.modes, progress=progress)
+        return reduction.AttachmentModes(vibrations) if self.attachment_modes else vibrations
+
+
+class FullOrder(Table):
+    """No reduction: every freedom of the mesh is simulated."""
+
+    corrects_itself: ClassVar[bool] = False
+
+    basis: Literal["none"]
+
+
+CorrectableOrder = Rubin | CraigBampton | CraigBamptonResidual | Herting | NormalModes | Guyan
+_NEED_INTERFACES = {
+    get_args(made.model_fields["basis"].annotation)[0]
+    for made in (Rubin, CraigBampton, CraigBamptonResidual, Herting, NormalModes, Guyan, ErrorControlled)
+    if made.needs_interface
+}
+Reduction = Annotated[CorrectableOrder | ErrorControlled | FullOrder, Field(discriminator="basis")]
+
+
+def reduction_start(given: Reduction | None, body: FlexibleBody) -> ReductionStart:
+    """Where the reduction of a body starts that corrects itself, and where it may stop.
+
+    given : its table; None for constraint modes and fixed-interface modes, or modes where it has no interface
+    """
+    if given is None and body.interfaces:
+        given = CraigBampton.model_validate({"basis": "craig-bampton"})
+    elif given is None:
+        given = NormalModes.model_validate({"basis": "normal-modes"})
+    assert isinstance(given, Sized | Guyan)  # the others have no start
+    derivatives = derivative_choice(given.derivatives)
+    if given.derivatives is None and body.model is not None:
+        derivatives = reduction.CompressedDerivatives(FIRST_DERIVATIVES)
+    accuracy = given.accuracy or Accuracy.model_validate({})
+    return ReductionStart(accuracy.target(), given.recipe(), derivatives)
+
+
+def search_words(n_modes: int, largest_error: float) -> str:
+    """So many fixed-interface modes, and the largest error; infinite with too few for all vibrations."""
+    error = f"error {100 * largest_error:.2g} %" if np.isfinite(largest_error) else "too few"
+    return f"{n_modes} modes, {error}"
+
+
+def _bases_have_interfaces(path: KeyPath, body: Raw) -> Mistakes:
+    """The rule that static shapes need a place for their forces."""
+    basis = table(body, "reduction").get("basis")
+    if basis in _NEED_INTERFACES and is_elastic(body) and not names(body, "interface"):
+        message = f'{basis} needs an interface; add [[body.interface]], or take basis = "normal-modes"'
+        yield (*path, "reduction", "basis"), message
+
+
+def _selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
+    """The rule on the modes that a selection chooses among."""
+    given = table(body, "reduction")
+    candidates, modes, place = given.get("candidates"), given.get("modes"), (*path, "reduction", "candidates")
+    if not isinstance(candidates, int):
+        return
+    if given.get("select", "lowest-frequency") == "lowest-frequency":
+        yield (
+            place,
+            'the lowest modes are kept unless told otherwise; remove the key, or add select = "coupling-'
+            'moment" or "effective-interface-mass"',
+        )
+    if isinstance(modes, int) and modes > candidates:
+        yield place, f"{modes} modes cannot be selected among {candidates} candidates; give more"
+
+
+def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
+    """The rule that a reduction has a fixed size, or corrects itself, then with a damping of full bodies."""
+    given = table(body, "reduction")
+    if not is_elastic(body) or given.get("basis") in ("none", "error-controlled"):  # which have one size
+        return
+    accuracy = given.get("accuracy")
+    if {"relative", "absolute"} <= table(given, "accuracy").keys():
+        message = "give the error either as relative or as absolute (m), not both"
+        yield (*path, "reduction", "accuracy", "absolute"), message
+    sized = "modes" in given or given.get("basis") == "guyan"
+    if "derivatives" in given and not sized and accuracy is None:
+        yield (
+            (*path, "reduction", "derivatives"),
+            "a basis of fixed size needs modes too; add modes = 10, or accuracy = {relative = 1e-3} "
+            "to start with these derivatives and correct itself",
+        )
+    if is_modal(body) and (accuracy is not None or not sized):
+        yield (
+            (*path, "damping", "kind"),
+            "a reduction that corrects itself takes rayleigh or rayleigh-ratio damping; or fix its size "
+            "with modes = 10 and derivatives = {..}",
+        )
+
+
+def _nonlinear_options_have_strains(path: KeyPath, body: Raw) -> Mistakes:
+    """The rule that modal derivatives come from quadratic strains, and modal damping from modes."""
+    given, kind = table(body, "reduction"), kind_of(body)
+    linear = body.get("linear") is True or (kind is not None and kind.is_elastic and not kind.has_elements)
+    if linear and table(given, "derivatives").get("kind") in ("compressed", "picked"):
+        yield (*path, "reduction", "derivatives"), "a linear body has no modal derivatives; remove the key"
+    if is_modal(body) and given.get("basis") == "none":
+        message = "a body that is not reduced takes rayleigh or rayleigh-ratio damping"
+        yield (*path, "damping", "kind"), message
+
+
+RULES_OF_BODY = (
+    _bases_have_interfaces,
+    _selections_have_candidates,
+    _sizes_are_fixed_or_corrected,
+    _nonlinear_options_have_strains,
+)

@@ -1,0 +1,72 @@
+"""The span of time of a case, and the steps through it."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from supple.cases.raw_tables import Mistakes, Raw, table
+from supple.cases.table import Positive, Table
+from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run
+
+
+class Adaptive(Table):
+    """Steps chosen from the local error."""
+
+    first: Positive = Field(description="first step, s")
+    largest: Positive = Field(description="largest step, s")
+    tolerance: Positive = Field(
+        1e-6, description="local error allowed per step, relative to the system's size"
+    )
+
+    def build(self) -> AdaptiveStep:
+        """The step control."""
+        return AdaptiveStep(self.first, self.largest, self.tolerance)
+
+
+class Simulation(Table):
+    """Span of time and method."""
+
+    duration: Positive = Field(description="s")
+    output_step: Positive = Field(description="time between stored states, s")
+    step: Positive | None = Field(None, description="fixed time step, s")
+    adaptive: Adaptive | None = None
+    rho_inf: float = Field(
+        0.8, ge=0.0, le=1.0, description="spectral radius at infinity of generalized-alpha"
+    )
+
+    def build(self) -> Run:
+        """The run."""
+        step = self.adaptive.build() if self.adaptive else FixedStep(self.step or self.output_step)
+        return Run(self.duration, self.output_step, step=step, method=GeneralizedAlpha(self.rho_inf))
+
+
+def _steps_are_given_once(raw: Raw) -> Mistakes:
+    given = raw.get("simulation")
+    if isinstance(given, dict) and ("step" in given) == ("adaptive" in given):
+        path = ("simulation", "step") if "step" in given else ("simulation",)
+        yield path, "give either step = SECONDS or adaptive = {first = .., largest = ..}, not both or none"
+
+
+def _first_step_is_not_too_long(raw: Raw) -> Mistakes:
+    given = table(table(raw, "simulation"), "adaptive")
+    first, largest = given.get("first"), given.get("largest")
+    if isinstance(first, int | float) and isinstance(largest, int | float) and first > largest:
+        path = ("simulation", "adaptive", "first")
+        yield path, f"the first step, {first} s, exceeds the largest, {largest} s"
+
+
+def _output_steps_fill_the_duration(raw: Raw) -> Mistakes:
+    given = table(raw, "simulation")
+    output_step, duration = given.get("output_step"), given.get("duration")
+    if not (isinstance(output_step, int | float) and isinstance(duration, int | float)) or output_step <= 0:
+        return
+    path = ("simulation", "output_step")
+    intervals = duration / output_step
+    if intervals < 1:
+        yield path, f"{output_step} s is longer than the duration, {duration} s"
+    elif abs(intervals - round(intervals)) > 1e-6:
+        better = duration / round(intervals)
+        yield path, f"the duration, {duration} s, is not a multiple of {output_step} s; try {better:.6g}"
+
+
+RULES = (_steps_are_given_once, _first_step_is_not_too_long, _output_steps_fill_the_duration)

@@ -1,0 +1,66 @@
+"""The springs and dampers of a case."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from supple.cases.ends import end
+from supple.cases.raw_tables import axes_with_length, on_each
+from supple.cases.table import NonNegative, Table, Vector
+from supple.machine import SpringDamper, System, TorsionSpringDamper
+
+
+class StraightSpring(Table):
+    """A spring and damper along the line between two interfaces that stay apart."""
+
+    kind: Literal["straight"]
+    first: str = Field(description="BODY.INTERFACE")
+    second: str = Field(description="BODY.INTERFACE")
+    stiffness: NonNegative = Field(description="N/m")
+    damping: NonNegative = Field(0.0, description="N s/m")
+    free_length: NonNegative | None = Field(None, description="m; the distance at the start if left out")
+
+    def build(self, system: System) -> SpringDamper:
+        """The spring between bodies of a system."""
+        first, second = end(self.first), end(self.second)
+        length = self.free_length
+        if length is None:
+            length = float(np.linalg.norm(system.initial_point(second) - system.initial_point(first)))
+        return SpringDamper(
+            first=first,
+            second=second,
+            stiffness=self.stiffness,
+            damping=self.damping,
+            rest_length=length,
+        )
+
+
+class TorsionSpring(Table):
+    """A spring and damper about an axis, between two interfaces or one and the ground."""
+
+    kind: Literal["torsion"]
+    first: str = Field(description="ground or BODY.INTERFACE")
+    second: str = Field(description="BODY.INTERFACE")
+    axis: Vector = Field(description="direction at the start, global axes; its length does not matter")
+    stiffness: NonNegative = Field(description="N m/rad")
+    damping: NonNegative = Field(0.0, description="N m s/rad")
+    free_angle: float = Field(0.0, description="rad")
+
+    def build(self, _system: System) -> TorsionSpringDamper:
+        """The spring between bodies of a system."""
+        return TorsionSpringDamper(
+            first=end(self.first),
+            second=end(self.second),
+            axis=self.axis,
+            stiffness=self.stiffness,
+            damping=self.damping,
+            rest_angle=self.free_angle,
+        )
+
+
+Spring = Annotated[StraightSpring | TorsionSpring, Field(discriminator="kind")]
+
+RULES = (on_each("spring", axes_with_length),)

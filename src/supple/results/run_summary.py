@@ -1,0 +1,101 @@
+"""The numbers of a finished run, under the names that scripts read in its JSON report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from supple.body import FullBody, RigidBody
+from supple.integrate import Solution, Statistics
+from supple.machine import System
+from supple.reduction import ReducedBody, clamped_modes
+from supple.results.joint_loads import joint_loads
+from supple.results.tracked_motion import TrackedMotion
+
+N_FREQUENCIES = 5
+
+
+def summarize(
+    system: System, solution: Solution, tracked: Mapping[str, TrackedMotion] = MappingProxyType({})
+) -> dict[str, Any]:
+    """Numbers of a finished run: bodies, tracked places, joint forces, cost.
+
+    tracked : motions of places, by their names
+    """
+    return {
+        "bodies": {placed.body.name: body_numbers(placed.body) for placed in system.bodies},
+        "tracked": {name: _place_numbers(place, solution.times) for name, place in tracked.items()},
+        "joints": {
+            name: _joint_numbers(loads, solution.times)
+            for name, loads in joint_loads(system, solution).items()
+        },
+        "statistics": cost_numbers(solution.statistics),
+    }
+
+
+def body_numbers(body: RigidBody | FullBody | ReducedBody) -> dict[str, Any]:
+    """Kind, size, mass and frequencies of a body."""
+    if isinstance(body, RigidBody):
+        return {"kind": "rigid", "mass": body.mass}
+    if isinstance(body, FullBody):
+        return {"kind": "full", "nodes": len(body.nodes), "coordinates": body.n_coordinates}
+    held = {
+        i.name: _hertz(clamped_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies)
+        for i in body.interfaces
+    }
+    proven = body.report.certificate
+    return {
+        "kind": "reduced",
+        "mass": float(body.gram[0, 0]),
+        "nodes": len(body.nodes),
+        "freedoms": body.nodal_basis.shape[0],
+        "coordinates": body.r,
+        "linear columns": len(body.report.linear),
+        "derivative columns": len(body.report.derivatives),
+        "dropped columns": list(body.report.dropped),
+        "largest singular value dropped": float(np.max(body.report.singular_values_dropped, initial=0.0)),
+        "frequencies in the frame, Hz": _hertz(body.frequencies[:N_FREQUENCIES]),
+        "frequencies held, Hz": held,
+        **({} if proven is None else {"eigenvalues": str(proven)}),
+        "seconds": dict(body.report.seconds),
+    }
+
+
+def _hertz(omega: np.ndarray) -> np.ndarray:
+    return omega / (2 * np.pi)
+
+
+def _place_numbers(place: TrackedMotion, times: np.ndarray) -> dict[str, Any]:
+    peaks = np.argmax(np.abs(place.deflection), axis=0)
+    return {
+        "seen from": place.seen_from,
+        "largest deflection": place.deflection[peaks, range(3)],
+        "at time": times[peaks],
+        "last deflection": place.deflection[-1],
+        "last position": place.position[-1],
+    }
+
+
+def _joint_numbers(loads: Mapping[str, np.ndarray], times: np.ndarray) -> dict[str, Any]:
+    numbers: dict[str, Any] = {}
+    for what, components in loads.items():
+        size = np.linalg.norm(components, axis=1)
+        largest = int(np.argmax(size))
+        numbers[f"largest {what}"] = float(size[largest])
+        numbers[f"time of largest {what}"] = float(times[largest])
+        numbers[f"last {what}"] = components[-1]
+    return numbers
+
+
+def cost_numbers(cost: Statistics) -> dict[str, float]:
+    """The cost of a run under the names that scripts read."""
+    return {
+        "steps": cost.steps,
+        "iterations": cost.iterations,
+        "cuts": cost.rejected_steps,
+        "seconds": cost.seconds,
+        "compile_seconds": cost.compile_seconds,
+    }

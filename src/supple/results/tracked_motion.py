@@ -1,0 +1,90 @@
+"""Motion of a place of a body, in space and against the body's first interface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
+
+from supple.body import FullBody, RigidBody, in_space, node_displacements
+from supple.integrate import FloatingMotion
+from supple.reduction import ReducedBody
+from supple.results.recovery import displacement_from_axes, node_positions
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedMotion:
+    """A place of a body over time.
+
+    position : (t, 3)        global, m
+    seen_from : str          the body's first interface, or "" when the body has none to look from
+    deflection : (t, 3)      displacement as seen from there, in the mesh axes that turn with it, m
+    """
+
+    position: np.ndarray
+    seen_from: str
+    deflection: np.ndarray
+
+
+def tracked_motion(
+    body: RigidBody | ReducedBody | FullBody, motion: FloatingMotion, at: str | ArrayLike
+) -> TrackedMotion:
+    """Motion of one place, `r = R + A (x + u)`, and its deflection `A_p^T (r - r_p) - (x - x_p)`.
+
+    p is the body's first interface, with its own axes A_p: what is seen from there does not depend on the
+    choice of the floating frame.
+
+    Parameters
+    ----------
+    motion : FloatingMotion     of the body, at t times
+    at : name of an interface, or node numbers (k,), whose mean is taken
+
+    Raises
+    ------
+    ModelError  a node number outside the body
+    """
+    if isinstance(body, RigidBody):
+        position = _in_space(motion, np.tile(body.interface(str(at)).position, (len(motion.position), 1)))
+        return TrackedMotion(position, "", np.zeros(position.shape))
+    rest, displacement = _in_frame(body, motion, at)
+    position = _in_space(motion, rest + displacement)
+    if not body.interfaces:
+        return TrackedMotion(position, "", displacement)
+    origin, axes = _base_axes(body, motion)
+    base = body.interfaces[0]
+    deflection = displacement_from_axes(position, origin, axes, rest - base.position)
+    return TrackedMotion(position, base.name, deflection)
+
+
+def deflections(body: ReducedBody | FullBody, motion: FloatingMotion) -> np.ndarray:
+    """Displacements (t, N, 3) of all nodes seen from the body's first interface, or else from its frame."""
+    if not body.interfaces:
+        return node_displacements(body, motion.coordinates)
+    origin, axes = _base_axes(body, motion)
+    seen = np.einsum("tji,tnj->tni", axes, node_positions(body, motion) - origin[:, None])
+    return seen - (body.nodes - body.interfaces[0].position)
+
+
+def _base_axes(body: ReducedBody | FullBody, motion: FloatingMotion) -> tuple[np.ndarray, np.ndarray]:
+    """Position (t, 3) and axes (t, 3, 3) in space of the first interface."""
+    base = body.interfaces[0]
+    base_motion = motion.coordinates @ base.motion.T
+    origin = _in_space(motion, base.position + base_motion[:, :3])
+    return origin, motion.rotation @ Rotation.from_rotvec(base_motion[:, 3:]).as_matrix()
+
+
+def _in_space(motion: FloatingMotion, local: np.ndarray) -> np.ndarray:
+    return in_space(motion.position, motion.rotation, local[:, None])[:, 0]
+
+
+def _in_frame(
+    body: ReducedBody | FullBody, motion: FloatingMotion, at: str | ArrayLike
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rest position (3,) and displacement (t, 3) in the floating frame."""
+    if isinstance(at, str):
+        interface = next(each for each in body.interfaces if each.name == at)
+        return interface.position, (motion.coordinates @ interface.motion.T)[:, :3]
+    nodes = np.asarray(at)
+    return body.nodes[nodes].mean(axis=0), node_displacements(body, motion.coordinates, nodes).mean(axis=1)

@@ -1,0 +1,52 @@
+"""The reduced bodies of a run, kept beside its motion: the coordinates mean nothing without them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from supple.machine import System
+from supple.reduction import ReducedBody
+from supple.storage import read_reduced_body, write_reduced_body
+
+
+def reduced_bodies(system: System, names: Collection[str]) -> Iterator[ReducedBody]:
+    """The bodies of a system that are reduced, among those named."""
+    for placed in system.bodies:
+        if isinstance(placed.body, ReducedBody) and placed.body.name in names:
+            yield placed.body
+
+
+def keep_body(body: ReducedBody, folder: Path) -> Path:
+    """Write a reduced body where a run looks for it; the path of its file."""
+    return write_reduced_body(_kept_path(folder, body.name), body)
+
+
+def keep_bodies(system: System, names: Collection[str], folder: Path) -> None:
+    """Write the reduced bodies of a system, among those named."""
+    for body in reduced_bodies(system, names):
+        keep_body(body, folder)
+
+
+def with_kept_bodies(system: System, names: Collection[str], folder: Path) -> System:
+    """The system with the bodies that a run began with, to resume it; bodies that were not kept are now.
+
+    Reduced again, their columns may have other signs.
+    """
+    kept = {
+        body.name: read_reduced_body(path)
+        for body in reduced_bodies(system, names)
+        if (path := _kept_path(folder, body.name)).exists()
+    }
+    keep_bodies(system, set(names) - kept.keys(), folder)
+
+    bodies = (
+        replace(placed, body=kept[placed.body.name]) if placed.body.name in kept else placed
+        for placed in system.bodies
+    )
+    return replace(system, bodies=tuple(bodies))
+
+
+def _kept_path(folder: Path, name: str) -> Path:
+    return folder / f"{name}-reduced.h5"

@@ -1,0 +1,97 @@
+"""Laws of time against their definitions, and smooth enough for prescribed motion."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from supple import machine
+from supple.cases.law_tables import Constant, Ramp, Sine, SpinUp, TableLaw
+from supple.cases.laws import read_time_table, time_law
+from supple.errors import ImportFormatError
+
+TIMES = np.linspace(0.0, 5.0, 101)
+
+
+def sampled(law, folder):
+    with jax.enable_x64(True):
+        return np.asarray(jax.vmap(time_law(law, folder))(jnp.asarray(TIMES)))
+
+
+def test_constant(tmp_path):
+    assert (sampled(Constant(kind="constant", value=3.0), tmp_path) == 3.0).all()
+
+
+def test_sine(tmp_path):
+    values = sampled(Sine(kind="sine", amplitude=2.0, frequency_hz=0.5), tmp_path)
+    np.testing.assert_allclose(values, 2.0 * np.sin(np.pi * TIMES), atol=1e-14)
+
+
+def test_ramp_rises_once_and_starts_and_ends_without_speed_or_acceleration(tmp_path):
+    with jax.enable_x64(True):
+        ramp = time_law(Ramp(kind="ramp", value=4.0, duration=2.0), tmp_path)
+        rate, acceleration = jax.grad(ramp), jax.grad(jax.grad(ramp))
+        for end in (1e-9, 2.0 - 1e-9):
+            assert abs(rate(end)) < 1e-8
+            assert abs(acceleration(end)) < 1e-7
+        values = np.asarray(jax.vmap(ramp)(jnp.asarray(TIMES)))
+    assert (np.diff(values) >= 0.0).all()
+    assert (values[TIMES >= 2.0] == 4.0).all()
+    assert ramp(1.0) == pytest.approx(2.0)
+
+
+def test_spin_up_turns_by_half_of_the_final_speed_times_its_duration(tmp_path):
+    law = SpinUp(kind="spin-up", speed=2.0, duration=4.0)
+    values = sampled(law, tmp_path)
+    assert values[TIMES == 4.0] == pytest.approx(2.0 * 4.0 / 2)
+    assert np.diff(values)[-1] == pytest.approx(2.0 * (TIMES[1] - TIMES[0]))
+
+
+def test_table_passes_through_its_rows_with_a_continuous_second_derivative(tmp_path):
+    rows = np.column_stack([np.linspace(0.0, 5.0, 11), np.sin(np.linspace(0.0, 5.0, 11))])
+    np.savetxt(tmp_path / "law.csv", rows, delimiter=",", header="time,value")
+    with jax.enable_x64(True):
+        law = time_law(TableLaw(kind="table", file="law.csv"), tmp_path)
+        np.testing.assert_allclose([law(t) for t in rows[:, 0]], rows[:, 1], atol=1e-12)
+        second = jax.grad(jax.grad(law))
+        for t in rows[1:-1, 0]:
+            assert float(second(t - 1e-9)) == pytest.approx(float(second(t + 1e-9)), abs=1e-6)
+        assert float(law(9.0)) == pytest.approx(rows[-1, 1])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0,1\nx,2\n", "write rows of two numbers, time,value"),
+        ("0,1\n", "has 1 rows of 2 numbers; write two or more rows"),
+        ("0,1,2\n1,2,3\n", "has 2 rows of 3 numbers; write two or more rows"),
+        ("0,1\n1,nan\n", "holds NaN or infinite numbers; remove these rows"),
+        ("0,1\n2,1\n1,1\n", "times must increase, but row 3 has 1 after 2"),
+    ],
+)
+def test_wrong_tables_are_named(tmp_path, text, message):
+    (tmp_path / "law.csv").write_text(text)
+    with pytest.raises(ImportFormatError, match=message):
+        read_time_table(tmp_path / "law.csv")
+
+
+@pytest.mark.parametrize(
+    ("table", "law"),
+    [
+        (Constant(kind="constant", value=3.0), machine.Constant(3.0)),
+        (Ramp(kind="ramp", value=4.0, duration=2.0), machine.Ramp(4.0, 2.0)),
+        (Sine(kind="sine", amplitude=2.0, frequency_hz=0.5), machine.Sine(2.0, 0.5)),
+        (SpinUp(kind="spin-up", speed=2.0, duration=4.0), machine.SpinUp(2.0, 4.0)),
+        (TableLaw(kind="table", file="law.csv"), machine.Spline([0.0, 1.0, 3.0], [0.0, 2.0, 1.0])),
+    ],
+)
+def test_a_table_builds_what_a_script_would_write(tmp_path, table, law):
+    (tmp_path / "law.csv").write_text("0,0\n1,2\n3,1\n")
+    built = time_law(table, tmp_path)
+    assert type(built) is type(law)
+    own, expected = jax.tree.leaves(built), jax.tree.leaves(law)
+    assert expected
+    for leaf, other in zip(own, expected, strict=True):
+        np.testing.assert_array_equal(leaf, other)

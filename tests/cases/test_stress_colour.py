@@ -1,0 +1,91 @@
+"""Stress that cannot be shown is a mistake of the case, known before anything is simulated."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from supple.cases import read_case
+from supple.errors import CaseError
+from supple.mesh import strip
+
+MESH = strip(1.0, 0.1, 4, 2)
+N_NODES = len(MESH.nodes)
+
+BODY = """
+[[body]]
+name = "NAME"
+mesh = "NAME.bdf"
+nastran = {}
+frame = { kind = "mean-axis" }
+reduction = { basis = "normal-modes", modes = 2 }
+LINEAR
+"""
+
+REST = """
+[simulation]
+duration = 1.0
+output_step = 0.1
+step = 0.1
+
+[output]
+colour = "von-mises"
+"""
+
+
+@pytest.fixture
+def write(tmp_path, bulk):
+    """Writes a case of bodies made of bulk data: 'plate', 'beams' and 'stiffened' (both)."""
+    plate, wall = [*bulk.grids(MESH.nodes), *bulk.elements(MESH)], bulk.shell(0.01)
+    along = np.flatnonzero(MESH.nodes[:, 1] == MESH.nodes[:, 1].min())[:5] + 1
+    bars = [bulk.card("CBEAM", 900 + i, 9, *pair, 0.0, 0.0, 1.0) for i, pair in enumerate(pairwise(along))]
+    section = ["PBEAM,9,5,1.-4,2.-9,1.-9,0.,3.-9", ",", ",.5,.8"]
+    line = [bulk.card("GRID", i, None, *map(repr, map(float, MESH.nodes[i - 1]))) for i in along]
+    (tmp_path / "plate.bdf").write_text(bulk.deck(*plate, *wall))
+    (tmp_path / "stiffened.bdf").write_text(bulk.deck(*plate, *bars, *wall, *section))
+    (tmp_path / "beams.bdf").write_text(bulk.deck(*line, *bars, *section, bulk.steel()))
+
+    def write(*names, linear=False):
+        bodies = [
+            BODY.replace("NAME", name).replace("LINEAR", "linear = true" if linear else "") for name in names
+        ]
+        (tmp_path / "case.toml").write_text("\n".join(['title = "t"', *bodies, REST]))
+        return read_case(tmp_path / "case.toml")
+
+    return write
+
+
+def build(case):
+    assert case.system.bodies
+    return case
+
+
+def mistake(case):
+    with pytest.raises(CaseError) as caught:
+        build(case)
+    line = case.path.read_text().splitlines().index('colour = "von-mises"') + 1
+    (row,) = (row for row in str(caught.value).splitlines() if row.startswith("  "))
+    assert row.startswith(f"  line {line}, output.colour: ")
+    assert row.endswith("remove the key")
+    return row
+
+
+def test_a_plate_has_stress(write):
+    assert list(build(write("plate")).flexible) == ["plate"]
+
+
+def test_beams_have_no_faces_to_colour(write):
+    assert "stress colours faces, and beams have none" in mistake(write("beams"))
+
+
+def test_beams_that_are_not_drawn_do_not_matter(write):
+    assert list(build(write("plate", "beams")).flexible) == ["plate", "beams"]
+
+
+@pytest.mark.parametrize("linear", [False, True])
+def test_a_drawn_body_with_beams_is_named(write, linear):
+    assert "body 'stiffened': no stress recovery for beams" in mistake(
+        write("plate", "stiffened", linear=linear)
+    )

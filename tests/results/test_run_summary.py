@@ -1,0 +1,39 @@
+"""Joint loads and the numbers of a run, from a solution made up of known multipliers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from supple.machine import GROUND, At, Placed, Revolute, System
+from supple.results import joint_loads, summarize, tracked_motion
+
+
+@pytest.fixture
+def hinged(rod, make):
+    """A rod on a hinge, and three instants at which the hinge's multipliers are known."""
+    hinge = Revolute(name="hinge", first=GROUND, second=At("rod", "left"), axis=(0.0, 1.0, 0.0))
+    made = make(n_times=3)
+    multipliers = np.zeros((3, 5))
+    multipliers[1], multipliers[2] = [-3.0, 0.0, 4.0, 0.0, 12.0], [1.0, 2.0, 2.0, -5.0, 0.0]
+    solution = type(made)(made.times, {"rod": made.bodies["hub"]}, {"hinge": multipliers}, made.statistics)
+    return System(bodies=(Placed(rod("rod", 2.0)),), joints=(hinge,)), solution
+
+
+def test_a_joint_acts_on_its_second_end_against_its_multipliers(hinged):
+    loads = joint_loads(*hinged)["hinge"]
+    np.testing.assert_array_equal(loads["force"][1:], [[3.0, 0.0, -4.0], [-1.0, -2.0, -2.0]])
+    np.testing.assert_array_equal(loads["moment"][1:], [[0.0, -12.0], [5.0, 0.0]])
+
+
+def test_the_summary_finds_the_largest_values_and_their_times(hinged):
+    system, solution = hinged
+    place = tracked_motion(system.bodies[0].body, solution.bodies["rod"], "right")
+    numbers = summarize(system, solution, {"rod.right": place})
+    joint = numbers["joints"]["hinge"]
+    assert (joint["largest force"], joint["time of largest force"]) == (5.0, solution.times[1])
+    assert (joint["largest moment"], joint["time of largest moment"]) == (12.0, solution.times[1])
+    np.testing.assert_array_equal(joint["last force"], [-1.0, -2.0, -2.0])
+    assert numbers["bodies"]["rod"] == {"kind": "rigid", "mass": 1.0}
+    np.testing.assert_array_equal(numbers["tracked"]["rod.right"]["last position"], place.position[-1])
+    assert numbers["statistics"]["cuts"] == solution.statistics.rejected_steps

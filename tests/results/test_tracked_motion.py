@@ -1,0 +1,55 @@
+"""Tracked places against their definitions: r = R + A (x + u), deflection A_p^T (r - r_p) - (x - x_p)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from supple.integrate.solution import FloatingMotion
+from supple.results import deflections, node_positions, tracked_motion
+
+T = 4
+
+
+@pytest.fixture
+def motion_of():
+    """A motion of so many coordinates, their sizes up to a hundredth."""
+
+    def make(r, size=0.01):
+        rng = np.random.default_rng(2)
+        three, many = np.zeros((T, 3)), size * rng.uniform(-1, 1, (T, r))
+        rotation = Rotation.random(T, rng=rng).as_matrix()
+        return FloatingMotion(rng.normal(size=(T, 3)), rotation, many, three, three, many, three, three, many)
+
+    return make
+
+
+def test_an_interface_of_a_rigid_body_goes_with_its_frame(rod, motion_of):
+    motion = motion_of(0)
+    tracked = tracked_motion(rod("rod", 2.0), motion, "right")
+    np.testing.assert_allclose(tracked.position, motion.position + motion.rotation[:, :, 0], rtol=1e-13)
+    assert not tracked.deflection.any()
+    assert tracked.seen_from == ""
+
+
+def test_a_body_that_only_moves_has_no_deflection(floating_blade, motion_of):
+    tracked = tracked_motion(floating_blade, motion_of(floating_blade.r, size=0.0), "tip")
+    np.testing.assert_allclose(tracked.deflection, 0.0, atol=1e-14)
+    assert tracked.seen_from == "root"
+
+
+def test_the_deflection_of_a_node_is_that_of_all_nodes_there(floating_blade, motion_of):
+    motion = motion_of(floating_blade.r)
+    everywhere = deflections(floating_blade, motion)
+    for node in (0, 9, 20):
+        tracked = tracked_motion(floating_blade, motion, [node])
+        np.testing.assert_allclose(tracked.position, node_positions(floating_blade, motion, [node])[:, 0])
+        np.testing.assert_allclose(tracked.deflection, everywhere[:, node], atol=1e-14)
+    both = tracked_motion(floating_blade, motion, [9, 20]).deflection
+    np.testing.assert_allclose(both, everywhere[:, [9, 20]].mean(axis=1), atol=1e-14)
+
+
+def test_the_first_interface_does_not_move_against_itself(floating_blade, motion_of):
+    tracked = tracked_motion(floating_blade, motion_of(floating_blade.r), "root")
+    np.testing.assert_allclose(tracked.deflection, 0.0, atol=1e-14)
