@@ -14,9 +14,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from measure import keep
-from supple.multibody.compiled.compiled_run import controls
-from supple.multibody.compiled.compiler_options import MARCHING
-from supple.multibody.compiled.initial_state import consistent_start
 
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.fem import GREEN_LAGRANGE
@@ -32,7 +29,9 @@ from supple.machine import (
     Table,
 )
 from supple.machine.laws.spin_up import SpinUp
+from supple.multibody.compiled.engine import controls, initial_state
 from supple.multibody.compiled.time_step import march
+from supple.multibody.equations.compiler_options import MARCHING
 from supple.reduction import (
     CompressedDerivatives,
     NoDerivatives,
@@ -65,9 +64,11 @@ def hung(body: FlexibleBody) -> System:
 
 def march_cost(name: str, system: System, *, step: float, tolerance: float = 1e-6) -> dict[str, Any]:
     began = process_time()
-    model, state = consistent_start(system, 0.0, step)
+    model, state = initial_state(system, 0.0, step)
     started = process_time()
-    settings = controls(FixedStep(step), GeneralizedAlpha(0.8), Tolerances(tolerance))
+    settings = controls(
+        Run(1.0, 1.0, step=FixedStep(step), method=GeneralizedAlpha(0.8), tolerances=Tolerances(tolerance))
+    )
     arguments = jax.device_put((model, settings, state, jnp.asarray(step * np.arange(1, N_STEPS + 1))))
     program = march.lower(*arguments).compile(compiler_options=MARCHING)
     compiled = process_time()

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from supple.algebra.compilation_cache import keep_compiled_programs
+from supple.algebra.jax_settings import keep_compiled_programs
 from supple.mesh import CellType
 
 pytest_plugins = (

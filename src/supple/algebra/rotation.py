@@ -6,19 +6,13 @@ A rotation `A` maps body components to global ones. Variations are taken on the 
 
 from __future__ import annotations
 
-import os
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+import supple.algebra.jax_settings  # noqa: F401 - 64-bit floats, before the first array
+
 __all__ = ["euler_parameters", "rotation_exp", "rotation_log", "rotation_right_jacobian", "skew", "unskew"]
-
-jax.config.update("jax_enable_x64", True)
-
-# One thread per process: a compiled step is hundreds of operations shorter than a microsecond, and handing
-# them from thread to thread takes longer than doing them. Read when JAX starts; an earlier choice stays.
-os.environ.setdefault("NPROC", "1")
 
 # Below this squared angle the trigonometric quotients are replaced by their series (error < 1e-17).
 _SMALL_SQUARED_ANGLE = 1e-2

@@ -59,7 +59,7 @@ def run(
 ) -> None:
     """Simulate a case file; write results (HDF5, JSON), pictures (PNG) and an animation (GIF)."""
     # Imported here: the solvers take seconds to load, which help and version need not wait for.
-    from supple.algebra.compilation_cache import keep_compiled_programs
+    from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.run_case import run_case
 
     keep_compiled_programs()

@@ -75,7 +75,7 @@ def _perform(
     output: Path,
     debug: bool,
 ) -> None:
-    from supple.algebra.compilation_cache import keep_compiled_programs
+    from supple.algebra.jax_settings import keep_compiled_programs
     from supple.mesh import CellType
     from supple_benchmarks.machines.perform import perform
 

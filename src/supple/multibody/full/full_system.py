@@ -23,7 +23,6 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.sparse import csr_array
 
 from supple.algebra.rotation import rotation_exp
 from supple.body import FullBody
@@ -37,8 +36,8 @@ from supple.multibody.equations.consistent_start import JointTerms, joint_terms
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.step_size import position_rounding
+from supple.multibody.full.bordered_solve import Border, EliminatedInterior, solve_bordered
 from supple.multibody.full.full_interior import (
-    Elimination,
     FullInterior,
     InteriorState,
     prepare_interior,
@@ -258,88 +257,29 @@ class FullSystem:
             )
         )
         joint_targets, frame_targets = targets
-        m, n_border = len(joint_targets), model.n_velocities
-        n_small = n_border + m + 6 * len(self.interiors)
-        small, right = np.zeros((n_small, n_small)), np.zeros(n_small)
-        multipliers = slice(n_border, n_border + m)
-        scale = model.mass
-        small[:n_border, :n_border] = matrix
-        small[:n_border, multipliers] = scale * rows.T
-        small[multipliers, :n_border] = scale * rows_by_increment
-        right[:n_border] = -evaluation.border.residual
-        right[multipliers] = scale * joint_targets
-        eliminations: list[Elimination] = []
+        border = Border(
+            matrix, rows, rows_by_increment, evaluation.border.residual, joint_targets, float(model.mass)
+        )
+        eliminated = []
         for number, interior in enumerate(self.interiors):
-            part = self.slices[interior.index]
             residual = evaluation.interior_residuals[number]
-            out = interior.eliminate(
-                evaluation.interior_states[number],
-                residual[6:],
-                increments[part][3:6],
-                factors,
-            )
-            eliminations.append(out)
-            self._condense(interior, number, out, residual[:6], frame_targets[number], small, right, m)
-        solution = np.linalg.solve(small, right)
-        changes = []
-        for index, part in enumerate(model.slices):
-            interior = self.interior_of.get(index)
-            own = solution[part]
-            if interior is not None:
-                number = self.interiors.index(interior)
-                out = eliminations[number]
-                mu = solution[n_border + m + 6 * number : n_border + m + 6 * number + 6]
-                interface = (matrix[part] @ solution[:n_border])[6:] + (rows.T[part] @ solution[multipliers])[
-                    6:
-                ] * scale
-                nodal = (
-                    out.particular
-                    + out.by_interface @ interface
-                    + out.by_frame @ own[:6]
-                    + out.by_multiplier @ mu
+            turn = increments[self.slices[interior.index]][3:6]
+            out = interior.eliminate(evaluation.interior_states[number], residual[6:], turn, factors)
+            eliminated.append(
+                EliminatedInterior(
+                    model.slices[interior.index],
+                    out,
+                    interior.interface_rows,
+                    interior.frame_rows,
+                    residual[:6],
+                    frame_targets[number],
                 )
-                own = np.concatenate([own[:6], nodal])
-            changes.append(own)
-        mus = solution[n_border + m :].reshape(-1, 6)
-        return np.concatenate(changes), scale * solution[multipliers], tuple(mus)
-
-    def _condense(
-        self,
-        interior: FullInterior,
-        number: int,
-        out: Elimination,
-        frame_residual: np.ndarray,
-        frame_target: np.ndarray,
-        small: np.ndarray,
-        right: np.ndarray,
-        m: int,
-    ) -> None:
-        """Replace the rows of one full body in the small system by those of its eliminated interior."""
-        part = self.model.slices[interior.index]
-        frame = slice(part.start, part.start + 6)
-        interface = slice(part.start + 6, part.stop)
-        n_border = self.model.n_velocities
-        mu = slice(n_border + m + 6 * number, n_border + m + 6 * number + 6)
-        forces = small[interface].copy()  # generalised interface forces per unknown of the small system
-
-        def through(left: np.ndarray | csr_array) -> tuple[np.ndarray, np.ndarray]:
-            """Matrix and particular part of `left @ x` in terms of the small system's unknowns."""
-            total = (left @ out.by_interface) @ forces
-            total[:, frame] += left @ out.by_frame
-            total[:, mu] += left @ out.by_multiplier
-            return total, left @ out.particular
-
-        seen, seen_particular = through(out.frame_rows)
-        small[frame] += seen
-        small[frame, frame] += out.frame_corner
-        right[frame] = -frame_residual - seen_particular
-        moved, moved_particular = through(interior.interface_rows)
-        small[interface] = moved
-        small[interface, interface] -= np.eye(interface.stop - interface.start)
-        right[interface] = -moved_particular
-        held, held_particular = through(interior.frame_rows)
-        small[mu] += held
-        right[mu] = frame_target - held_particular
+            )
+        change = solve_bordered(border, eliminated)
+        parts = [change.border[part] for part in model.slices]
+        for interior, own in zip(self.interiors, change.interiors, strict=True):
+            parts[interior.index] = np.concatenate([parts[interior.index][:6], own])
+        return np.concatenate(parts), change.multipliers, change.frame_multipliers
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Constraints and their derivatives, for the velocities of the compiled part."""

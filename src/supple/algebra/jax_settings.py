@@ -1,0 +1,77 @@
+"""JAX's process-wide settings, all of them: what importing a compiled part of supple changes for a process.
+
+- 64-bit floats (`jax_enable_x64`): lengths of a blade and strains of a millionth stand in one equation.
+- One thread (`NPROC`): a compiled step is hundreds of operations shorter than a microsecond, and handing them
+  from thread to thread takes longer than doing them. Read when JAX starts; an earlier choice stays.
+- Compiled programs are kept between processes, in the user's cache, where no other folder was chosen before.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+
+import jax
+
+__all__ = ["keep_compiled_programs"]
+
+
+def keep_compiled_programs(folder: Path | None = None) -> Path:
+    """Store compiled programs in a folder, by default the user's cache; returns the folder.
+
+    A program is found again by its content, so a stale one is never used; the folder may be deleted at any
+    time. Programs are native code: the default folder is named after the processor and the versions of JAX,
+    so that a home shared by unlike machines keeps them apart. The JAX_COMPILATION_CACHE_DIR of the
+    environment takes precedence; JAX_ENABLE_COMPILATION_CACHE=false turns the cache off.
+    """
+    named = os.environ.get("JAX_COMPILATION_CACHE_DIR")
+    folder = Path(named) if named else folder or _user_cache() / "supple" / "compiled" / _machine()
+    jax.config.update("jax_compilation_cache_dir", str(folder))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)
+    return folder
+
+
+def _user_cache() -> Path:
+    for variable in ("XDG_CACHE_HOME", "LOCALAPPDATA"):
+        if os.environ.get(variable):
+            return Path(os.environ[variable])
+    return Path.home() / ".cache"
+
+
+@lru_cache
+def _machine() -> str:
+    """Name for all that decides whether native code runs: architecture, instruction sets, versions."""
+    features = [
+        platform.system(),
+        platform.machine(),
+        platform.processor(),
+        version("jax"),
+        version("jaxlib"),
+    ]
+    listing = Path("/proc/cpuinfo")
+    if listing.exists():
+        lines = listing.read_text(encoding="utf-8", errors="replace").splitlines()
+        wanted = ("model name", "flags", "Features", "CPU part")
+        features += sorted({line for line in lines if line.startswith(wanted)})
+    return f"{platform.machine()}-{hashlib.sha256(repr(features).encode()).hexdigest()[:12]}"
+
+
+def _writable(folder: Path) -> bool:
+    """Whether programs could be kept there: a home may be missing or read-only."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK)
+
+
+jax.config.update("jax_enable_x64", True)
+os.environ.setdefault("NPROC", "1")
+if getattr(jax.config, "jax_compilation_cache_dir", None) is None and _writable(
+    _user_cache() / "supple" / "compiled" / _machine()
+):
+    keep_compiled_programs()

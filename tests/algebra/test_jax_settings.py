@@ -1,0 +1,60 @@
+"""JAX's settings: programs are kept where they were asked to be, from Python as from the command line."""
+
+import os
+import subprocess
+import sys
+
+import jax
+import jax.numpy as jnp
+import pytest
+
+from supple.algebra import jax_settings
+from supple.algebra.jax_settings import keep_compiled_programs
+
+
+@pytest.fixture
+def _restored():
+    before = jax.config.jax_compilation_cache_dir
+    yield
+    jax.config.update("jax_compilation_cache_dir", before)
+
+
+@pytest.mark.usefixtures("_restored")
+def test_environment_takes_precedence(tmp_path, monkeypatch):
+    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(tmp_path / "named"))
+    assert keep_compiled_programs(tmp_path / "asked") == tmp_path / "named"
+
+
+@pytest.mark.usefixtures("_restored")
+def test_user_cache_by_default(tmp_path, monkeypatch):
+    monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    folder = keep_compiled_programs()
+    assert folder.parent == tmp_path / "supple" / "compiled"
+    assert float(jax.jit(lambda x: 2 * x)(jnp.ones(()))) == 2.0
+
+
+def test_unlike_machines_share_no_programs(monkeypatch):
+    """Another instruction set, or another version of the compiler, has another folder."""
+    monkeypatch.undo()
+    here = jax_settings._machine.__wrapped__()
+    monkeypatch.setattr(jax_settings.platform, "machine", lambda: "another")
+    there = jax_settings._machine.__wrapped__()
+    monkeypatch.undo()
+    monkeypatch.setattr(jax_settings, "version", lambda name: "0.0.0")
+    later = jax_settings._machine.__wrapped__()
+    assert len({here, there, later}) == 3
+
+
+def test_programs_are_kept_from_python(tmp_path):
+    """Importing the package is enough, and an earlier choice stays."""
+    script = "import supple.multibody, jax; print(jax.config.jax_compilation_cache_dir)"
+    bare = {key: value for key, value in os.environ.items() if key != "JAX_COMPILATION_CACHE_DIR"}
+    for more, expected in (
+        ({"XDG_CACHE_HOME": str(tmp_path)}, str(tmp_path / "supple" / "compiled")),
+        ({"JAX_COMPILATION_CACHE_DIR": str(tmp_path / "mine")}, str(tmp_path / "mine")),
+    ):
+        shown = subprocess.run(
+            [sys.executable, "-c", script], env=bare | more, capture_output=True, text=True, check=True
+        )
+        assert shown.stdout.startswith(expected)
