@@ -43,7 +43,7 @@ def tracked_motion(
 
     Raises
     ------
-    ModelError  a node number outside the body
+    ModelError  a node number outside the body, an interface that it does not have
     """
     if isinstance(body, RigidBody):
         position = _in_space(motion, np.tile(body.interface(str(at)).position, (len(motion.position), 1)))
@@ -84,7 +84,7 @@ def _in_frame(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rest position (3,) and displacement (t, 3) in the floating frame."""
     if isinstance(at, str):
-        interface = next(each for each in body.interfaces if each.name == at)
+        interface = body.interface(at)
         return interface.position, (motion.coordinates @ interface.motion.T)[:, :3]
     nodes = np.asarray(at)
     return body.nodes[nodes].mean(axis=0), node_displacements(body, motion.coordinates, nodes).mean(axis=1)
