@@ -26,7 +26,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.body import RigidBody as RigidBody
     from supple.body import RigidInterface as RigidInterface
     from supple.body import flexible_body as flexible_body
-    from supple.cases import read_case as read_case  # pyright: ignore[reportMissingImports]
+    from supple.cases import read_case as read_case
     from supple.correction import ReductionStart as ReductionStart
     from supple.correction import SelfCorrection as SelfCorrection
     from supple.correction import self_correct as self_correct

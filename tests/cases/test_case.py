@@ -65,7 +65,7 @@ def test_a_script_simulates_a_case(case_folder):
     bodies = (solution.bodies["strip"], result.solution.bodies["strip"])
     np.testing.assert_array_equal(*(motion.coordinates for motion in bodies))
     np.testing.assert_array_equal(read_solution(case_folder / "out" / "strip.h5").times, solution.times)
-    assert result.numbers["bodies"]["strip"]["coordinates"] == case.system.bodies[0].body.r
+    assert result.numbers["bodies"]["strip"]["coordinates"] == case.system.bodies[0].body.n_coordinates
 
 
 def test_a_case_is_built_once_and_says_what_it_does(case_folder):
@@ -86,7 +86,7 @@ def test_a_reduction_without_a_size_has_a_start(case_folder):
     path.write_text(path.read_text().replace("modes = 4, derivatives", "accuracy = {}, derivatives"))
     case = read_case(path)
     assert case.starts["strip"].target.relative == 1e-3
-    assert case.system.bodies[0].body.r == case.flexible["strip"].n
+    assert case.system.bodies[0].body.n_coordinates == case.flexible["strip"].n
 
 
 def test_a_place_is_an_interface_or_the_nodes_of_a_set(case_folder):

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from supple import machine
-from supple.cases.law_tables import Constant, Ramp, Sine, SpinUp, TableLaw
-from supple.cases.laws import read_time_table, time_law
+from supple.cases.laws import Constant, Ramp, Sine, SpinUp, TableLaw, read_time_table, time_law
 from supple.errors import ImportFormatError
 
 TIMES = np.linspace(0.0, 5.0, 101)

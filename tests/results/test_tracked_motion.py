@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from supple.integrate.solution import FloatingMotion
+from supple.integrate import FloatingMotion
 from supple.results import deflections, node_positions, tracked_motion
 
 T = 4
@@ -34,13 +34,13 @@ def test_an_interface_of_a_rigid_body_goes_with_its_frame(rod, motion_of):
 
 
 def test_a_body_that_only_moves_has_no_deflection(floating_blade, motion_of):
-    tracked = tracked_motion(floating_blade, motion_of(floating_blade.r, size=0.0), "tip")
+    tracked = tracked_motion(floating_blade, motion_of(floating_blade.n_coordinates, size=0.0), "tip")
     np.testing.assert_allclose(tracked.deflection, 0.0, atol=1e-14)
     assert tracked.seen_from == "root"
 
 
 def test_the_deflection_of_a_node_is_that_of_all_nodes_there(floating_blade, motion_of):
-    motion = motion_of(floating_blade.r)
+    motion = motion_of(floating_blade.n_coordinates)
     everywhere = deflections(floating_blade, motion)
     for node in (0, 9, 20):
         tracked = tracked_motion(floating_blade, motion, [node])
@@ -51,5 +51,5 @@ def test_the_deflection_of_a_node_is_that_of_all_nodes_there(floating_blade, mot
 
 
 def test_the_first_interface_does_not_move_against_itself(floating_blade, motion_of):
-    tracked = tracked_motion(floating_blade, motion_of(floating_blade.r), "root")
+    tracked = tracked_motion(floating_blade, motion_of(floating_blade.n_coordinates), "root")
     np.testing.assert_allclose(tracked.deflection, 0.0, atol=1e-14)

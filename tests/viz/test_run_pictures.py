@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from supple.integrate.solution import FloatingMotion, Solution, Statistics
+from supple.integrate import FloatingMotion, Solution, Statistics
 from supple.machine import Placed, System
 from supple.mesh import strip
 from supple.results import tracked_motion

@@ -7,13 +7,6 @@ from typing import Any
 from supple.cases.body_kinds import kind_of
 from supple.cases.line_index import KeyPath
 from supple.cases.raw_tables import Mistakes, Raw, did_you_mean, names, table, tables, unknown
-from supple.machine import GROUND, At
-
-
-def end(text: str) -> At:
-    """The end that `ground` or `BODY.INTERFACE` means."""
-    body, _, interface = text.partition(".")
-    return GROUND if text == "ground" else At(body, interface)
 
 
 def ends_exist(raw: Raw) -> Mistakes:

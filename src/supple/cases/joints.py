@@ -10,9 +10,7 @@ from typing import Any, Literal, get_args
 from pydantic import Field
 
 from supple import machine
-from supple.cases.ends import end
-from supple.cases.law_tables import Law
-from supple.cases.laws import time_law
+from supple.cases.laws import Law, time_law
 from supple.cases.line_index import KeyPath
 from supple.cases.raw_tables import Mistakes, Raw, axes_with_length, on_each, usable_names
 from supple.cases.table import Table, Vector
@@ -71,8 +69,8 @@ class Joint(Table):
         given: dict[str, Any] = {"axis": self.axis, "second_axis": self.second_axis}
         given["law"] = time_law(self.law, folder) if self.law else None
         return made(
-            first=end(self.first),
-            second=end(self.second),
+            first=self.first,
+            second=self.second,
             name=self.name or "",
             **{name: given[key] for key, name in needed.items()},
         )

@@ -3,15 +3,59 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import Field
 
-from supple.cases import law_tables as schema
+from supple import machine
+from supple.cases.table import Positive, Table
 from supple.errors import ImportFormatError
-from supple.machine import Constant, Ramp, Sine, SpinUp, Spline, TimeLaw
+from supple.machine import TimeLaw
 
 
-def time_law(law: schema.Law, folder: Path) -> TimeLaw:
+class Constant(Table):
+    """value"""
+
+    kind: Literal["constant"]
+    value: float
+
+
+class Ramp(Table):
+    """From 0 to value in duration with a smooth start and end, then constant."""
+
+    kind: Literal["ramp"]
+    value: float
+    duration: Positive = Field(description="s")
+
+
+class Sine(Table):
+    """amplitude sin(2 pi frequency_hz t)"""
+
+    kind: Literal["sine"]
+    amplitude: float
+    frequency_hz: Positive = Field(description="Hz")
+
+
+class SpinUp(Table):
+    """An angle (or path) whose rate grows smoothly from 0 to speed in duration, then stays."""
+
+    kind: Literal["spin-up"]
+    speed: float = Field(description="rate after the spin-up, rad/s or m/s")
+    duration: Positive = Field(description="s")
+
+
+class TableLaw(Table):
+    """Values from a file, joined by a curve that is smooth enough for prescribed motion (cubic spline)."""
+
+    kind: Literal["table"]
+    file: str = Field(description="CSV file of time,value rows beside the case file")
+
+
+Law = Annotated[Constant | Ramp | Sine | SpinUp | TableLaw, Field(discriminator="kind")]
+
+
+def time_law(law: Law, folder: Path) -> TimeLaw:
     """The law of time that a table describes; a table's file lies in or under `folder`.
 
         constant   `Constant`
@@ -25,16 +69,16 @@ def time_law(law: schema.Law, folder: Path) -> TimeLaw:
     ImportFormatError   a table file that does not hold two columns of numbers with times that increase
     """
     match law:
-        case schema.Constant():
-            return Constant(law.value)
-        case schema.Ramp():
-            return Ramp(law.value, law.duration)
-        case schema.Sine():
-            return Sine(law.amplitude, law.frequency_hz)
-        case schema.SpinUp():
-            return SpinUp(law.speed, law.duration)
-        case schema.TableLaw():
-            return Spline(*read_time_table(folder / law.file))
+        case Constant():
+            return machine.Constant(law.value)
+        case Ramp():
+            return machine.Ramp(law.value, law.duration)
+        case Sine():
+            return machine.Sine(law.amplitude, law.frequency_hz)
+        case SpinUp():
+            return machine.SpinUp(law.speed, law.duration)
+        case TableLaw():
+            return machine.Spline(*read_time_table(folder / law.file))
 
 
 def read_time_table(path: Path) -> tuple[np.ndarray, np.ndarray]:

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from supple.cases.law_tables import Constant, Law
-from supple.cases.laws import time_law
+from supple.cases.laws import Constant, Law, time_law
 from supple.cases.raw_tables import Mistakes, Raw, names, tables
 from supple.cases.table import Table, Vector
 from supple.machine import (

@@ -249,7 +249,7 @@ def reduction_start(given: Reduction | None, body: FlexibleBody) -> ReductionSta
         given = NormalModes.model_validate({"basis": "normal-modes"})
     assert isinstance(given, Sized | Guyan)  # the others have no start
     derivatives = derivative_choice(given.derivatives)
-    if given.derivatives is None and body.model is not None:
+    if given.derivatives is None and not body.is_linear:
         derivatives = reduction.CompressedDerivatives(FIRST_DERIVATIVES)
     accuracy = given.accuracy or Accuracy.model_validate({})
     return ReductionStart(accuracy.target(), given.recipe(), derivatives)

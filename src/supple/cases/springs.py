@@ -7,10 +7,9 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from supple.cases.ends import end
 from supple.cases.raw_tables import axes_with_length, on_each
 from supple.cases.table import NonNegative, Table, Vector
-from supple.machine import SpringDamper, System, TorsionSpringDamper
+from supple.machine import SpringDamper, System, TorsionSpringDamper, as_end
 
 
 class StraightSpring(Table):
@@ -25,7 +24,7 @@ class StraightSpring(Table):
 
     def build(self, system: System) -> SpringDamper:
         """The spring between bodies of a system."""
-        first, second = end(self.first), end(self.second)
+        first, second = as_end(self.first), as_end(self.second)
         length = self.free_length
         if length is None:
             length = float(np.linalg.norm(system.initial_point(second) - system.initial_point(first)))
@@ -52,8 +51,8 @@ class TorsionSpring(Table):
     def build(self, _system: System) -> TorsionSpringDamper:
         """The spring between bodies of a system."""
         return TorsionSpringDamper(
-            first=end(self.first),
-            second=end(self.second),
+            first=as_end(self.first),
+            second=as_end(self.second),
             axis=self.axis,
             stiffness=self.stiffness,
             damping=self.damping,

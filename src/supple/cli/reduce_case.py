@@ -26,7 +26,7 @@ def reduce_case(path: Path, folder: Path) -> None:
     """
     with console.status("reducing") as status:
         case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
-        bodies = list(reduced_bodies(case.system, case.made_here))
+        bodies = reduced_bodies(case.system, case.made_here)
     if not bodies:
         raise CaseError(
             f"{path} has no body to reduce: give an elastic body a reduction of fixed size, for example "

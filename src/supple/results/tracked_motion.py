@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from supple.body import FullBody, RigidBody, in_space, node_displacements
+from supple.body import BodyForm, in_space, node_displacements
 from supple.integrate import FloatingMotion
-from supple.reduction import ReducedBody
 from supple.results.recovery import displacement_from_axes, node_positions
 
 
@@ -28,9 +27,7 @@ class TrackedMotion:
     deflection: np.ndarray
 
 
-def tracked_motion(
-    body: RigidBody | ReducedBody | FullBody, motion: FloatingMotion, at: str | ArrayLike
-) -> TrackedMotion:
+def tracked_motion(body: BodyForm, motion: FloatingMotion, at: str | ArrayLike) -> TrackedMotion:
     """Motion of one place, `r = R + A (x + u)`, and its deflection `A_p^T (r - r_p) - (x - x_p)`.
 
     p is the body's first interface, with its own axes A_p: what is seen from there does not depend on the
@@ -43,14 +40,17 @@ def tracked_motion(
 
     Raises
     ------
-    ModelError  a node number outside the body
+    ModelError  a node number outside the body, an interface that it does not have
     """
-    if isinstance(body, RigidBody):
-        position = _in_space(motion, np.tile(body.interface(str(at)).position, (len(motion.position), 1)))
-        return TrackedMotion(position, "", np.zeros(position.shape))
-    rest, displacement = _in_frame(body, motion, at)
+    if isinstance(at, str):
+        interface = body.interface(at)
+        rest, displacement = interface.position, (motion.coordinates @ interface.motion.T)[:, :3]
+    else:
+        nodes = np.asarray(at)
+        rest = body.nodes[nodes].mean(axis=0)
+        displacement = node_displacements(body, motion.coordinates, nodes).mean(axis=1)
     position = _in_space(motion, rest + displacement)
-    if not body.interfaces:
+    if not (body.n_coordinates and body.interfaces):
         return TrackedMotion(position, "", displacement)
     origin, axes = _base_axes(body, motion)
     base = body.interfaces[0]
@@ -58,7 +58,7 @@ def tracked_motion(
     return TrackedMotion(position, base.name, deflection)
 
 
-def deflections(body: ReducedBody | FullBody, motion: FloatingMotion) -> np.ndarray:
+def deflections(body: BodyForm, motion: FloatingMotion) -> np.ndarray:
     """Displacements (t, N, 3) of all nodes seen from the body's first interface, or else from its frame."""
     if not body.interfaces:
         return node_displacements(body, motion.coordinates)
@@ -67,7 +67,7 @@ def deflections(body: ReducedBody | FullBody, motion: FloatingMotion) -> np.ndar
     return seen - (body.nodes - body.interfaces[0].position)
 
 
-def _base_axes(body: ReducedBody | FullBody, motion: FloatingMotion) -> tuple[np.ndarray, np.ndarray]:
+def _base_axes(body: BodyForm, motion: FloatingMotion) -> tuple[np.ndarray, np.ndarray]:
     """Position (t, 3) and axes (t, 3, 3) in space of the first interface."""
     base = body.interfaces[0]
     base_motion = motion.coordinates @ base.motion.T
@@ -77,14 +77,3 @@ def _base_axes(body: ReducedBody | FullBody, motion: FloatingMotion) -> tuple[np
 
 def _in_space(motion: FloatingMotion, local: np.ndarray) -> np.ndarray:
     return in_space(motion.position, motion.rotation, local[:, None])[:, 0]
-
-
-def _in_frame(
-    body: ReducedBody | FullBody, motion: FloatingMotion, at: str | ArrayLike
-) -> tuple[np.ndarray, np.ndarray]:
-    """Rest position (3,) and displacement (t, 3) in the floating frame."""
-    if isinstance(at, str):
-        interface = next(each for each in body.interfaces if each.name == at)
-        return interface.position, (motion.coordinates @ interface.motion.T)[:, :3]
-    nodes = np.asarray(at)
-    return body.nodes[nodes].mean(axis=0), node_displacements(body, motion.coordinates, nodes).mean(axis=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,11 +11,9 @@ from supple.reduction import ReducedBody
 from supple.storage import read_reduced_body, write_reduced_body
 
 
-def reduced_bodies(system: System, names: Collection[str]) -> Iterator[ReducedBody]:
+def reduced_bodies(system: System, names: Collection[str]) -> list[ReducedBody]:
     """The bodies of a system that are reduced, among those named."""
-    for placed in system.bodies:
-        if isinstance(placed.body, ReducedBody) and placed.body.name in names:
-            yield placed.body
+    return [body for name, body in system.bodies_of(ReducedBody).items() if name in names]
 
 
 def keep_body(body: ReducedBody, folder: Path) -> Path:

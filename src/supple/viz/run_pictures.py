@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from supple.body import FullBody, RigidBody
+from supple.body import FullBody
 from supple.fem import FiniteElementModel
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import System
@@ -64,6 +64,7 @@ def draw_run(
     the paths of the pictures
     """
     pictures: list[Path] = []
+    reduced = system.bodies_of(ReducedBody)
     for body, mesh in _drawn(system, meshes):
         surface = skin_of(mesh)
 
@@ -71,8 +72,8 @@ def draw_run(
             return folder / f"{name}-{what}.png"
 
         pictures.append(plot_mesh(path("mesh"), mesh.nodes, surface, title=body.name))
-        if isinstance(body, ReducedBody):
-            pictures.append(_draw_modes(path("modes"), body, surface))
+        if body.name in reduced:
+            pictures.append(_draw_modes(path("modes"), reduced[body.name], surface))
         pictures.append(_draw_deformed(path("deformed"), body, solution, surface))
         if elements is not None:
             pictures.append(_draw_stress(path("stress"), body, elements[body.name], solution, surface))
@@ -146,11 +147,8 @@ def _upright_camera(positions: np.ndarray, gravity: np.ndarray) -> Camera | None
 
 def _drawn(system: System, meshes: Mapping[str, Mesh]) -> list[tuple[ElasticBody, Mesh]]:
     """Elastic bodies that have something to show."""
-    return [
-        (placed.body, meshes[placed.body.name])
-        for placed in system.bodies
-        if not isinstance(placed.body, RigidBody) and placed.body.name in meshes
-    ]
+    elastic: dict[str, ElasticBody] = {**system.bodies_of(ReducedBody), **system.bodies_of(FullBody)}
+    return [(elastic[name], mesh) for name, mesh in meshes.items() if name in elastic]
 
 
 def _draw_modes(path: Path, body: ReducedBody, surface: Skin) -> Path:
