@@ -117,14 +117,15 @@ def system_corrections(
         steps[row] = _newton_step(prepared, states[-1], position)
         if progress is not None:
             progress((row + 1) / len(instants))
-    configurations = [state.configuration for state in states]
+    coordinates = np.array([state.configuration.coordinates for state in states])
+    rotations = np.array([state.configuration.rotations for state in states])
     determined = len(active) >= 6 * len(placed)
     return {
         full.name: _of_body(
             full,
             solution.times[instants],
-            configurations,
-            index,
+            coordinates[:, prepared.coordinate_slices[index]],
+            rotations[:, index],
             steps[:, prepared.slices[index]],
             determined,
         )
@@ -147,8 +148,8 @@ def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, 
 def _of_body(
     full: FullBody,
     times: np.ndarray,
-    configurations: list[Configuration],
-    index: int,
+    coordinates: np.ndarray,
+    rotations: np.ndarray,
     steps: np.ndarray,
     determined: bool,
 ) -> ResidualCorrections:
@@ -158,7 +159,7 @@ def _of_body(
         deformation=steps[:, 6:].T,
         origin=steps[:, :3],
         rotation=steps[:, 3:6],
-        rms=_nodal_rms(full, configurations, index, steps, determined),
+        rms=_nodal_rms(full, coordinates, rotations, steps, determined),
     )
 
 
@@ -211,15 +212,14 @@ def _newton_step(prepared: FullSystem, state: FullState, position: float) -> np.
 
 
 def _nodal_rms(
-    full: FullBody, configurations: list[Configuration], index: int, steps: np.ndarray, determined: bool
+    full: FullBody, coordinates: np.ndarray, rotations: np.ndarray, steps: np.ndarray, determined: bool
 ) -> np.ndarray:
     """Root-mean-square displacement of the nodes, (k,), with the rigid motion where it is determined."""
     if not determined:
         without = frame_projector(full.body, MeanAxisFrame())(steps[:, 6:].T)
         moved = full.expand(without.T)
     else:
-        places = full.nodes + full.expand(np.array([c.coordinates[index] for c in configurations]))
+        places = full.nodes + full.expand(coordinates)
         seen = full.expand(steps[:, 6:]) + np.cross(steps[:, None, 3:6], places)
-        rotations = np.array([configuration.rotations[index] for configuration in configurations])
         moved = in_space(steps[:, :3], rotations, seen)
     return np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1))

@@ -261,6 +261,8 @@ def _extend(file: h5py.File, n_written: int, arrays: Mapping[str, Array], chunk:
         if array.size:
             target[n_written:] = array
     for key, value in chunk.engine_state.items():
+        if f"engine_state/{key}" not in file:
+            continue  # a run begun by an engine that did not keep it
         rows = dataset(file, f"engine_state/{key}")
         rows.resize(rows.shape[0] + 1, axis=0)
         if rows.size:

@@ -185,8 +185,17 @@ def run(system, duration, step):
     )
 
 
+def bent(body, modes):
+    """A bend in the xz plane of unit mass norm; modes of a square section have no direction of their own."""
+    field = np.zeros((len(body.nodes), body.dofs_per_node))
+    field[:, 2] = body.nodes[:, 0] ** 2
+    shape, *_ = np.linalg.lstsq(body.expansion.toarray(), field.ravel())
+    weights = modes.T @ (body.mass @ shape)
+    return modes @ (weights / np.linalg.norm(weights))
+
+
 def test_a_free_full_body_keeps_energy_and_momenta_at_order_two(arm, complete):
-    bending = complete.vectors[:, 2 if isinstance(arm.frame, NodalFixedFrame) else 0]
+    bending = bent(arm.body, complete.vectors[:, :6])
     thrown = Placed(
         arm,
         velocity=[0.3, -0.2, 0.1],

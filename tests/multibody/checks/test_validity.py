@@ -9,9 +9,8 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame
 from supple.errors import ValidityError, ValidityWarning
-from supple.integrate import FloatingMotion, Run, Solution, Statistics
+from supple.integrate import FloatingMotion, Run, Solution, Statistics, Validity
 from supple.machine import Placed, System
-from supple.multibody import Validity
 from supple.multibody.checks.validity import Peaks, watch
 from supple.simulation import simulate
 
