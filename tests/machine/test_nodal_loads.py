@@ -39,10 +39,10 @@ def bar():
         solid_model(mesh, Isotropic(1e8, 0.3, 1000.0)),
         [RigidInterface("root", np.flatnonzero(x < 1e-9))],
     )
-    top = np.flatnonzero((z > 0.1 - 1e-9) & (np.abs(np.round(10 * x) - 10 * x) < 1e-9))
+    top = np.flatnonzero((z > 0.05 - 1e-9) & (np.abs(np.round(10 * x) - 10 * x) < 1e-9))
     corners = {}
     for node in top:
-        corners[round(10 * x[node]), mesh.nodes[node, 1] > 0.05] = int(node)
+        corners[round(10 * x[node]), mesh.nodes[node, 1] > 0] = int(node)
     faces = [
         [corners[i, False], corners[i + 1, False], corners[i + 1, True], corners[i, True]] for i in range(10)
     ]

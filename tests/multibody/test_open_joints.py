@@ -36,7 +36,7 @@ def open_by_a_little(request, body, rod):
         second = FullBody(body, frame)
     else:
         second = reduce(body, frame, CraigBampton(n_modes=4), derivatives=NoDerivatives())
-    first = Placed(rod("crank", 1.0), position=[0.5, 0.05, 0.05])
+    first = Placed(rod("crank", 1.0), position=[0.5, 0, 0])
     joints = (
         Revolute(first=GROUND, second=At("crank", "left"), axis=(0, 1, 0), name="shoulder"),
         Revolute(first=At("crank", "right"), second=At("rod", "near"), axis=(0, 1, 0), name="elbow"),
@@ -49,7 +49,7 @@ def test_they_are_closed_and_energy_is_kept(open_by_a_little):
     run = Run(0.05, 0.005, step=FixedStep(5e-4), method=Newmark(), tolerances=Tolerances(1e-10))
     solution = simulate(open_by_a_little, run)
     assert abs(joint_residuals(open_by_a_little, solution)[0]).max() <= 1e-14
-    total = balances(open_by_a_little, solution).total
-    kinetic = balances(open_by_a_little, solution).kinetic
-    assert np.ptp(total) < 1e-4 * kinetic.max()
-    assert abs(total[1] - total[0]) < 1e-5
+    kept = balances(open_by_a_little, solution)
+    assert kept.kinetic.max() > 0.1
+    assert np.ptp(kept.total) < 1e-4 * kept.kinetic.max()
+    assert kept.strain[0] < 1e-20  # shut by moving the rod, not by stretching it

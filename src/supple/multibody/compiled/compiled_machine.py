@@ -42,6 +42,16 @@ class CompiledMachine:
         """The mass matrix."""
         return np.asarray(_mass(self.model, configuration))
 
+    @property
+    def slices(self) -> tuple[slice, ...]:
+        """Where each body's freedoms stand."""
+        return self.model.slices
+
+    def frame_masses(self, configuration: Configuration) -> np.ndarray:
+        """Diagonal blocks of the mass matrix."""
+        mass = self.metric(configuration)
+        return np.array([mass[p.start : p.start + 6, p.start : p.start + 6] for p in self.model.slices])
+
     def least_change(
         self,
         configuration: Configuration,

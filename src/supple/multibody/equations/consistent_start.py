@@ -1,7 +1,9 @@
 """A consistent start: positions and velocities on the joints, dependent constraint equations left out.
 
-Positions are corrected by the least motion in the mass norm until `g(q, t_0) = 0`, velocities likewise until
-`dg/dt = 0`. Both engines start here; what differs between them is how such a least motion is found.
+Positions are corrected until `g(q, t_0) = 0` by the least rigid motion of the bodies in the mass norm, for a
+joint pulled shut by bending its bodies would store energy that nobody meant; they deform only where no rigid
+motion closes the joints. Velocities are corrected by the least motion of all freedoms until `dg/dt = 0`. Both
+engines start here; what differs between them is how such a least motion is found.
 Constraint equations that repeat others are found by orthogonalising the rows of the Jacobian, and named.
 """
 
@@ -92,6 +94,15 @@ class StartingMachine(Protocol):
         """Positive matrix for `model`'s velocities, in whose inverse rows of the Jacobian are compared."""
         ...
 
+    @property
+    def slices(self) -> tuple[slice, ...]:
+        """Where each body's freedoms stand in the engine's vectors, its frame's six first."""
+        ...
+
+    def frame_masses(self, configuration: Configuration) -> np.ndarray:
+        """Mass matrices of the bodies moving rigidly, for the velocities of their frames, (nb, 6, 6)."""
+        ...
+
     def least_change(
         self,
         configuration: Configuration,
@@ -172,12 +183,31 @@ def _joints_closed(
         if largest <= 0.01 * rounding or (largest <= rounding and largest > 0.1 * before):
             return configuration
         before = largest
-        change = machine.least_change(configuration, still, terms, terms.residual)
+        change = _rigid_change(machine, configuration, terms)
+        if change is None:
+            change = machine.least_change(configuration, still, terms, terms.residual)
         configuration = machine.moved(configuration, change)
     raise ConvergenceError(
         f"the joints could not be closed at the start: largest gap {largest:.3g} after 20 iterations. "
         "Place the bodies closer to a configuration in which every joint fits"
     )
+
+
+def _rigid_change(
+    machine: StartingMachine, configuration: Configuration, terms: JointTerms
+) -> np.ndarray | None:
+    """The least rigid motion of the bodies that closes the joints to first order; None where there is none."""
+    frames = [slice(part.start, part.start + 6) for part in machine.model.slices]
+    whitening = [np.linalg.inv(np.linalg.cholesky(own)).T for own in machine.frame_masses(configuration)]
+    jacobian = np.hstack([terms.jacobian[:, part] @ own for part, own in zip(frames, whitening, strict=True)])
+    change, *_ = np.linalg.lstsq(jacobian, -terms.residual, rcond=1e-9)
+    left = np.linalg.norm(jacobian @ change + terms.residual)
+    if left > 1e-6 * np.linalg.norm(terms.residual):
+        return None
+    increment = np.zeros(machine.slices[-1].stop)
+    for part, own, each in zip(machine.slices, whitening, change.reshape(-1, 6), strict=True):
+        increment[part.start : part.start + 6] = own @ each
+    return increment
 
 
 def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) -> None:

@@ -303,6 +303,13 @@ class FullInterior:
             none = np.zeros(self.full.n_coordinates)
             self._cache.keep(self._factor(factored_for[2:5], factored_for[5:], none, factors))
 
+    def frame_mass(self, state: InteriorState) -> np.ndarray:
+        """Mass matrix of the body moving rigidly, for its frame's velocities, the first three global."""
+        corner = self.inertia.border(self._motion(state), StepFactors(0.0, 0.0)).corner.copy()
+        corner[:, :3] = corner[:, :3] @ state.rotation.T
+        corner[:3] = state.rotation @ corner[:3]
+        return corner
+
     def _border(
         self,
         motion: FullMotion,

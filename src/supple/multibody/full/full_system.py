@@ -31,8 +31,10 @@ from supple.integrate import StepFactors, StepRule, TimeIntegrator, Tolerances
 from supple.machine import NodalLoad, System
 from supple.multibody.equations.balance import Balance, Linearization, balance, tangent
 from supple.multibody.equations.build_model import build_model, is_on_full_nodes
+from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.consistent_start import JointTerms, joint_terms
+from supple.multibody.equations.inertia import mass_matrix
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.step_size import position_rounding
@@ -293,6 +295,15 @@ class FullSystem:
         """One: rows are judged by the motions of the interfaces, which here have no mass of their own."""
         return np.eye(self.model.n_velocities)
 
+    def frame_masses(self, configuration: Configuration) -> np.ndarray:
+        """Of full bodies node by node, of the others from the compiled equations."""
+        border = np.asarray(_mass_matrix(self.model, self.border_configuration(configuration)))
+        masses = np.array([border[p.start : p.start + 6, p.start : p.start + 6] for p in self.model.slices])
+        at_rest = self.state_at(0.0, configuration, np.zeros(self.n))
+        for interior in self.interiors:
+            masses[interior.index] = interior.frame_mass(self._interior_state(interior, at_rest))
+        return masses
+
     def least_change(
         self,
         configuration: Configuration,
@@ -403,6 +414,7 @@ class FullSystem:
             iteration += 1
 
 
+_mass_matrix = jax.jit(mass_matrix, compiler_options=STARTING)
 _rotations_exp = jax.jit(jax.vmap(rotation_exp))
 
 
