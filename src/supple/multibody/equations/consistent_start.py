@@ -196,7 +196,7 @@ def _joints_closed(
 def _rigid_change(
     machine: StartingMachine, configuration: Configuration, terms: JointTerms
 ) -> np.ndarray | None:
-    """The least rigid motion of the bodies that closes the joints to first order; None where there is none."""
+    """The least rigid motion of the bodies that closes the joints to first order; None without one."""
     frames = [slice(part.start, part.start + 6) for part in machine.model.slices]
     whitening = [np.linalg.inv(np.linalg.cholesky(own)).T for own in machine.frame_masses(configuration)]
     jacobian = np.hstack([terms.jacobian[:, part] @ own for part, own in zip(frames, whitening, strict=True)])
