@@ -8,6 +8,7 @@ from supple.errors import ModelError, StepCutWarning
 from supple.integrate import FixedStep, Progress, Recorder, Run, Solution, Statistics, StepControl
 from supple.integrate import run as march_through
 from supple.machine import System
+from supple.multibody.checks.redundant_joints import check_redundant_joints
 from supple.multibody.checks.validity import Peaks, watch
 from supple.simulation.engines import engine_for
 
@@ -32,6 +33,7 @@ def watched_run(
     def observed(leg: Solution) -> None:
         if record is not None:
             record(leg)
+        check_redundant_joints(system, leg)
         peaks.update(limits.observe(peaks, leg))
 
     engine = engine_for(system, run)

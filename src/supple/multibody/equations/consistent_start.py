@@ -25,6 +25,7 @@ from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import AnyArray, Configuration, advance
 from supple.multibody.equations.joint_force import constraints
 from supple.multibody.equations.model import Model
+from supple.multibody.equations.singular_start import check_redundant_nearby, neighbours
 from supple.multibody.equations.step_size import position_rounding
 
 __all__ = ["JointTerms", "StartingMachine", "consistent_start", "joint_terms"]
@@ -130,7 +131,8 @@ def consistent_start(machine: M, time: float) -> tuple[M, Configuration, np.ndar
 
     Raises
     ------
-    ModelError          a joint open by more than a thousandth of the size; joints that contradict each other
+    ModelError          a joint open by more than a thousandth of the size; joints that contradict each other;
+                        a mechanism in a dead point
     ConvergenceError    joints that cannot be closed
 
     Warns
@@ -147,9 +149,32 @@ def consistent_start(machine: M, time: float) -> tuple[M, Configuration, np.ndar
     configuration = _joints_closed(machine, time, configuration, velocity)
     left = every.joint_terms(time, configuration, velocity).residual
     _check_redundant_closed(system, every.model, active, left)
+    if len(active) < len(left):
+        _check_nearby(every, machine, time, configuration, velocity)
     terms = machine.joint_terms(time, configuration, velocity)
     change = machine.least_change(configuration, velocity, terms, terms.rate)
     return machine, configuration, velocity + change
+
+
+def _check_nearby(
+    every: M, machine: M, time: float, configuration: Configuration, velocity: np.ndarray
+) -> None:
+    """ModelError where the constraints left out are redundant in the initial configuration alone."""
+
+    def closed(motion: np.ndarray) -> Configuration:
+        increment = np.zeros_like(velocity)
+        for part, own in zip(machine.slices, motion, strict=True):
+            increment[part.start : part.start + 6] = own
+        return _joints_closed(machine, time, machine.moved(configuration, increment), velocity)
+
+    check_redundant_nearby(
+        _row_labels(machine.system),
+        sorted(set(every.model.active) - set(machine.model.active)),
+        list(neighbours(machine.model, machine.joint_terms(time, configuration, velocity).jacobian)),
+        closed,
+        lambda at: every.joint_terms(time, at, velocity).residual,
+        float(machine.model.length),
+    )
 
 
 def placed_configuration(system: System) -> Configuration:
