@@ -57,6 +57,10 @@ class ResultFileError(SuppleError, OSError):
     """A result file that cannot be read, written or continued."""
 
 
+class ForkedProcessError(SuppleError, RuntimeError):
+    """A simulation in a process that was forked after its parent had simulated."""
+
+
 class SuppleWarning(UserWarning):
     """Base of every warning that supple issues."""
 

@@ -3,6 +3,8 @@
 - 64-bit floats (`jax_enable_x64`): lengths of a blade and strains of a millionth stand in one equation.
 - One thread (`NPROC`): a compiled step is hundreds of operations shorter than a microsecond, and handing them
   from thread to thread takes longer than doing them. Read when JAX starts; an earlier choice stays.
+- A process forked after compiled code has run refuses to run more (`check_not_forked`): JAX's threads do not
+  survive a fork, and the child would wait for them for ever.
 - Compiled programs are kept between processes, in the user's cache, where no other folder was chosen before.
 """
 
@@ -17,7 +19,9 @@ from pathlib import Path
 
 import jax
 
-__all__ = ["keep_compiled_programs"]
+from supple.errors import ForkedProcessError
+
+__all__ = ["check_not_forked", "keep_compiled_programs"]
 
 
 def keep_compiled_programs(folder: Path | None = None) -> Path:
@@ -58,6 +62,31 @@ def _machine() -> str:
         wanted = ("model name", "flags", "Features", "CPU part")
         features += sorted({line for line in lines if line.startswith(wanted)})
     return f"{platform.machine()}-{hashlib.sha256(repr(features).encode()).hexdigest()[:12]}"
+
+
+class _Process:
+    """What this process has done, which a forked child inherits."""
+
+    computed = False
+    forked_after_computing = False
+
+
+def _remember_fork() -> None:
+    _Process.forked_after_computing = _Process.computed
+
+
+def check_not_forked() -> None:
+    """Called before compiled code runs; ForkedProcessError where it would never come back."""
+    if _Process.forked_after_computing:
+        raise ForkedProcessError(
+            "this process was forked from one that had simulated already, and JAX does not work in such a "
+            'child: start workers with multiprocessing.get_context("spawn"), or fork before the first simulation'
+        )
+    _Process.computed = True
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_remember_fork)
 
 
 def _writable(folder: Path) -> bool:

@@ -18,6 +18,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.algebra.jax_settings import check_not_forked
 from supple.body.full_body import FullBody
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import (
@@ -116,6 +117,7 @@ def simulate_batch(
     ------
     ModelError      no case, a full body, or cases that differ in more than numbers
     """
+    check_not_forked()
     if not cases:
         raise ModelError("a batch needs at least one case")
     if any(isinstance(placed.body, FullBody) for placed in cases[0].bodies):
