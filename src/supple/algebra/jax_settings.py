@@ -80,7 +80,7 @@ def check_not_forked() -> None:
     if _Process.forked_after_computing:
         raise ForkedProcessError(
             "this process was forked from one that had simulated already, and JAX does not work in such a "
-            'child: start workers with multiprocessing.get_context("spawn"), or fork before the first simulation'
+            'child: start workers with multiprocessing.get_context("spawn"), or fork before the first run'
         )
     _Process.computed = True
 
