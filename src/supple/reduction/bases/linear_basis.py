@@ -20,7 +20,7 @@ class LinearBasis:
     vectors : (n, m)
     frequencies : (m,)       rad/s; nan for static columns, which vibrate at no frequency of their own
     labels : (m,) str        such as "constraint tip rz" or "fixed-interface mode 3"
-    static_solver : solves K x = f with the interfaces and the frame held as this basis holds them;
+    static_solver : solves K x = f with the interfaces and the frame fixed as in this basis;
                      the derivatives of its columns are static solutions of that same problem
     dropped : labels of columns not formed because the frame itself carries their motion
     certificate : what is proven of their eigenvalues; None where nothing is
