@@ -109,7 +109,7 @@ class ModeCount:
 
 
 def check_mode_count(body: FlexibleBody, n_modes: int, n_fixed: int) -> None:
-    """ModelError when a body with n_fixed motions held has fewer than n_modes modes."""
+    """ModelError when a body with n_fixed motions fixed has fewer than n_modes modes."""
     available = body.n - n_fixed
     if not 0 <= n_modes <= available:
         raise ModelError(
