@@ -42,7 +42,7 @@ def body_numbers(body: RigidBody | FullBody | ReducedBody) -> dict[str, Any]:
         return {"kind": "rigid", "mass": body.mass}
     if isinstance(body, FullBody):
         return {"kind": "full", "nodes": len(body.nodes), "coordinates": body.n_coordinates}
-    clamped = {
+    held = {
         i.name: _hertz(clamped_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies)
         for i in body.interfaces
     }
@@ -58,7 +58,7 @@ def body_numbers(body: RigidBody | FullBody | ReducedBody) -> dict[str, Any]:
         "dropped columns": list(body.report.dropped),
         "largest singular value dropped": float(np.max(body.report.singular_values_dropped, initial=0.0)),
         "frequencies in the frame, Hz": _hertz(body.frequencies[:N_FREQUENCIES]),
-        "frequencies held, Hz": clamped,
+        "frequencies held, Hz": held,
         **({} if proven is None else {"eigenvalues": str(proven)}),
         "seconds": dict(body.report.seconds),
     }
