@@ -7,9 +7,11 @@ import re
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import supple as sp
+from supple.simulation import engines
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -60,6 +62,13 @@ def test_flexible_machine(here):
     assert said["at_node"].shape == (201,)
     assert said["drift"] < 1e-3
     assert (here / "link.png").stat().st_size > 10_000
+
+
+def test_a_method_of_your_own(here, monkeypatch):
+    """The engine of the page meets the parabola, which its rule integrates exactly."""
+    monkeypatch.setattr(engines, "_ENGINES", dict(engines._ENGINES))
+    motion = run(ROOT / "docs/how-to/a_method_of_your_own.md")["motion"].bodies["stone"]
+    np.testing.assert_allclose(motion.position[-1], [6.0, 0.0, 10.0 - 9.81 * 2.0**2 / 2], atol=1e-12)
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if programs(page)], ids=lambda page: page.stem)

@@ -34,7 +34,7 @@ class ImportFormatError(SuppleError, ValueError):
 
 
 class ModelError(SuppleError, ValueError):
-    """A material, wall, interface, body or system whose data cannot describe a physical object."""
+    """A material, section, interface, body or system whose data cannot describe a physical object."""
 
 
 class AccuracyError(SuppleError, ArithmeticError):

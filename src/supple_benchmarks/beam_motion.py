@@ -198,7 +198,7 @@ def _integrate(
     beta = 0.25 * (gamma + 0.5) ** 2
     rate_factor = gamma / (h * beta)
     mass_factor = (1.0 - alpha_m) / (h**2 * beta * (1.0 - alpha_f))
-    held = root.n_fixed
+    fixed = root.n_fixed
 
     shape = (elements.n_nodes, NODE_SIZE)
     q, v = configuration.reshape(-1).copy(), velocity.reshape(-1).copy()
@@ -217,19 +217,19 @@ def _integrate(
         q = q + h * v + h**2 * ((0.5 - beta) * a + beta * a_next)
         v = v + h * ((1.0 - gamma) * a + gamma * a_next)
         v_dot_old, v_dot = v_dot, v_dot.copy()
-        q[:held], v[:held], v_dot[:held] = root.configuration(i), root.rate(i), root.acceleration(i)
+        q[:fixed], v[:fixed], v_dot[:fixed] = root.configuration(i), root.rate(i), root.acceleration(i)
         for _ in range(MAX_ITERATIONS):
             residual, internal, tangent = elements.residual_and_tangent(
                 q.reshape(shape), v_dot.reshape(shape), mass_factor
             )
-            error, force = float(np.linalg.norm(residual[held:])), float(np.linalg.norm(internal))
+            error, force = float(np.linalg.norm(residual[fixed:])), float(np.linalg.norm(internal))
             if error <= tolerance * force + floor:
                 break
             # Leading freedoms drop out of a banded matrix with their columns: their rows leave the band.
-            correction = solve_banded((BANDWIDTH, BANDWIDTH), tangent[:, held:], -residual[held:])
-            q[held:] += correction
-            v[held:] += rate_factor * correction
-            v_dot[held:] += mass_factor * correction
+            correction = solve_banded((BANDWIDTH, BANDWIDTH), tangent[:, fixed:], -residual[fixed:])
+            q[fixed:] += correction
+            v[fixed:] += rate_factor * correction
+            v_dot[fixed:] += mass_factor * correction
             iterations += 1
         else:
             raise ConvergenceError(
@@ -242,11 +242,11 @@ def _integrate(
 
 
 def _initial_acceleration(elements: BeamElements, configuration: Array, root: _Free | _Clamp) -> Array:
-    held = root.n_fixed
+    fixed = root.n_fixed
     acceleration = np.zeros(NODE_SIZE * elements.n_nodes)
-    acceleration[:held] = root.acceleration(0)
+    acceleration[:fixed] = root.acceleration(0)
     known = elements.momentum(acceleration.reshape(configuration.shape)).reshape(-1)
     load = -(elements.internal_force(configuration) + known)
-    mass = elements.banded_mass()[:, held:]
-    acceleration[held:] = solve_banded((BANDWIDTH, BANDWIDTH), mass, load[held:])
+    mass = elements.banded_mass()[:, fixed:]
+    acceleration[fixed:] = solve_banded((BANDWIDTH, BANDWIDTH), mass, load[fixed:])
     return acceleration

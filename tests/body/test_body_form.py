@@ -1,4 +1,4 @@
-"""All forms of a body answer the same questions; where they describe the same motion, they agree."""
+"""All forms of a body have the same members; where they describe the same motion, they agree."""
 
 from __future__ import annotations
 

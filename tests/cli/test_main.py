@@ -146,7 +146,7 @@ def test_a_run_that_was_cut_off_is_continued_to_the_same_end(case_folder):
     np.testing.assert_allclose(*ends, atol=1e-3 * np.abs(ends[0]).max())
 
 
-def test_pictures_and_film_are_drawn(case_folder, monkeypatch):
+def test_pictures_and_animation_are_drawn(case_folder, monkeypatch):
     monkeypatch.setattr("supple.viz.run_pictures.N_FRAMES", 4)
     case = case_folder / "strip.toml"
     case.write_text(

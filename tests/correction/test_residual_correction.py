@@ -1,4 +1,4 @@
-"""Motion that a basis misses: nothing in a complete basis, the static answer where nothing moves."""
+"""Motion that a basis misses: nothing in a complete basis, the static response where nothing moves."""
 
 from __future__ import annotations
 

@@ -129,11 +129,11 @@ def bar():
     return Bar(body, length, modulus * width * height, density * width * height)
 
 
-def _exact_eigenvalues(body, n_values, *, held=False, added_mass=None):
-    """Lowest eigenvalues of the full body: free (elastic ones), held at its interfaces, or loaded there."""
+def _exact_eigenvalues(body, n_values, *, clamped=False, added_mass=None):
+    """Lowest eigenvalues of the full body: free (elastic ones), clamped at its interfaces or loaded there."""
     B = motion_rows(body.interfaces)
     mass = body.mass if added_mass is None else sparse.csc_array(body.mass + B.T @ added_mass @ B)
-    constraint = B if held else (mass @ body.rigid_modes).T
+    constraint = B if clamped else (mass @ body.rigid_modes).T
     return lowest_modes(body.stiffness, mass, n_values, constraint=constraint).values
 
 

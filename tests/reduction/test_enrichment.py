@@ -37,8 +37,8 @@ def test_columns_are_orthonormal_at_rest_in_the_frame_and_follow_the_old_ones(so
     np.testing.assert_allclose(basis.vectors[:, : start.r], start.vectors, rtol=0, atol=1e-9)
     gram = basis.vectors.T @ (solid_body.mass @ basis.vectors)
     np.testing.assert_allclose(gram, np.eye(basis.r), atol=1e-10)
-    held = start.frame.constraint(solid_body) @ basis.vectors
-    assert np.abs(held).max() < 1e-10 * np.abs(basis.vectors).max()
+    clamped = start.frame.constraint(solid_body) @ basis.vectors
+    assert np.abs(clamped).max() < 1e-10 * np.abs(basis.vectors).max()
 
 
 def test_what_is_missed_is_what_the_singular_values_left_out_say(solid_body, start, fields):

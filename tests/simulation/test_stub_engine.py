@@ -118,8 +118,8 @@ def test_it_is_drawn_and_exported(stone, tmp_path):
     places = node_positions(body, motion.bodies["stone"])
     assert places.shape == (101, 8, 3)
     triangles = np.array([[0, 1, 3], [0, 3, 2], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4]])
-    film = animate(tmp_path / "stone.gif", motion.times, places, Skin(triangles, np.ones((6, 3), bool)))
-    assert film is not None
-    assert film.stat().st_size > 1000
+    animation = animate(tmp_path / "stone.gif", motion.times, places, Skin(triangles, np.ones((6, 3), bool)))
+    assert animation is not None
+    assert animation.stat().st_size > 1000
     np.savetxt(tmp_path / "stone.csv", places[:, 0], delimiter=",")
     np.testing.assert_allclose(np.loadtxt(tmp_path / "stone.csv", delimiter=","), places[:, 0])

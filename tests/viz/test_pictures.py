@@ -239,7 +239,7 @@ def test_bad_modes(tmp_path, beam):
         plot_mode_shapes(path, beam.nodes, seen, modes, ["one"] * 2, n_columns=0)
 
 
-# --- films
+# --- animations
 
 
 def turning(mesh, n_frames=6):
@@ -249,7 +249,7 @@ def turning(mesh, n_frames=6):
     return angle, np.einsum("tij,nj->tni", R, mesh.nodes)
 
 
-def test_film_has_a_frame_for_each_time_and_moves(tmp_path, beam):
+def test_animation_has_a_frame_for_each_time_and_moves(tmp_path, beam):
     times, positions = turning(beam)
     shares = []
     path = animate(
@@ -264,13 +264,13 @@ def test_film_has_a_frame_for_each_time_and_moves(tmp_path, beam):
         progress=shares.append,
     )
     np.testing.assert_allclose(shares, np.arange(1, 7) / 6)
-    with Image.open(path) as film:
-        assert film.n_frames == 6
-        assert film.info["duration"] == 40
+    with Image.open(path) as animation:
+        assert animation.n_frames == 6
+        assert animation.info["duration"] == 40
         frames = []
         for i in range(6):
-            film.seek(i)
-            frames.append(np.asarray(film.convert("RGB"), dtype=int))
+            animation.seek(i)
+            frames.append(np.asarray(animation.convert("RGB"), dtype=int))
     assert all((frame[5, 5] == 255).all() for frame in frames)
     assert all(np.abs(later - earlier).max() > 50 for earlier, later in pairwise(frames))
 
@@ -278,11 +278,11 @@ def test_film_has_a_frame_for_each_time_and_moves(tmp_path, beam):
 def test_a_body_at_rest_still_gives_every_frame(tmp_path, beam):
     still = np.repeat(beam.nodes[None], 3, axis=0)
     path = animate(tmp_path / "still.gif", np.arange(3.0), still, skin_of(beam), n_columns=120)
-    with Image.open(path) as film:
-        assert film.n_frames == 3
+    with Image.open(path) as animation:
+        assert animation.n_frames == 3
 
 
-def test_bad_films(tmp_path, beam):
+def test_bad_animations(tmp_path, beam):
     (times, positions), seen, path = turning(beam), skin_of(beam), tmp_path / "a.gif"
     with pytest.raises(ModelError, match=r"end the path in \.gif"):
         animate(tmp_path / "a.mp4", times, positions, seen)

@@ -39,13 +39,13 @@ def test_scene_keeps_every_triangle_where_it_was(actors):
     np.testing.assert_array_equal(np.isnan(scene.values).all(axis=0), [True] * 12 + [False] * 12)
 
 
-def test_films_show_bodies_without_values_in_the_plain_colour(actors, tmp_path):
+def test_animations_show_bodies_without_values_in_the_plain_colour(actors, tmp_path):
     scene = scene_of(actors)
     path = animate(tmp_path / "two.gif", T[:2], scene.positions, scene.skin, values=scene.values)
-    with Image.open(path) as film:
-        assert film.n_frames == 2
-        film.seek(1)
-        pixels = np.asarray(film.convert("RGB")).reshape(-1, 3).astype(int)
+    with Image.open(path) as animation:
+        assert animation.n_frames == 2
+        animation.seek(1)
+        pixels = np.asarray(animation.convert("RGB")).reshape(-1, 3).astype(int)
     seen = pixels[(pixels < 250).any(axis=1)]
     # The plain colour is a greyish blue; viridis has no blue above both red and green but not far above.
     plain = (seen[:, 2] > seen[:, 1]) & (seen[:, 1] > seen[:, 0]) & (seen[:, 2] - seen[:, 0] < 60)

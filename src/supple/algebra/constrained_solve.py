@@ -23,7 +23,7 @@ FEWEST_AT_ONCE = 16
 
 @dataclass(frozen=True, eq=False)
 class GroundedFactor:
-    """A free body's stiffness K, held by springs at as many freedoms as it has rigid motions.
+    """A free body's stiffness K, supported by springs at as many freedoms as it has rigid motions.
 
     K_g = K + E k E^T is positive definite and sparse. For a self-equilibrated load (R^T b = 0) the springs
     carry nothing, so K_g^-1 b solves K x = b exactly; and x + R a does so for every a.
@@ -153,7 +153,7 @@ def constrained_factor(
     grounded: GroundedFactor | None = None,
     solver: DirectSolver | None = None,
 ) -> ConstrainedFactor:
-    """Factor the equilibrium of a body, free or held, under m linear constraints.
+    """Factor the equilibrium of a body, free or clamped, under m linear constraints.
 
         [ K  D^T ] [ x  ]   [ b ]
         [ D   0  ] [ mu ] = [ c ]
@@ -163,7 +163,7 @@ def constrained_factor(
         x = K_g^-1 (b - D^T mu) - R a,     R^T (b - D^T mu) = 0,     D x = c
 
     leaves a dense symmetric system of m + 6 unknowns (mu, a): the springs carry no force, so they are removed
-    exactly. D = R^T M gives inertia relief (mean-axis frame), an interface's motion its held solution.
+    exactly. D = R^T M gives inertia relief (mean-axis frame), an interface's motion its clamped solution.
 
     Parameters
     ----------
@@ -192,8 +192,8 @@ def constrained_factor(
     response = grounded.factor.solve(D.T)
     compliance = D @ response
     compliance = 0.5 * (compliance + compliance.T)
-    held = D @ R
-    border = np.block([[compliance, held], [held.T, np.zeros((d, d))]])
+    fixed = D @ R
+    border = np.block([[compliance, fixed], [fixed.T, np.zeros((d, d))]])
     border_factor, scale = _border_factor(border, m)
     factor = ConstrainedFactor(grounded, D, response, border_factor, scale)
     _check_equilibrium(factor)
@@ -236,11 +236,11 @@ def _check_equilibrium(factor: ConstrainedFactor) -> None:
     springs = factor.grounded.springs
     energy = x @ internal + K.diagonal()[springs] @ x[springs] ** 2
     reach = np.sqrt(np.einsum("ij,ji->i", D, factor._response) * max(energy, 0.0))
-    held = float(np.max(np.abs(D @ x) / np.where(reach > 0, reach, 1.0), initial=0.0))
-    if not max(residual, held) < LARGEST_RESIDUAL:
+    missed = float(np.max(np.abs(D @ x) / np.where(reach > 0, reach, 1.0), initial=0.0))
+    if not max(residual, missed) < LARGEST_RESIDUAL:
         raise AccuracyError(
-            f"the constrained solution misses equilibrium by {residual:.1e} and its constraint by {held:.1e} "
-            f"(allowed {LARGEST_RESIDUAL:.0e}); are the rigid modes those of this stiffness?"
+            f"the constrained solution misses equilibrium by {residual:.1e} and its constraint by "
+            f"{missed:.1e} (allowed {LARGEST_RESIDUAL:.0e}); are the rigid modes those of this stiffness?"
         )
 
 

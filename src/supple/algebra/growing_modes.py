@@ -1,4 +1,4 @@
-"""The lowest modes of a held structure when it is not known beforehand how many will be needed."""
+"""The lowest modes of a clamped structure when it is not known beforehand how many will be needed."""
 
 from __future__ import annotations
 
@@ -70,9 +70,9 @@ class GrowingModes:
     costs what it adds, and the last one no more than it alone would have. The Krylov space Q and the
     projected inverse T = Q^T M K^-1 M Q only ever grow. Where Q would fill half of a small problem, all modes
     are found by a dense solution. A block of b columns finds b copies of a multiple eigenvalue and no more
-    (the equal blades of a held hub): where it finds as many, Q begins anew with a block twice as wide.
+    (the equal blades of a clamped hub): where it finds as many, Q begins anew with a block twice as wide.
 
-    inverse : ConstrainedFactor     of the held stiffness
+    inverse : ConstrainedFactor     of the clamped stiffness
     mass    : csc (n, n)            symmetric, positive definite
     """
 

@@ -160,7 +160,7 @@ class SparseFactor:
         return self._raw
 
     def solve(self, loads: ArrayLike) -> NDArray[np.float64]:
-        """Solve A x = b for loads of shape (n,) or (n, k); the answer has the same shape."""
+        """Solve A x = b for loads of shape (n,) or (n, k); the solution has the same shape."""
         b = np.asarray(loads, dtype=np.float64)
         if b.ndim not in (1, 2) or b.shape[0] != self.n:
             raise ModelError(
@@ -226,7 +226,7 @@ def _square_csc(matrix: Any) -> sparse.csc_array:
 
 
 def _checked(factor: Callable[[], RawFactor], matrix: sparse.csc_array) -> SparseFactor:
-    """Solve a pseudo-random load, refine the answer once, and refuse the factors if it moves."""
+    """Solve a pseudo-random load, refine the solution once, and refuse the factors if it moves."""
     n = matrix.indptr.size - 1
     try:
         raw = factor()

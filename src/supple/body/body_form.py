@@ -1,4 +1,4 @@
-"""The questions that every form of a body answers: rigid, full, reduced, and those to come."""
+"""What every form of a body offers a machine: rigid, full, reduced, and those to come."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from supple.integrate.motion import FloatingMotion
 
 
 class BodyForm(Protocol):
-    """A body as a machine holds it. Who asks these questions need not know which form answers."""
+    """A body as a machine holds it. Code that uses these members need not know the form of the body."""
 
     @property
     def kind(self) -> str:
@@ -68,7 +68,7 @@ class BodyForm(Protocol):
         ...
 
     def lowest_frequency(self) -> float:
-        """Of the undeformed body held in its frame, rad/s; infinite where nothing deforms."""
+        """Of the undeformed body fixed in its frame, rad/s; infinite where nothing deforms."""
         ...
 
     @property

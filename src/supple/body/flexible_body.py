@@ -91,11 +91,11 @@ class FlexibleBody:
 
     @cached_property
     def grounded_stiffness(self) -> GroundedFactor:
-        """One sparse factor of K, held at six freedoms, that serves every static solution of the body."""
+        """One sparse factor of K, fixed at six freedoms, that serves every static solution of the body."""
         return checked_grounded_stiffness(self.name, self.stiffness, self.rigid_modes)
 
     def constrained(self, constraint: ArrayLike | sparse.sparray) -> ConstrainedFactor:
-        """Static equilibrium with D q = c held, D (m, n); all share the factor of `grounded_stiffness`."""
+        """Static equilibrium under D q = c, D (m, n); all share the factor of `grounded_stiffness`."""
         return constrained_factor(self.stiffness, constraint, grounded=self.grounded_stiffness)
 
     def __getstate__(self) -> dict[str, Any]:

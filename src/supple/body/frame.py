@@ -47,8 +47,8 @@ class MeanAxisFrame:
 def frame_projector(body: FlexibleBody, frame: Frame) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """The map x -> x - R (D R)^-1 D x: motions of shape (n,) or (n, k) as seen from the frame."""
     D, R = frame.constraint(body), body.rigid_modes
-    held = D @ R
-    if np.linalg.matrix_rank(held / np.linalg.norm(held, axis=1)[:, None]) < 6:
+    fixed = D @ R
+    if np.linalg.matrix_rank(fixed / np.linalg.norm(fixed, axis=1)[:, None]) < 6:
         raise ModelError(f"{frame} does not hold the rigid motion of body '{body.name}'")
-    rigid_part = R @ np.linalg.inv(held)
+    rigid_part = R @ np.linalg.inv(fixed)
     return lambda x: x - rigid_part @ (D @ x)

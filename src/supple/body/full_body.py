@@ -22,7 +22,7 @@ __all__ = ["FullBody"]
 
 @dataclass(frozen=True, eq=False)
 class FullBody:
-    """All coordinates of a flexible body in a floating frame, held to the frame by six multipliers.
+    """All coordinates of a flexible body in a floating frame, fixed to the frame by six multipliers.
 
     body : FlexibleBody    nonlinear where it has quadratic strains; `body.linearized()` otherwise
     frame : NodalFixedFrame | MeanAxisFrame
@@ -90,9 +90,11 @@ class FullBody:
         return self.body.is_linear
 
     def lowest_frequency(self) -> float:
-        """Of the undeformed body held in its frame, rad/s."""
-        held = self.frame.constraint(self.body)
-        return float(np.sqrt(lowest_modes(self.body.stiffness, self.body.mass, 1, constraint=held).values[0]))
+        """Of the undeformed body fixed in its frame, rad/s."""
+        constraint = self.frame.constraint(self.body)
+        return float(
+            np.sqrt(lowest_modes(self.body.stiffness, self.body.mass, 1, constraint=constraint).values[0])
+        )
 
     @property
     def rotation_limit(self) -> float:

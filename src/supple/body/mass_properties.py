@@ -66,7 +66,7 @@ def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
     A simplex of k corners x_a and size V has
         int 1 = V,   int x = V s / k,   int x x^T = V / (k (k + 1)) (sum_a x_a x_a^T + s s^T),   s = sum_a x_a
     Curved cells count as if their edges were straight; shells as sheets and beams as lines, with the rotary
-    inertia of their walls and sections.
+    inertia of their sections.
     """
     middle = model.mesh.nodes.mean(axis=0)
     total, first, second, rotary = 0.0, np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3))
@@ -99,7 +99,7 @@ def _density(made_of: Isotropic | ShellSection | BeamSection) -> float:
 
 
 def _rotary_inertia(made_of: Isotropic | ShellSection | BeamSection, x: FloatArray) -> FloatArray:
-    """Inertia (3, 3) of walls and sections about their own middle, summed over simplices x."""
+    """Inertia (3, 3) of sections about their own middle, summed over simplices x."""
     if isinstance(made_of, Isotropic):
         return np.zeros((3, 3))
     if isinstance(made_of, BeamSection):

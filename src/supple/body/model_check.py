@@ -171,7 +171,7 @@ def check_nodal_matrices(
 
 
 def _cells_twice(mesh: Mesh) -> Finding:
-    """Two cells on the same nodes: two walls or beams side by side, or a part that was copied by mistake."""
+    """Two cells on the same nodes: two shells or beams side by side, or a part that was copied by mistake."""
     for kind, cells in mesh.cells.items():
         _, first, count = np.unique(np.sort(cells, axis=1), axis=0, return_index=True, return_counts=True)
         again = first[count > 1]

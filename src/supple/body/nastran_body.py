@@ -50,20 +50,20 @@ def read_nastran_body(
 def nastran_model(
     model: NastranModel, *, kinematics: MembraneKinematics = GREEN_LAGRANGE
 ) -> FiniteElementModel:
-    """Finite-element model with the materials and walls of a bulk data file.
+    """Finite-element model with the materials and sections of a bulk data file.
 
     Raises
     ------
-    ModelError   shells or beams and solids in one file; a wall thicker than the mesh
+    ModelError   shells or beams and solids in one file; a shell thicker than the mesh
     """
-    walls: dict[str, HomogeneousSection | BeamSection] = {}
+    sections: dict[str, HomogeneousSection | BeamSection] = {}
     materials: dict[str, Isotropic] = {}
     for name, given in model.properties.items():
         match given:
             case ShellProperty():
-                walls[name] = HomogeneousSection(_isotropic(given.material), given.thickness)
+                sections[name] = HomogeneousSection(_isotropic(given.material), given.thickness)
             case BeamProperty():
-                walls[name] = BeamSection(
+                sections[name] = BeamSection(
                     _isotropic(given.material),
                     given.area,
                     given.I1,
@@ -76,14 +76,16 @@ def nastran_model(
                 )
             case SolidProperty():
                 materials[name] = _isotropic(given.material)
-    if walls and materials:
+    if sections and materials:
         raise ModelError(
-            f"{model.path}: shells or beams ({', '.join(walls)}) and solids ({', '.join(materials)}) in one "
-            "model, which our models do not join; make two bodies, joined at interfaces, or import the "
+            f"{model.path}: shells or beams ({', '.join(sections)}) and solids ({', '.join(materials)}) in "
+            "one model, which our models do not join; make two bodies, joined at interfaces, or import the "
             "matrices (DMIG, OUTPUT4)"
         )
     return (
-        shell_model(model.mesh, walls, kinematics=kinematics) if walls else solid_model(model.mesh, materials)
+        shell_model(model.mesh, sections, kinematics=kinematics)
+        if sections
+        else solid_model(model.mesh, materials)
     )
 
 

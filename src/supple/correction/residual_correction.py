@@ -1,4 +1,4 @@
-"""What a basis misses: the full-order residual along a finished reduced run, and the motion that answers it.
+"""What a basis misses: the full-order residual along a finished reduced run, and the motion that balances it.
 
 At an instant of the run the motion is expanded to all coordinates of the body, `q = V gamma` with its rates
 and accelerations, and the full-order equations are evaluated with the run's joint forces. Along V the
@@ -10,7 +10,7 @@ residual r vanishes; what is left is answered by one Newton step of the whole sy
 
 K_t is the tangent of the deformed body and of the inertia forces at given accelerations (the centrifugal part
 softens, the tension it raises stiffens). The frame rows D and the joint rows G hold, while the frame, the
-other bodies and the joint forces are free to follow: one held interface, closed loops and free flight are
+other bodies and the joint forces are free to follow: one clamped interface, closed loops and free flight are
 all of one kind. The inertia M / p says what a static equilibrium cannot, how a rigid motion resists. delta
 is the missing motion, to first order and quasi-statically.
 """
@@ -83,7 +83,7 @@ def system_corrections(
 ) -> dict[str, ResidualCorrections]:
     """Motion that the bases of a finished run miss at some of its output times, by body.
 
-    All bodies are corrected by one and the same Newton step: each feels what the others miss.
+    All bodies are corrected by one and the same Newton step: the missing motion of one loads the others.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ def _expanded(
 
 
 def _newton_step(prepared: FullSystem, state: FullState, position: float) -> np.ndarray:
-    """Displacement of all freedoms (n,) that balances the residual, joints and frames held."""
+    """Displacement of all freedoms (n,) that balances the residual, joints and frames fixed."""
     evaluation = prepared.evaluate(state, 0.0)
     # Written for accelerations, of which a displacement is `position` times as large.
     targets = (

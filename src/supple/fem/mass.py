@@ -42,7 +42,7 @@ class CellMass:
         return CellMass(self.nodes, _scaled_diagonal(self.translational), rotary, self.rotary_inertia)
 
 
-def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], wall: ShellSection) -> CellMass:
+def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], section: ShellSection) -> CellMass:
     """Consistent mass of shell triangles, with linear shape functions.
 
         m_ab = (mass per area) A/12 (1 + delta_ab),   and the same with the rotary inertia on all rotations
@@ -53,7 +53,7 @@ def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], wall: ShellSection
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * np.linalg.norm(normal, axis=1)
     pattern = area[:, None, None] / 12 * (1 + np.eye(3))
-    return CellMass(nodes, wall.mass_per_area * pattern, wall.rotary_inertia_per_area * pattern)
+    return CellMass(nodes, section.mass_per_area * pattern, section.rotary_inertia_per_area * pattern)
 
 
 def mass_matrix(masses: tuple[CellMass, ...], n_nodes: int, dofs_per_node: int) -> csc_array:

@@ -64,7 +64,7 @@ class FiniteElementModel:
 
 def shell_model(
     mesh: Mesh,
-    wall: ShellSection | BeamSection | Mapping[str, ShellSection | BeamSection],
+    section: ShellSection | BeamSection | Mapping[str, ShellSection | BeamSection],
     *,
     kinematics: MembraneKinematics = GREEN_LAGRANGE,
 ) -> FiniteElementModel:
@@ -73,20 +73,20 @@ def shell_model(
     Parameters
     ----------
     mesh : Mesh                         of TRIANGLE3 and LINE2 cells
-    wall : ShellSection (triangles) or BeamSection (lines), or {cell set: either} with every cell in one set
+    section : ShellSection (triangles) or BeamSection (lines), or {cell set: either}, every cell in one set
     kinematics : MembraneKinematics     GREEN_LAGRANGE, or VON_KARMAN for flat structures
 
     Raises
     ------
-    ModelError   cells that are neither triangles nor lines, or without a wall, or with two, or with one of
-                 the other kind; a wall thicker than the mesh; a beam along the orientation of its section
+    ModelError   cells that are neither triangles nor lines, or without a section, or with two, or with one
+                 of the other kind; a shell thicker than the mesh; a beam along the orientation of its section
     MeshError    unknown cell set
     Warns
     -----
-    SuppleWarning   a wall several times thicker than its elements are wide
+    SuppleWarning   a shell several times thicker than its elements are wide
     """
-    given = sections(mesh, wall)
-    blocks = tuple(_shell_block(mesh, section, kinematics) for section in given)
+    given = sections(mesh, section)
+    blocks = tuple(_shell_block(mesh, part, kinematics) for part in given)
     return _model(mesh, 6, given, blocks, ROTATION_LIMIT)
 
 
@@ -115,23 +115,23 @@ def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
 
 
 def _shell_block(mesh: Mesh, section: Section, kinematics: MembraneKinematics) -> QuadraticStrain:
-    wall = section.property
+    given = section.property
     if section.cell_type is CellType.LINE2:
-        if not isinstance(wall, BeamSection):
-            raise ModelError(f"lines need a BeamSection, not {type(wall).__name__}; give their cell set one")
-        return beam_strain(section.corners(mesh), _dofs(section.nodes(mesh), 6), wall)
+        if not isinstance(given, BeamSection):
+            raise ModelError(f"lines need a BeamSection, not {type(given).__name__}; give their cell set one")
+        return beam_strain(section.corners(mesh), _dofs(section.nodes(mesh), 6), given)
     if section.cell_type is not CellType.TRIANGLE3:
         raise ModelError(
             f"a shell model takes TRIANGLE3 cells; the mesh has {section.cell_type.name}. "
             "Use solid_model for solid cells"
         )
-    if not isinstance(wall, HomogeneousSection | LaminateSection):
+    if not isinstance(given, HomogeneousSection | LaminateSection):
         raise ModelError(
-            f"a shell needs a wall, not {type(wall).__name__}: HomogeneousSection(material, thickness)"
+            f"a shell needs a wall, not {type(given).__name__}: HomogeneousSection(material, thickness)"
         )
-    if isinstance(wall, HomogeneousSection):
-        _check_thickness(mesh, section, wall.thickness)
-    return shell_triangle(section.corners(mesh), _dofs(section.nodes(mesh), 6), wall, kinematics)
+    if isinstance(given, HomogeneousSection):
+        _check_thickness(mesh, section, given.thickness)
+    return shell_triangle(section.corners(mesh), _dofs(section.nodes(mesh), 6), given, kinematics)
 
 
 def _solid_block(mesh: Mesh, section: Section) -> QuadraticStrain:

@@ -1,4 +1,4 @@
-"""Sections: which cells of a mesh are made of which wall or material."""
+"""Sections: which cells of a mesh are made of which material, with which shell or beam section."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shell walls: what a shell is made of through its thickness, as stiffness (A-B-D) and inertia per area."""
+"""Shell sections: stiffness (A-B-D) and inertia per area of what stands through the thickness."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class HomogeneousSection:
-    """A wall of one isotropic material.
+    """A shell of one isotropic material.
 
         A = t C,  B = 0,  D = t^3/12 C,   C the plane-stress stiffness
 
@@ -44,7 +44,7 @@ class HomogeneousSection:
 
     @property
     def coupling(self) -> FloatArray:
-        """B (3, 3), N: none, as the wall is symmetric about its middle."""
+        """B (3, 3), N: none, as the section is symmetric about its middle."""
         return np.zeros((3, 3))
 
     @property
@@ -64,17 +64,17 @@ class HomogeneousSection:
 
     @property
     def reference_direction(self) -> None:
-        """None: an isotropic wall is the same in every direction."""
+        """None: an isotropic section is the same in every direction."""
         return None
 
 
 @dataclass(frozen=True, eq=False)
 class LaminateSection:
-    """A wall given by its laminate stiffness: forces N and moments M per length from strain and curvature.
+    """A laminate by its stiffness: forces N and moments M per length from strain and curvature.
 
         [N; M] = [A B; B D] [eps; kappa],   order xx, yy, xy (engineering shear, twice the twist)
 
-    The wall's x axis is `reference_direction` projected onto each element, its z axis the element normal.
+    The section's x axis is `reference_direction` projected onto each element, its z axis the element normal.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ Six freedoms a node, ux uy uz rx ry rz in global axes. In the axes of the elemen
     kappa = B_k q                      linear; integrated at the mid-sides
 
 The gradients are constant, so the membrane does not lock and the foreshortening converges at second order.
-Only the rotations enter the curvature, linearly: a wall may turn by about 0.3 rad against the body's frame.
+Only the rotations enter the curvature, linearly: a shell may turn by about 0.3 rad against the body's frame.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ BENDING = np.array([[2, 3, 4]]) + 6 * np.arange(3)[:, None]
 
 
 def shell_triangle(
-    corners: FloatArray, dofs: NDArray[np.int64], wall: ShellSection, kinematics: MembraneKinematics
+    corners: FloatArray, dofs: NDArray[np.int64], section: ShellSection, kinematics: MembraneKinematics
 ) -> QuadraticStrain:
-    """Quadratic-strain arrays of shell triangles with one wall.
+    """Quadratic-strain arrays of shell triangles with one section.
 
-    A wall that couples stretching and bending (B nonzero) puts the mean curvature beside the membrane
+    A section that couples stretching and bending (B nonzero) puts the mean curvature beside the membrane
     strain in the nonlinear point, s = 6; what varies over the triangle, and the drilling, stay in the
     linear stiffness.
 
@@ -49,32 +49,32 @@ def shell_triangle(
     ----------
     corners : float array (E, 3, 3)     positions, m
     dofs : int array (E, 18)            nodal freedoms
-    wall : HomogeneousSection or LaminateSection
+    section : HomogeneousSection or LaminateSection
     kinematics : MembraneKinematics
 
     Raises
     ------
     ModelError   an element is normal to the laminate's reference direction
     """
-    axes = element_axes(corners, wall)
+    axes = element_axes(corners, section)
     xy = plane_coordinates(corners, axes)
     area = triangle_area(xy)
     B = _in_plane(membrane_strain(xy))
-    D = wall.membrane
+    D = section.membrane
     form = kinematics.form
     bending = _bending(curvature(xy, MIDSIDES))
-    if wall.coupling.any():
+    if section.coupling.any():
         mean = bending.mean(axis=1)
         bending = bending - mean[:, None]
         B = np.concatenate([B, mean], axis=1)
-        D = np.block([[wall.membrane, wall.coupling], [wall.coupling, wall.bending]])
+        D = np.block([[section.membrane, section.coupling], [section.coupling, section.bending]])
         form = np.concatenate([form, np.zeros_like(form)])
 
     points = bending.reshape(len(xy), -1, 18)
-    moments = (wall.bending @ bending).reshape(points.shape)
+    moments = (section.bending @ bending).reshape(points.shape)
     linear_stiffness = (area / 3)[:, None, None] * (points.swapaxes(1, 2) @ moments)
     drilling = IN_PLANE.ravel()
-    linear_stiffness[:, drilling[:, None], drilling] += higher_order_stiffness(xy, wall.membrane)
+    linear_stiffness[:, drilling[:, None], drilling] += higher_order_stiffness(xy, section.membrane)
     half = _to_global(linear_stiffness, axes).swapaxes(1, 2)
     return QuadraticStrain(
         dofs=dofs,
@@ -88,7 +88,7 @@ def shell_triangle(
 
 
 def layer_strain(
-    corners: FloatArray, block: QuadraticStrain, wall: HomogeneousSection, heights: tuple[float, ...]
+    corners: FloatArray, block: QuadraticStrain, section: HomogeneousSection, heights: tuple[float, ...]
 ) -> QuadraticStrain:
     """Strain arrays at the centroid of shell triangles, at heights z = h t/2: B_m + z B_k, plane stress.
 
@@ -101,30 +101,30 @@ def layer_strain(
     -------
     QuadraticStrain   one point for each height; weights zero, as it carries no energy of its own
     """
-    axes = element_axes(corners, wall)
+    axes = element_axes(corners, section)
     xy = plane_coordinates(corners, axes)
     membrane, bending = _in_plane(membrane_strain(xy)), _bending(curvature(xy, CENTRE))[:, 0]
-    z = 0.5 * wall.thickness * np.array(heights)
+    z = 0.5 * section.thickness * np.array(heights)
     B = [_to_global(membrane + height * bending, axes) for height in z]
     return QuadraticStrain(
         dofs=block.dofs,
         B=np.stack(B, axis=1),
         G=np.repeat(block.G, len(z), axis=1),
         N=block.N[:3],
-        D=wall.material.plane_stress,
+        D=section.material.plane_stress,
         w=np.zeros((len(xy), len(z))),
     )
 
 
-def element_axes(corners: FloatArray, wall: ShellSection) -> FloatArray:
+def element_axes(corners: FloatArray, section: ShellSection) -> FloatArray:
     """Axes (E, 3, 3) of each element, rows x y z in global components; z the normal.
 
-    x is the wall's reference direction projected onto the element, or the first side of an isotropic wall.
+    x is the section's reference direction projected onto the element, or the first side of an isotropic one.
     """
     first = corners[:, 1] - corners[:, 0]
     normal = np.cross(first, corners[:, 2] - corners[:, 0])
     z = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    x = first if wall.reference_direction is None else _projected(wall.reference_direction, z, corners)
+    x = first if section.reference_direction is None else _projected(section.reference_direction, z, corners)
     x = x / np.linalg.norm(x, axis=1, keepdims=True)
     return np.stack([x, np.cross(z, x), z], axis=1)
 

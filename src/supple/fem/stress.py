@@ -106,7 +106,7 @@ class StressRecovery:
     def at_nodes(self, displacement: FloatArray) -> FloatArray:
         """Stress (N, l, 6) at nodes, Pa: linear from the points of each cell, averaged over its cells.
 
-        Solids have one layer, shells three (bottom, middle, top). Where walls meet at an angle or in
+        Solids have one layer, shells three (bottom, middle, top). Where shells meet at an angle or in
         different thickness the average mixes them; look at the points there.
         """
         total = np.zeros((self.n_nodes * self.n_layers, 6))
@@ -120,7 +120,7 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
 
     Raises
     ------
-    ModelError   a laminate wall: its A-B-D matrix does not say which stress acts in which ply
+    ModelError   a laminate: its A-B-D matrix does not say which stress acts in which ply
     """
     pairs = zip(model.sections, model.blocks, strict=True)
     return StressRecovery(model.mesh.n_nodes, tuple(_section(model, *pair) for pair in pairs))
@@ -175,16 +175,16 @@ def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain
     if section.cell_type in SOLID_ELEMENTS:
         to_nodes = extrapolation(SOLID_ELEMENTS[section.cell_type])[:, None]
         return SectionStress(nodes, block, np.broadcast_to(np.eye(6), (len(nodes), 6, 6)), to_nodes)
-    wall = section.property
-    if isinstance(wall, BeamSection):
+    given = section.property
+    if isinstance(given, BeamSection):
         raise ModelError("no stress recovery for beams: their sections do not say where the stress acts")
-    if not isinstance(wall, HomogeneousSection):
+    if not isinstance(given, HomogeneousSection):
         raise ModelError(
             "stress needs a HomogeneousSection; an A-B-D matrix does not say the stress of each ply"
         )
     to_nodes = np.broadcast_to(np.eye(len(LAYERS)), (3, len(LAYERS), len(LAYERS)))
-    arrays = layer_strain(corners, block, wall, LAYERS)
-    return SectionStress(nodes, arrays, _plane_to_global(element_axes(corners, wall)), to_nodes)
+    arrays = layer_strain(corners, block, given, LAYERS)
+    return SectionStress(nodes, arrays, _plane_to_global(element_axes(corners, given)), to_nodes)
 
 
 def _plane_to_global(axes: FloatArray) -> FloatArray:

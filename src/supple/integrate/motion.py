@@ -12,7 +12,7 @@ __all__ = ["FloatingMotion", "Motion", "motion_from_arrays", "register_motion"]
 
 
 class Motion(Protocol):
-    """What every motion answers, whatever the form of its body; `register_motion` makes it readable."""
+    """What every motion offers, whatever the form of its body; `register_motion` makes it readable."""
 
     kind: ClassVar[str]
     """Written to result files, so that the right class is made of the arrays again."""

@@ -85,7 +85,7 @@ class Tolerances:
     the largest of the terms in balance (inertia, internal, applied, joint). Constraint equations are divided
     by `beta h^2`, which makes accelerations of them, and held to the same relative bound. What lies below
     rounding error (a correction that moves nothing by more than 1e-13 of the system's size) counts as
-    converged, so that a tighter tolerance costs iterations, never the answer.
+    converged, so that a tighter tolerance costs iterations, never the result.
     """
 
     residual: float = 1e-6

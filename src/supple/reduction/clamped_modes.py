@@ -1,4 +1,4 @@
-"""Modes of a reduced body with one interface held in space: what a test on a clamp would measure."""
+"""Modes of a reduced body with one interface clamped in space: what a test on a clamp would measure."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
 
         q = R a + V gamma,   [ R_p  B_p V ] (a, gamma) = 0,   R_p the rigid motions at the interface p
 
-    The floating frame takes part in the motion, so the answer is that of the clamped body in any frame.
+    The floating frame takes part in the motion, so the result is that of the clamped body in any frame.
 
     n_modes : how many; all of them when omitted
     Raises ModelError when the body has no interface of that name.

@@ -88,7 +88,7 @@ class ReducedBody:
     nodal_basis : (n_nodal, r)  nodal displacements (and rotations) per unit gamma
     rotation_basis : (P, 3, r)  rotation vectors at P points per unit gamma, or None when unknown
     rotation_limit : float      rad; largest rotation against the frame that the kinematics describe
-    frequencies : (r,)          rad/s, ascending, of the reduced body held in its frame
+    frequencies : (r,)          rad/s, ascending, of the reduced body fixed in its frame
     report : ReductionReport
     Raises ModelError when the shapes disagree or a value is not finite.
     """
@@ -165,7 +165,7 @@ class ReducedBody:
         return floating_positions(self, motion, nodes)
 
     def lowest_frequency(self) -> float:
-        """Of the undeformed body held in its frame, rad/s."""
+        """Of the undeformed body fixed in its frame, rad/s."""
         return float(np.min(self.frequencies, initial=np.inf))
 
     @property

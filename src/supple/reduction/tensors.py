@@ -143,7 +143,7 @@ def _stress_scaled_strains(block: QuadraticStrain, chunk: slice, nodal_basis: np
 
 
 def _square_root(constitutive: np.ndarray) -> np.ndarray:
-    """R with R^T R = D for symmetric D that may be singular (a wall without coupling, say)."""
+    """R with R^T R = D for symmetric D that may be singular (a shell section without coupling, say)."""
     values, vectors = np.linalg.eigh(constitutive)
     return np.sqrt(np.maximum(values, 0.0))[..., None] * np.swapaxes(vectors, -1, -2)
 

@@ -18,7 +18,7 @@ def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, np.nd
     """
     loads: dict[str, dict[str, np.ndarray]] = {}
     for joint in system.joints:
-        # The multipliers hold the second end back along the gap that they close: it feels their opposite.
+        # Multipliers act on the first end; the second one receives their opposite.
         acting = -solution.joint_forces[joint.name]
         forces = np.array([row.startswith("position") for row in joint.rows])
         parts = {"force": acting[:, forces], "moment": acting[:, ~forces]}

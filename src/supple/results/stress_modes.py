@@ -85,7 +85,7 @@ def stress_modes(body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike 
 
     Raises
     ------
-    ModelError   a model of other nodes or freedoms, a node number outside it, a laminate wall
+    ModelError   a model of other nodes or freedoms, a node number outside it, a laminate
     """
     _check_same(body, model)
     return StressModes(tensor_modes(body, stress_recovery(model), nodes))

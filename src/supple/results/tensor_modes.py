@@ -58,7 +58,7 @@ class TensorModes:
         """The largest measure (..., N) over the layers; the field is formed for a block of times at a time.
 
         measure : maps tensors (..., 6) to numbers (...); convex, as von Mises stress is. The field is linear
-            across a wall, so that the largest lies on its bottom or its top: no other layer is looked at.
+            through a shell, so that the largest lies on its bottom or its top: no other layer is looked at.
         """
         gamma = self._checked(coordinates)
         rows = gamma.reshape(-1, self.r)
@@ -156,7 +156,7 @@ def _parts(section: SectionStress, shares: csr_array, r: int) -> Iterator[_Part]
 
 
 def _nonlinear_points(section: SectionStress, shares: csr_array) -> tuple[SectionStress, csr_array]:
-    """The section and shares with one layer for all: the gradients of a shell do not vary across its wall."""
+    """One layer for all: the gradients of a shell do not vary through its thickness."""
     n_layers = section.to_nodes.shape[1]
     if n_layers == 1:
         return section, shares

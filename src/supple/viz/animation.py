@@ -1,4 +1,4 @@
-"""A body in motion, as a film."""
+"""A body in motion, as an animation."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Array8 = NDArray[np.uint8]
 _PIXELS_PER_INCH = 100
 # Height of the strip with the colour bar, its numbers and its label.
 _BAR_PIXELS = 72
-# Place of white in a film's palette.
+# Place of white in an animation's palette.
 _WHITE = 255
 
 
@@ -48,14 +48,14 @@ def animate(
     length_unit: str = "m",
     progress: Callable[[float], None] | None = None,
 ) -> Path:
-    """Film a body in space as a GIF that repeats, one frame per given time.
+    """Animate a body in space as a GIF that repeats, one frame per given time.
 
     Parameters
     ----------
     times : array (t,)              s, shown in the picture
     positions : array (t, N, 3)     of the nodes, as `node_positions` recovers them
     skin : Skin                     what is seen of the mesh
-    values : array (t, N)           nodal scalar to colour by, in one scale for the whole film; NaN is plain
+    values : array (t, N)           nodal scalar to colour by, in one scale throughout; NaN is plain
     values_label : str              what they are, with their unit, under a colour bar; no bar without
     traced_nodes : node numbers     whose paths are drawn
     camera : Camera                 a three-quarter view of the whole motion by default
@@ -133,7 +133,7 @@ def _save_gif(path: Path, frames: list[Array8], frames_per_second: float) -> Non
 
 
 def _common_palette(frames: list[Array8]) -> Image.Image:
-    """255 colours from frames all over the film, so that they do not flicker, and white as the last."""
+    """255 colours from frames all over the animation, so that they do not flicker, and white as the last."""
     sample = np.concatenate([frames[i] for i in np.unique(np.linspace(0, len(frames) - 1, 9).astype(int))])
     palette = Image.fromarray(sample).quantize(_WHITE, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     colours = np.full((256, 3), 255)

@@ -13,7 +13,7 @@ def feature_edges(
 ) -> IntArray:
     """Edges (k, 2) that one triangle has alone, or at which two meet at an angle above the fold angle.
 
-    Where more than two meet, an inner wall joins the skin, which says nothing of the outer shape.
+    Where more than two meet, an inner wall joins the skin, and its edge is none of the outer shape.
     """
     pairs = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     edges, inverse, count = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)

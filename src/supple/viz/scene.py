@@ -27,7 +27,7 @@ class Actor:
 class Scene:
     """What `animate` needs of several bodies: one skin, positions (t, N, 3), values (t, N).
 
-    A body without values has NaN, which films show in the plain colour of a surface.
+    A body without values has NaN, which animations show in the plain colour of a surface.
     """
 
     skin: Skin

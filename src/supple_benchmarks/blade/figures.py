@@ -75,7 +75,7 @@ def _draw_mesh(run: BladeRun, folder: Path) -> Path:
 
 
 def _draw_shapes(run: BladeRun, folder: Path) -> list[Path]:
-    """Modes of the blade held at its root, and the derivatives of the first three."""
+    """Modes of the blade clamped at its root, and the derivatives of the first three."""
     body, mesh, frame = run.body, run.benchmark.blade.mesh, FRAMES["nodal-fixed"]
     basis = rayleigh_ritz(body, frame, CraigBampton(n_modes=N_MODES).build(body, frame))
     derivatives = modal_derivatives(body, frame, basis)

@@ -1,7 +1,7 @@
 """The 61.5 m blade of [Wu2019] section 6.2, as we define it in the open: body, wind loads, machine.
 
 Wu2019 fixes the size of the mesh, the damping, the step and the tolerance; its thickness, material and wind
-stand in a figure that cannot be read. Here the blade is the NREL 5 MW one with a constant wall that meets
+stand in a figure that cannot be read. Here the blade is the NREL 5 MW one of a constant thickness that meets
 its mass and its first flap frequency, and the loads are those of a blade-element computation in a turbulent
 wind of 12 m/s. They are prescribed: computed once at the rated rotor speed, in axes that turn with the root.
 
@@ -86,7 +86,7 @@ ROOT = "root"
 FRAMES: dict[str, Frame] = {"nodal-fixed": NodalFixedFrame(ROOT), "mean-axis": MeanAxisFrame()}
 KINEMATICS: dict[str, MembraneKinematics] = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
-WALL = HomogeneousSection(Isotropic(61.13e9, 0.3, 1474.9), 0.02)
+SECTION = HomogeneousSection(Isotropic(61.13e9, 0.3, 1474.9), 0.02)
 """Meets 17 740 kg and 0.675 Hz; a thin wall's frequencies hang on E / rho alone."""
 DAMPING_RATIO = 0.02
 RATED_SPEED = 1.267
@@ -141,7 +141,7 @@ class Blade:
 
     def body(self, kinematics: MembraneKinematics = GREEN_LAGRANGE) -> FlexibleBody:
         """The flexible blade."""
-        model = shell_model(self.mesh, WALL, kinematics=kinematics)
+        model = shell_model(self.mesh, SECTION, kinematics=kinematics)
         return flexible_body(BODY, model, [RigidInterface(ROOT, "root", position=(0.0, 0.0, -HUB_RADIUS))])
 
     @cached_property
@@ -199,13 +199,13 @@ class Blade:
 
 
 def root_held_frequencies(body: FlexibleBody, n: int = 5) -> Array:
-    """rad/s, of the blade held at its root."""
+    """rad/s, of the blade clamped at its root."""
     modes = lowest_modes(body.stiffness, body.mass, n, constraint=body.interface(ROOT).motion.toarray())
     return np.sqrt(modes.values)
 
 
 def blade_damping(frequencies: Array) -> RayleighDamping:
-    """Two per cent in the first two root-held modes."""
+    """Two per cent in the first two clamped modes."""
     return rayleigh_from_ratios(DAMPING_RATIO, float(frequencies[0]), float(frequencies[1]))
 
 

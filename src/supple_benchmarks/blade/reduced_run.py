@@ -68,10 +68,10 @@ class ReducedRun:
 def bases_of(
     blade: Blade, body: FlexibleBody, frame: str, case: BladeCase, n_linear: int = 50
 ) -> tuple[FixedBasis, ...]:
-    """10 + 15 with derivatives picked and compressed, n linear columns; and 8 + 2 static answers + 15.
+    """10 + 15 with derivatives picked and compressed, n linear columns; and 8 + 2 static responses + 15.
 
     Derivatives are weighted by the loads the blade is to bear: the wind's mean, and in the last basis, whose
-    columns hold its answer, the centrifugal load.
+    columns hold its response, the centrifugal load.
     """
     loads = blade.steady_load(body, case)
     wind = AmplitudeProduct(StaticLoad(loads[:, 0]))

@@ -79,7 +79,7 @@ class BladeRun:
     benchmark: BladeBenchmark
     body: FlexibleBody
     frequencies: np.ndarray
-    """rad/s, root held"""
+    """rad/s, root clamped"""
     full: list[FullRun] = field(default_factory=list)
     reduced: list[ReducedRun] = field(default_factory=list)
     corrected: list[CorrectedRun] = field(default_factory=list)
@@ -87,7 +87,7 @@ class BladeRun:
 
     @property
     def damping(self) -> RayleighDamping:
-        """Two per cent in the first two root-held modes."""
+        """Two per cent in the first two clamped modes."""
         return blade_damping(self.frequencies)
 
     def full_of(self, case: BladeCase, frame: str) -> FullRun | None:

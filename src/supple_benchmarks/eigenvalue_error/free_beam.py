@@ -48,7 +48,7 @@ class RoundBeam:
 
         min  int EI psi'^2 + k G A (w' - psi)^2  over  int rho A w^2 + rho I psi^2
 
-        by Rayleigh and Ritz with Legendre polynomials of high degree on both fields, no end held.
+        by Rayleigh and Ritz with Legendre polynomials of high degree on both fields, no end clamped.
         """
         points, weights = legendre.leggauss(DEGREE + 2)
         values = legendre.legvander(points, DEGREE - 1)

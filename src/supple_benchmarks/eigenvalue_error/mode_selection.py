@@ -84,8 +84,8 @@ def compare_selections(
     require_interfaces(body, "a comparison of mode selections")
     if not 0 <= min(sizes) <= max(sizes) <= candidates:
         raise ModelError(f"sizes {list(sizes)} for {candidates} candidates; give sizes between 0 and those")
-    held = GrowingModes(body.constrained(motion_rows(body.interfaces)), body.mass)
-    component = fixed_interface_component(body, held.at_least(candidates)).leading(candidates)
+    clamped = GrowingModes(body.constrained(motion_rows(body.interfaces)), body.mass)
+    component = fixed_interface_component(body, clamped.at_least(candidates)).leading(candidates)
     exact = _visible_values(body, component, n_vibrations)
     reference = _interface_modes(residual_component(component), component)
     omega = np.sqrt(exact[-1]) * np.geomspace(np.sqrt(exact[0] / exact[-1]) / 3.0, 1.0, n_frequencies)

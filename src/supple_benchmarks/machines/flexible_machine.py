@@ -34,7 +34,7 @@ class FlexibleMachine:
     duration, output_step : s      step : s, of the runs that are compared
     settled : s                    from then on errors are ordered: by then the steps have damped what a jump
         of the load at the start rang in modes that they are too long to resolve
-    camera : Camera                from where the machine is filmed
+    camera : Camera                from where the machine is seen
     """
 
     name: str

@@ -246,8 +246,8 @@ def test_full_and_rigid_bodies_in_one_system(arm, complete):
         solution = run(system, 0.1, 2e-3)
         return balances(system, solution), joint_residuals(system, solution)
 
-    (full, gaps), (reduced, same_gaps) = kept(arm), kept(project(soft_arm(), complete))
+    (full, residuals), (reduced, same_residuals) = kept(arm), kept(project(soft_arm(), complete))
     assert_equal(full, reduced, rtol=1e-9)
     assert np.ptp(full.total) < 1e-3 * np.ptp(full.kinetic)
-    np.testing.assert_allclose(gaps, same_gaps, atol=1e-10)
-    assert np.abs(gaps).max() < 1e-10
+    np.testing.assert_allclose(residuals, same_residuals, atol=1e-10)
+    assert np.abs(residuals).max() < 1e-10

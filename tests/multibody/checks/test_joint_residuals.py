@@ -1,4 +1,4 @@
-"""Joint gaps: what a displaced body opens, and what a run leaves."""
+"""Constraint residuals of joints: what a displaced body opens, and what a run leaves."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ def swing(pendulum):
 
 
 def test_a_run_keeps_its_joints_closed(pendulum, swing):
-    gaps = joint_residuals(pendulum, swing)
-    assert gaps.shape == (6, 3)
-    assert np.abs(gaps).max() < 1e-9
+    residuals = joint_residuals(pendulum, swing)
+    assert residuals.shape == (6, 3)
+    assert np.abs(residuals).max() < 1e-9
 
 
 def test_a_body_moved_away_opens_its_joint_by_as_much(pendulum, swing):
     moved = replace(swing.bodies["rod"], position=swing.bodies["rod"].position + LIFT)
-    gaps = joint_residuals(pendulum, replace(swing, bodies={"rod": moved}))
-    np.testing.assert_allclose(gaps - LIFT, 0.0, atol=1e-9)
+    residuals = joint_residuals(pendulum, replace(swing, bodies={"rod": moved}))
+    np.testing.assert_allclose(residuals - LIFT, 0.0, atol=1e-9)
 
 
 def test_joints_see_the_interfaces_of_a_full_body(blade):
@@ -48,5 +48,5 @@ def test_joints_see_the_interfaces_of_a_full_body(blade):
     frame = np.zeros((3, 3))
     motion = FloatingMotion(frame, np.tile(np.eye(3), (3, 1, 1)), q, frame, frame, rest, frame, frame, rest)
     solution = Solution(np.arange(3.0), {"blade": motion}, {}, Statistics())
-    gaps = joint_residuals(System(bodies=(Placed(full),), joints=(hinge,)), solution)
-    np.testing.assert_allclose(gaps, q @ blade.interface("tip").motion[:3].T, atol=1e-15)
+    residuals = joint_residuals(System(bodies=(Placed(full),), joints=(hinge,)), solution)
+    np.testing.assert_allclose(residuals, q @ blade.interface("tip").motion[:3].T, atol=1e-15)

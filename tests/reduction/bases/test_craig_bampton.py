@@ -1,4 +1,4 @@
-"""Craig-Bampton: constraint modes, then vibrations with every interface held [Han2020] (11)-(17)."""
+"""Craig-Bampton: constraint modes, then vibrations with every interface clamped [Han2020] (11)-(17)."""
 
 from __future__ import annotations
 

@@ -22,23 +22,23 @@ def component(solid_body):
 
 def test_every_interface_force_makes_one_eigenvalue_negative(component, added_mass):
     dual = DualCraigBampton(component.leading(10))
-    held, loaded = dual.interfaces_fixed(), dual.interfaces_loaded(added_mass)
-    assert held.n_forces == loaded.n_forces == 12
-    assert np.sum(np.linalg.eigvalsh(held.stiffness) < 0.0) == 12
-    assert (held.spectrum > 0.0).all()
+    clamped, loaded = dual.interfaces_fixed(), dual.interfaces_loaded(added_mass)
+    assert clamped.n_forces == loaded.n_forces == 12
+    assert np.sum(np.linalg.eigvalsh(clamped.stiffness) < 0.0) == 12
+    assert (clamped.spectrum > 0.0).all()
     assert (np.abs(loaded.spectrum[:6]) < 1e-8 * loaded.spectrum[6]).all()
-    assert held.r == 6 + 10 + 12
+    assert clamped.r == 6 + 10 + 12
     assert loaded.r == 6 + 10 + 12 + 12
 
 
 def test_eigenvalues_converge_with_the_number_of_modes(solid_body, component, exact_eigenvalues, added_mass):
-    held = exact_eigenvalues(solid_body, 5, held=True)
+    clamped = exact_eigenvalues(solid_body, 5, clamped=True)
     loaded = exact_eigenvalues(solid_body, 5, added_mass=added_mass)
     worst = []
     for n_modes in (10, 20, 40):
         dual = DualCraigBampton(component.leading(n_modes))
         errors = [
-            dual.interfaces_fixed().eigenvalues(5) / held - 1.0,
+            dual.interfaces_fixed().eigenvalues(5) / clamped - 1.0,
             dual.interfaces_loaded(added_mass).eigenvalues(11)[6:] / loaded - 1.0,
         ]
         worst.append([np.abs(error).max() for error in errors])
@@ -55,7 +55,7 @@ def test_exact_rubin_dual_and_macneal_come_in_this_order(
     parts = component.leading(n_modes)
     methods = (rubin_component(parts), DualCraigBampton(parts), MacNealComponent(parts))
     for n_rigid, matrices, exact in (
-        (0, lambda m: m.interfaces_fixed(), {"held": True}),
+        (0, lambda m: m.interfaces_fixed(), {"clamped": True}),
         (6, lambda m: m.interfaces_loaded(added_mass), {"added_mass": added_mass}),
     ):
         spectra = [matrices(method).spectrum[n_rigid:] for method in methods]
@@ -77,7 +77,7 @@ def test_eigenvalues_only_fall_with_the_number_of_modes(component, added_mass):
 def test_it_is_better_than_macneals_method_from_the_same_ingredients(
     solid_body, component, exact_eigenvalues
 ):
-    exact = exact_eigenvalues(solid_body, 5, held=True)
+    exact = exact_eigenvalues(solid_body, 5, clamped=True)
     parts = component.leading(20)
     dual, macneal = (
         method(parts).interfaces_fixed().eigenvalues(5) / exact - 1.0

@@ -26,7 +26,7 @@ def test_eigenvalues_are_above_rubins_which_are_above_the_exact_ones(
     parts = component.leading(14)
     macneal, rubin = MacNealComponent(parts), rubin_component(parts)
     for exact, n_rigid, matrices in (
-        (exact_eigenvalues(solid_body, 8, held=True), 0, lambda m: m.interfaces_fixed()),
+        (exact_eigenvalues(solid_body, 8, clamped=True), 0, lambda m: m.interfaces_fixed()),
         (
             exact_eigenvalues(solid_body, 8, added_mass=added_mass),
             6,

@@ -56,12 +56,12 @@ def test_lowest_frequencies_are_exact(strip_body, frame, lowest_squares):
 
 
 def test_table_1_of_the_paper_in_both_frames(cantilever, root_frame, mean_axis):
-    """10 linear columns: 10 modes with the root held; 6 attachment and 4 free modes in a mean-axis frame."""
-    held = Rubin(n_columns=10).build(cantilever, root_frame)
+    """10 linear columns: 10 modes, root clamped; 6 attachment and 4 free modes in a mean-axis frame."""
+    clamped = Rubin(n_columns=10).build(cantilever, root_frame)
     free = Rubin(n_columns=10).build(cantilever, mean_axis)
-    assert held.labels == tuple(f"free-interface mode {i + 1}" for i in range(10))
+    assert clamped.labels == tuple(f"free-interface mode {i + 1}" for i in range(10))
     assert free.labels[5:7] == ("attachment root rz", "free-interface mode 1")
-    assert held.vectors.shape[1] == free.vectors.shape[1] == 10
+    assert clamped.vectors.shape[1] == free.vectors.shape[1] == 10
 
 
 def test_body_without_interfaces_is_refused(loose_body, mean_axis):

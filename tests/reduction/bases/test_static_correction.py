@@ -1,4 +1,4 @@
-"""Static correction: a basis that holds the static answer to known loads."""
+"""Static correction: a basis that holds the static response to known loads."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def static_answer(body, frame, load):
         (Rubin(n_modes=2), NodalFixedFrame("root")),
         (Rubin(n_modes=2), MeanAxisFrame()),
     ],
-    ids=["root held", "root held, free modes", "inertia relief"],
+    ids=["root clamped", "root clamped, free modes", "inertia relief"],
 )
 def test_the_reduced_body_answers_the_load_exactly(cantilever, frame, recipe):
     """V (V^T K V)^-1 V^T F is the full static deflection, with only two modes beside."""
@@ -58,7 +58,7 @@ def test_columns_are_labelled(cantilever, root_frame):
     basis = StaticCorrection(CraigBampton(n_modes=1), np.column_stack([load, 2 * load])).build(
         cantilever, root_frame
     )
-    assert basis.labels[-2:] == ("static answer to load 1", "static answer to load 2")
+    assert basis.labels[-2:] == ("static response to load 1", "static response to load 2")
     assert np.isnan(basis.frequencies[-2:]).all()
 
 

@@ -25,7 +25,9 @@ def test_complete_component_is_the_body_however_its_interfaces_are_held(
         component.interfaces_free().eigenvalues(16)[6:], exact_eigenvalues(solid_body, 10), rtol=1e-7
     )
     np.testing.assert_allclose(
-        component.interfaces_fixed().eigenvalues(10), exact_eigenvalues(solid_body, 10, held=True), rtol=1e-7
+        component.interfaces_fixed().eigenvalues(10),
+        exact_eigenvalues(solid_body, 10, clamped=True),
+        rtol=1e-7,
     )
     np.testing.assert_allclose(
         component.interfaces_loaded(added_mass).eigenvalues(16)[6:],

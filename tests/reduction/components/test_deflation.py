@@ -1,4 +1,4 @@
-"""The static answer of the modes left out."""
+"""The static response of the modes left out."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ def test_residual_is_the_sum_over_the_modes_left_out(solid_body):
 
 def test_residual_is_orthogonal_to_the_modes_kept(solid_body):
     modes = fixed_interface_modes(solid_body, 20)
-    held = solid_body.constrained(motion_rows(solid_body.interfaces))
+    clamped = solid_body.constrained(motion_rows(solid_body.interfaces))
     A = solid_body.mass @ interface_shapes(solid_body)
-    residual = residual_response(held, solid_body.mass, modes, A)
+    residual = residual_response(clamped, solid_body.mass, modes, A)
     work = modes.vectors.T @ (solid_body.mass @ residual.columns)
     assert (np.abs(work) <= 1e-12 * np.sqrt(np.diag(residual.mass))).all()

@@ -56,10 +56,10 @@ def test_rubins_matrices_give_the_frequencies_of_his_basis(solid_body, mean_axis
 
 def test_rubins_eigenvalues_are_never_too_low(solid_body, component, exact_eigenvalues, added_mass):
     model = rubin_component(component.leading(10))
-    held = model.interfaces_fixed().eigenvalues(10) / exact_eigenvalues(solid_body, 10, held=True)
+    clamped = model.interfaces_fixed().eigenvalues(10) / exact_eigenvalues(solid_body, 10, clamped=True)
     loaded = model.interfaces_loaded(added_mass).eigenvalues(16)[6:]
     loaded = loaded / exact_eigenvalues(solid_body, 10, added_mass=added_mass)
-    assert (held > 1.0 - 1e-9).all()
+    assert (clamped > 1.0 - 1e-9).all()
     assert (loaded > 1.0 - 1e-9).all()
 
 

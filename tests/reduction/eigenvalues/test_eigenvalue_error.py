@@ -112,9 +112,9 @@ def test_missing_vibrations_have_no_finite_error(family):
 def test_terms_know_the_first_mode_left_out(family):
     vibrations = family.vibrations(10, N)
     terms = error_terms(family.component, vibrations)
-    assert terms.next_held == family.component.eigenvalues[10]
+    assert terms.next_fixed == family.component.eigenvalues[10]
     assert np.all(terms.first > 0)
-    assert np.all(terms.second <= terms.first / terms.next_held * (1 + 1e-9))
+    assert np.all(terms.second <= terms.first / terms.next_fixed * (1 + 1e-9))
 
 
 def test_the_published_bound_where_there_are_more_vibrations_than_modes(mean_axis, lowest_squares):
@@ -127,7 +127,7 @@ def test_the_published_bound_where_there_are_more_vibrations_than_modes(mean_axi
     errors = family.errors(10, 16, Han2020Bound())
     terms = error_terms(family.component, family.vibrations(10, 16))
     np.testing.assert_allclose(
-        errors[12:], (terms.values * (1 + terms.values / terms.held[11]) * terms.first)[12:]
+        errors[12:], (terms.values * (1 + terms.values / terms.fixed[11]) * terms.first)[12:]
     )
     exact = KnownEigenvalues(lowest_squares(body, mean_axis, 16))
     assert np.abs(family.errors(12, 16, Han2020Bound()) - family.errors(12, 16, exact)).max() < 1e-8

@@ -12,7 +12,7 @@ from supple.cli.main import app
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["quadruple-pendulum", "slider-crank"])
-def test_quick_form_writes_report_figures_and_film(name, tmp_path):
+def test_quick_form_writes_report_figures_and_animation(name, tmp_path):
     target = tmp_path / "report.json"
     arguments = ["benchmark", name, "--quick", "--json", str(target), "-o", str(tmp_path)]
     result = CliRunner().invoke(app, arguments)

@@ -31,14 +31,14 @@ class GridPoints:
     ids       : (N,)
     positions : (N, 3)      in basic coordinates
     axes      : (N, 3, 3)   directions of the displacements (CD) as columns, in basic axes
-    held      : (N,)        permanent supports (PS), components as written; empty where none
+    supports  : (N,)        permanent supports (PS), components as written; empty where none
     cards     : the card of each
     """
 
     ids: IntArray
     positions: FloatArray
     axes: FloatArray
-    held: NDArray[np.str_]
+    supports: NDArray[np.str_]
     cards: tuple[BulkCard, ...]
 
     def lookup(self, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
@@ -89,8 +89,8 @@ def read_grids(file: BulkFile) -> GridPoints:
             )
         members = moved_in == system
         axes[members] = systems[system].directions(positions[members])
-    held = np.array([card.word(6) for card in cards])
-    return GridPoints(ids, positions, axes, held, tuple(cards))
+    supports = np.array([card.word(6) for card in cards])
+    return GridPoints(ids, positions, axes, supports, tuple(cards))
 
 
 def _resolve(

@@ -31,7 +31,7 @@ class SolidProperty:
 
 @dataclass(frozen=True)
 class ShellProperty:
-    """PSHELL: a homogeneous wall; non-structural mass is in the density."""
+    """PSHELL: a homogeneous shell section; non-structural mass is in the density."""
 
     material: ElasticMaterial
     thickness: float

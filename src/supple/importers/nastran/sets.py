@@ -22,7 +22,7 @@ def node_sets(file: BulkFile, grids: GridPoints) -> dict[str, IntArray]:
     ImportFormatError   missing grids; components that are none; a support that moves
     """
     found: dict[str, list[int]] = {}
-    for number, components in enumerate(grids.held.tolist()):
+    for number, components in enumerate(grids.supports.tolist()):
         if components and components != "0":
             found.setdefault(f"spc_{_components(grids.cards[number], components)}", []).append(number)
     for card in file.named("SPC"):

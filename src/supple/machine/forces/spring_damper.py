@@ -53,9 +53,9 @@ class SpringDamper(ForceElement):
     def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
         """Equal and opposite forces along the line."""
         stiffness, damping, rest_length = parameters
-        gap = second.point - first.point
-        length = jnp.sqrt(gap @ gap)
-        direction = gap / length
+        between = second.point - first.point
+        length = jnp.sqrt(between @ between)
+        direction = between / length
         rate = direction @ (second.velocity - first.velocity)
         force = (stiffness * (length - rest_length) + damping * rate) * direction
         return Wrench(force, jnp.zeros(3)), Wrench(-force, jnp.zeros(3))

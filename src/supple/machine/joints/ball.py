@@ -22,5 +22,5 @@ class Ball(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
-        """The gap between the points, (3,)."""
+        """The vector between the points, (3,)."""
         return closing(first, second)

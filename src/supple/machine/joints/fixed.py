@@ -29,5 +29,5 @@ class Fixed(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
-        """The gap and the relative turn, (6,)."""
+        """The vector between the points and the relative turn, (6,)."""
         return stack(closing(first, second), relative_turn(first, second))

@@ -19,7 +19,7 @@ __all__ = ["PrescribedRotation"]
 
 @dataclass(frozen=True, kw_only=True)
 class PrescribedRotation(Joint):
-    """A fixed joint whose angle about one axis follows a law of time; all else is held."""
+    """A fixed joint whose angle about one axis follows a law of time; all else is fixed."""
 
     axis: tuple[float, float, float]
     """Direction of the axis in the initial configuration, global."""
@@ -41,7 +41,7 @@ class PrescribedRotation(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:
-        """The gap, and the turn from the first frame turned by the angle, (6,)."""
+        """The vector between the points, and the turn from the first frame turned by the angle, (6,)."""
         cosine, sine = jnp.cos(value), jnp.sin(value)
         about_z = jnp.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
         turned = first._replace(axes=first.axes @ about_z)

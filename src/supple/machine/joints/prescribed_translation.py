@@ -19,7 +19,7 @@ __all__ = ["PrescribedTranslation"]
 
 @dataclass(frozen=True, kw_only=True)
 class PrescribedTranslation(Joint):
-    """A fixed joint whose offset along one axis follows a law of time; all else is held."""
+    """A fixed joint whose offset along one axis follows a law of time; all else is fixed."""
 
     axis: tuple[float, float, float]
     """Direction of the axis in the initial configuration, global."""
@@ -41,6 +41,6 @@ class PrescribedTranslation(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:
-        """The gap beyond the given distance, and the relative turn, (6,)."""
-        gap = closing(first, second) - value * jnp.array([0.0, 0.0, 1.0])
-        return stack(gap, relative_turn(first, second))
+        """The vector between the points beyond the given distance, and the relative turn, (6,)."""
+        offset = closing(first, second) - value * jnp.array([0.0, 0.0, 1.0])
+        return stack(offset, relative_turn(first, second))

@@ -37,5 +37,5 @@ class Revolute(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
-        """The gap and the tilt of the second axis, (5,)."""
+        """The vector between the points and the tilt of the second axis, (5,)."""
         return stack(closing(first, second), tilt(first, second))

@@ -19,9 +19,9 @@ class Universal(Joint):
     """Ball joint with the first end's axis perpendicular to the second end's axis: two rotations are free."""
 
     first_axis: tuple[float, float, float]
-    """Axis of the cross held by the first end, initial configuration, global."""
+    """Axis of the cross fixed to the first end, initial configuration, global."""
     second_axis: tuple[float, float, float]
-    """Axis of the cross held by the second end; made perpendicular to the first."""
+    """Axis of the cross fixed to the second end; made perpendicular to the first."""
 
     n_constraints: ClassVar[int] = 4
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z", "angle between the axes")
@@ -33,5 +33,5 @@ class Universal(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
-        """The gap and `z_1 . x_2`, (4,)."""
+        """The vector between the points and `z_1 . x_2`, (4,)."""
         return stack(closing(first, second), first.axes[:, 2] @ second.axes[:, 0])

@@ -25,7 +25,7 @@ class FollowerPressure(NodalLoad):
     quadrilateral counts as the mean of its two pairs of triangles. The corners run counter-clockwise seen
     from the side on which the pressure acts.
 
-    Source: [Bonet2008] section 6.5, one-point rule, exact for flat facets.
+    Source: [BonetWood1997] section 6.5, one-point rule, exact for flat facets.
     """
 
     faces: Sequence[Sequence[int]] | np.ndarray

@@ -79,7 +79,7 @@ class InteriorForces(NamedTuple):
 class Elimination(NamedTuple):
     """What is left of the interior after its factorisation: `x = particular + responses @ unknowns`.
 
-    `responses` answers to unit (generalised interface forces, frame accelerations, frame multipliers).
+    The `unknowns` are generalised interface forces, frame accelerations and frame multipliers.
     """
 
     particular: np.ndarray
@@ -97,7 +97,7 @@ class Elimination(NamedTuple):
 
 
 class _Factored(NamedTuple):
-    """A factored tangent, what it was factored for, and its answers to interface forces and multipliers."""
+    """A factored tangent, what it was factored for, and its responses to interface forces and multipliers."""
 
     factor: SparseFactor
     factors: StepFactors

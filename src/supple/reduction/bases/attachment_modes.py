@@ -1,4 +1,4 @@
-"""Attachment modes: a basis that also holds the static answer to every interface force."""
+"""Attachment modes: a basis that also holds the static response to every interface force."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class AttachmentModes:
 
         K Psi + M R mu = B^T,   R^T M Psi = 0
 
-    Joints act on a body by forces at its interfaces. The modes left out answer to them nearly statically, and
-    six columns an interface hold that answer: what is still missing of a mode falls with the fourth power of
+    Joints act on a body by forces at its interfaces. The modes left out respond nearly statically, and six
+    columns an interface hold that response: what is still missing of a mode falls with the fourth power of
     its frequency, not the second. The forces are balanced by rigid inertia whatever the frame, so that the
     body is the same in every frame; in a mean-axis frame, AttachmentModes(NormalModes(n)) is Rubin(n).
 

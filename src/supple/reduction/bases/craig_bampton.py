@@ -14,7 +14,7 @@ from supple.reduction.bases.mode_selection import LowestFrequency, ModeSelection
 
 @dataclass(frozen=True)
 class CraigBampton:
-    """Constraint modes and vibrations with every interface held, by default the lowest.
+    """Constraint modes and vibrations with every interface fixed, by default the lowest.
 
         K Phi + B^T mu = M Phi diag(omega^2),   B Phi = 0
 

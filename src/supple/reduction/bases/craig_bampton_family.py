@@ -32,11 +32,11 @@ class CraigBamptonFamily:
 
     def __init__(self, body: FlexibleBody):
         require_interfaces(body, "a Craig-Bampton body")
-        held = motion_rows(body.interfaces)
+        clamped = motion_rows(body.interfaces)
         self.body = body
         self.shapes = interface_shapes(body)
-        self.rigid_motion = held @ body.rigid_modes
-        self.growing = GrowingModes(body.constrained(held), body.mass)
+        self.rigid_motion = clamped @ body.rigid_modes
+        self.growing = GrowingModes(body.constrained(clamped), body.mass)
         self.modes: RitzModes = self.growing.found
         self.component: FixedInterfaceComponent = fixed_interface_component(body, self.modes)
 

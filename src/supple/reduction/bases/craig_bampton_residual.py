@@ -1,4 +1,4 @@
-"""Craig-Bampton with residual modes: the static answer of the vibrations left out joins the basis."""
+"""Craig-Bampton with residual modes: the static response of the vibrations left out joins the basis."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from supple.reduction.components.deflation import residual_response
 
 @dataclass(frozen=True)
 class CraigBamptonResidual:
-    """Constraint modes, residual modes and the lowest vibrations with every interface held.
+    """Constraint modes, residual modes and the lowest vibrations with every interface fixed.
 
-        Y = F_rs A,   F_rs = K_s^-1 - Phi Lambda^-1 Phi^T,   A = M Psi     (K_s, Phi: interfaces held)
+        Y = F_rs A,   F_rs = K_s^-1 - Phi Lambda^-1 Phi^T,   A = M Psi     (K_s, Phi: interfaces fixed)
 
-    A unit acceleration of an interface loads the inside by A; Y is the part of the static answer that the
+    A unit acceleration of an interface loads the inside by A; Y is the part of the static response that the
     truncated vibrations would give. [Han2020] (26) adds omega^2 Y to the constraint modes and [KimLee2015]
     estimate the unknown omega^2; here the residual modes have coordinates of their own, six for each
     interface: a larger space that holds theirs, and no estimate.
@@ -46,8 +46,8 @@ class CraigBamptonResidual:
         plain = CraigBampton(n_modes=n_modes).build(body, frame)
         constraint, modes = np.split(plain.vectors, [n_constraint], axis=1)
         known = RitzModes.of(Eigenpairs(plain.frequencies[n_constraint:] ** 2, modes))
-        held = body.constrained(motion_rows(body.interfaces))
-        residual = residual_response(held, body.mass, known, body.mass @ interface_shapes(body)).columns
+        clamped = body.constrained(motion_rows(body.interfaces))
+        residual = residual_response(clamped, body.mass, known, body.mass @ interface_shapes(body)).columns
         return LinearBasis(
             vectors=np.hstack([constraint, residual, modes]),
             frequencies=np.insert(plain.frequencies, n_constraint, np.full(n_residual, np.nan)),

@@ -19,7 +19,7 @@ class DualCraigBampton:
         K = [ Lambda   (B Phi)^T ]     M = [ I  0 ]
             [ B Phi    -F        ]         [ 0  H ]
 
-    The second row says that interfaces meet, B u = 0 or the neighbour's motion, but weighted by the residual
+    By the second row interfaces meet, B u = 0 or the neighbour's motion, but weighted by the residual
     shapes: while modes are few a gap stays, of size H f''. K is indefinite, so that Rayleigh's principle says
     nothing: each force makes one eigenvalue negative, which belongs to no vibration. Those left out, the
     others are upper bounds all the same, and fall with every mode added. At s = omega^2 the forces see

@@ -26,7 +26,7 @@ class Guyan:
 
 
 def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
-    """Static shapes due to a unit motion of one interface freedom, all others held.
+    """Static shapes due to a unit motion of one interface freedom, all others fixed.
 
         K Psi + B^T mu = 0,   B Psi = (columns of) I
 
@@ -41,8 +41,8 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
     require_interfaces(body, "a basis of constraint modes")
     reference = (fixed_interfaces(body, frame) or body.interfaces)[0]
     moving = [interface for interface in body.interfaces if interface is not reference]
-    held = motion_rows([reference, *moving])
-    solver = body.constrained(held)
+    clamped = motion_rows([reference, *moving])
+    solver = body.constrained(clamped)
     n_moving = 6 * len(moving)
     unit_motions = np.vstack([np.zeros((6, n_moving)), np.eye(n_moving)])
     n = body.n
@@ -66,5 +66,5 @@ def interface_shapes(body: FlexibleBody) -> np.ndarray:
     Source: [Han2020] (13).
     """
     require_interfaces(body, "a set of constraint modes")
-    held = motion_rows(body.interfaces)
-    return body.constrained(held).solve(values=np.eye(len(held)))
+    clamped = motion_rows(body.interfaces)
+    return body.constrained(clamped).solve(values=np.eye(len(clamped)))

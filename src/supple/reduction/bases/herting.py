@@ -23,9 +23,9 @@ class Herting:
 
     Interface statics are exact, as in Craig-Bampton; the free body's modes are exact, as in Rubin. Herting
     writes Phi - Psi B Phi for the modes, so that the interface coordinates are the physical ones: the same
-    span. Indeed Psi, Upsilon and the rigid motions are the static answers to all balanced loads of interface
-    forces and rigid inertia, and so are Rubin's attachment modes in a mean-axis frame with the rigid motions:
-    both bases give one and the same body there.
+    span. Indeed Psi, Upsilon and the rigid motions are the static responses to all balanced loads of
+    interface forces and rigid inertia, and so are Rubin's attachment modes in a mean-axis frame with the
+    rigid motions: both bases give one and the same body there.
 
     n_modes : number of free-interface modes, besides the static columns; or
     n_columns : number of all columns
@@ -58,12 +58,12 @@ class Herting:
 
 
 def inertia_relief_modes(body: FlexibleBody) -> np.ndarray:
-    """Static shapes (n, 6) under the inertia of the six rigid accelerations, every interface held.
+    """Static shapes (n, 6) under the inertia of the six rigid accelerations, every interface fixed.
 
         K Upsilon + B^T mu = M R,   B Upsilon = 0
 
     Raises ModelError when the body has no interface.
     """
     require_interfaces(body, "an inertia relief mode")
-    held = body.constrained(motion_rows(body.interfaces))
-    return held.solve(body.mass @ body.rigid_modes)
+    clamped = body.constrained(motion_rows(body.interfaces))
+    return clamped.solve(body.mass @ body.rigid_modes)

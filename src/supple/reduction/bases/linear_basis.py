@@ -20,7 +20,7 @@ class LinearBasis:
     vectors : (n, m)
     frequencies : (m,)       rad/s; nan for static columns, which vibrate at no frequency of their own
     labels : (m,) str        such as "constraint tip rz" or "fixed-interface mode 3"
-    static_solver : solves K x = f with the interfaces and the frame held as this basis holds them;
+    static_solver : solves K x = f with the interfaces and the frame fixed as in this basis;
                      the derivatives of its columns are static solutions of that same problem
     dropped : labels of columns not formed because the frame itself carries their motion
     certificate : what is proven of their eigenvalues; None where nothing is
@@ -109,7 +109,7 @@ class ModeCount:
 
 
 def check_mode_count(body: FlexibleBody, n_modes: int, n_fixed: int) -> None:
-    """ModelError when a body with n_fixed motions held has fewer than n_modes modes."""
+    """ModelError when a body with n_fixed motions fixed has fewer than n_modes modes."""
     available = body.n - n_fixed
     if not 0 <= n_modes <= available:
         raise ModelError(

@@ -50,7 +50,7 @@ class ModeRanking(Protocol):
 
 @dataclass(frozen=True)
 class LowestFrequency:
-    """The modes of lowest frequency: no judgement of what the interfaces can feel, and none missing."""
+    """The modes of lowest frequency: no regard to their participation at the interfaces, and none missing."""
 
     def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
         """The first n_modes modes; ModelError when the body has fewer."""

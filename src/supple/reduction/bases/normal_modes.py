@@ -13,7 +13,7 @@ from supple.reduction.bases.linear_basis import LinearBasis, check_mode_count
 
 @dataclass(frozen=True)
 class NormalModes:
-    """The n_modes lowest modes with nothing held but the frame.
+    """The n_modes lowest modes with nothing fixed but the frame.
 
         K Phi + D^T mu = M Phi diag(omega^2),   D Phi = 0
 

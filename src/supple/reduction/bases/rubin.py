@@ -24,9 +24,9 @@ class Rubin:
         K Psi + D^T mu = B^T,   D Psi = 0
         K Phi + D^T mu = M Phi diag(omega^2),   D Phi = 0
 
-    Psi is the static answer to a unit force (moment) at one interface freedom, held by the frame alone; in a
-    mean-axis frame (D = R^T M) the multipliers are inertia forces: inertia relief. An interface that the
-    frame itself holds has no attachment mode: the frame takes its load.
+    Psi is the static response to a unit force (moment) at one interface freedom, fixed by the frame alone; in
+    a mean-axis frame (D = R^T M) the multipliers are inertia forces: inertia relief. An interface that the
+    frame itself fixes has no attachment mode: the frame takes its load.
 
     n_modes : number of free-interface modes, besides the attachment modes; or
     n_columns : number of all columns
@@ -43,8 +43,8 @@ class Rubin:
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Attachment modes first, then free-interface modes; ModelError: no interface, too many modes."""
         require_interfaces(body, "a Rubin basis")
-        held = fixed_interfaces(body, frame)
-        loaded = [interface for interface in body.interfaces if interface not in held]
+        fixed = fixed_interfaces(body, frame)
+        loaded = [interface for interface in body.interfaces if interface not in fixed]
         n_static = 6 * len(loaded)
         n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(n_static)
         modes = NormalModes(n_modes).build(body, frame)
@@ -56,5 +56,5 @@ class Rubin:
             frequencies=np.concatenate([np.full(n_static, np.nan), modes.frequencies]),
             labels=column_labels("attachment", loaded) + tuple(f"free-interface {m}" for m in modes.labels),
             static_solver=modes.static_solver,
-            dropped=column_labels("attachment", held),
+            dropped=column_labels("attachment", fixed),
         )

@@ -1,4 +1,4 @@
-"""Static correction: a basis that also holds the static answer to loads known beforehand."""
+"""Static correction: a basis that also holds the static response to loads known beforehand."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class StaticCorrection:
 
         K x + D^T mu = F,   D x = 0     (and B x = 0 where the recipe holds the interfaces)
 
-    The few lowest modes answer a distributed load slowly: a centrifugal load stretches a blade, pulls its
+    Under a distributed load the lowest modes converge slowly: a centrifugal load stretches a blade, pulls its
     walls straight and tilts its sections, mostly in modes far above those that vibrate. One column holds all
     of it. In a mean-axis frame the multipliers are inertia forces, so that a load need not be balanced.
 
@@ -43,12 +43,12 @@ class StaticCorrection:
         if not (np.isfinite(self.loads).all() and self.loads.any(axis=0).all()):
             raise ModelError(f"static correction of body '{body.name}': a load is zero or not finite")
         basis = self.recipe.build(body, frame)
-        answers = basis.static_solver.solve(body.expansion.T @ self.loads)
+        responses = basis.static_solver.solve(body.expansion.T @ self.loads)
         n_loads = self.loads.shape[1]
         return LinearBasis(
-            vectors=np.hstack([basis.vectors, answers]),
+            vectors=np.hstack([basis.vectors, responses]),
             frequencies=np.append(basis.frequencies, np.full(n_loads, np.nan)),
-            labels=basis.labels + tuple(f"static answer to load {i + 1}" for i in range(n_loads)),
+            labels=basis.labels + tuple(f"static response to load {i + 1}" for i in range(n_loads)),
             static_solver=basis.static_solver,
             dropped=basis.dropped,
             certificate=basis.certificate,

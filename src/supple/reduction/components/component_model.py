@@ -90,14 +90,14 @@ def block_diagonal(*blocks: np.ndarray) -> np.ndarray:
 
 
 class ComponentModel(Protocol):
-    """A reduced body whose interfaces may be left free, held in space, or joined to rigid bodies."""
+    """A reduced body whose interfaces may be left free, fixed in space, or joined to rigid bodies."""
 
     def interfaces_free(self) -> ReducedMatrices:
         """Nothing at the interfaces."""
         ...
 
     def interfaces_fixed(self) -> ReducedMatrices:
-        """All interfaces held in space."""
+        """All interfaces fixed in space."""
         ...
 
     def interfaces_loaded(self, added_mass: np.ndarray) -> ReducedMatrices:

@@ -16,7 +16,7 @@ SMALLEST_RESIDUAL = 1e-12
 
 
 class ResidualResponse(NamedTuple):
-    """Static answers of all modes but those kept."""
+    """Static response of all modes but those kept."""
 
     columns: np.ndarray
     """(n, k)  Y = F_r A"""
@@ -29,14 +29,14 @@ class ResidualResponse(NamedTuple):
 def residual_response(
     solver: ConstrainedFactor, mass: Any, modes: RitzModes, loads: np.ndarray
 ) -> ResidualResponse:
-    """Static answer F_r A of the modes left out, F_r = K^-1 - Phi Lambda^-1 Phi^T.
+    """Static response F_r A of the modes left out, F_r = K^-1 - Phi Lambda^-1 Phi^T.
 
         A_r = A - M Phi Phi^T A,   Y = K^-1 A_r,   Y <- Y - Phi Phi^T M Y
 
-    The load is freed of the kept modes before the solve and the answer after it, each twice. Subtracting
+    The load is freed of the kept modes before the solve and the response after it, each twice. Subtracting
     Phi Lambda^-1 Phi^T A from K^-1 A instead would lose every digit once the modes carry nearly all of it.
 
-    solver : solves K x = b where the modes vibrate: interfaces held, or a mean-axis frame (inertia relief)
+    solver : solves K x = b where the modes vibrate: interfaces fixed, or a mean-axis frame (inertia relief)
     modes : RitzModes       Phi, modes of that same problem
     loads : (n, k)          A
     Source: [Han2020] (36) for what it is used for; the deflation is ours.

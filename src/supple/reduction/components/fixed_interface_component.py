@@ -1,4 +1,4 @@
-"""A body by its vibrations with interfaces held: what Craig-Bampton and its variants are made of."""
+"""A body by its vibrations with interfaces fixed: what Craig-Bampton and its variants are made of."""
 
 from __future__ import annotations
 
@@ -75,11 +75,11 @@ class FixedInterfaceComponent:
 
 
 def fixed_interface_modes(body: FlexibleBody, n_modes: int) -> RitzModes:
-    """The lowest vibrations with every interface held; ModelError: no interface, or fewer modes."""
+    """The lowest vibrations with every interface fixed; ModelError: no interface, or fewer modes."""
     require_interfaces(body, "a vibration with held interfaces")
-    held = motion_rows(body.interfaces)
-    check_mode_count(body, n_modes, len(held))
-    return RitzModes.of(lowest_modes(body.stiffness, body.mass, n_modes, constraint=held))
+    clamped = motion_rows(body.interfaces)
+    check_mode_count(body, n_modes, len(clamped))
+    return RitzModes.of(lowest_modes(body.stiffness, body.mass, n_modes, constraint=clamped))
 
 
 def fixed_interface_component(body: FlexibleBody, modes: RitzModes) -> FixedInterfaceComponent:
@@ -90,8 +90,8 @@ def fixed_interface_component(body: FlexibleBody, modes: RitzModes) -> FixedInte
     """
     Psi = interface_shapes(body)
     A = body.mass @ Psi
-    held = body.constrained(motion_rows(body.interfaces))
-    residual = residual_response(held, body.mass, modes, A)
+    clamped = body.constrained(motion_rows(body.interfaces))
+    residual = residual_response(clamped, body.mass, modes, A)
     stiffness, mass = Psi.T @ (body.stiffness @ Psi), Psi.T @ A
     return FixedInterfaceComponent(
         eigenvalues=modes.values,

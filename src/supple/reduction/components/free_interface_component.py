@@ -22,8 +22,8 @@ class FreeInterfaceComponent:
 
         u = R a + Phi eta + G_r B^T f,    G_r = G - Phi Lambda^-1 Phi^T,   f forces at the interfaces
 
-    G answers self-equilibrated loads in the mean-axis frame (inertia relief). The six rigid motions, made
-    M-orthonormal, stand first among the modes, with eigenvalue zero.
+    G gives the response to self-equilibrated loads in the mean-axis frame (inertia relief). The six rigid
+    motions, made M-orthonormal, stand first among the modes, with eigenvalue zero.
 
     eigenvalues : (6 + m,)              rad^2/s^2
     interface_motion : (b, 6 + m)       B [R Phi]

@@ -53,7 +53,7 @@ def modal_derivatives(body: FlexibleBody, frame: Frame, basis: LinearBasis) -> M
         K theta_jk + D^T mu = -f''(X_j, X_k),  D theta_jk = 0
 
     Exact: f'' comes from the quadratic strains, not from differences. All m(m+1)/2 pairs take one factor and
-    one block of solves. The interfaces are held as the basis holds them (all of them for Craig-Bampton, none
+    one block of solves. The interfaces are fixed where the basis fixes them (all for Craig-Bampton, none
     but the frame's for Rubin); the result is projected on the frame, which stores no energy.
 
     Returns ModalDerivatives, symmetric in j and k.

@@ -105,8 +105,8 @@ def enclose_eigenvalues(
                 if rounds < ROUNDS or widened:
                     continue
         if n_more:
-            # A cluster does not end among the trial motions, or they lack a mode: one of a symmetric body
-            # that no interface feels, say.
+            # A cluster does not end among the trial motions, or they lack a mode: one of a symmetric
+            # body without motion at the interfaces, say.
             W = np.hstack([W, mean_axis.solve(_random_loads(body, n_more))])
             rounds, narrowest, widened = 0, np.inf, widened + 1
     found = f"bounds {width:.1e} apart" if count is None else f"{inside} found, {count} counted"

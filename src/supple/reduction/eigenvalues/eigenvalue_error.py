@@ -19,18 +19,18 @@ class ErrorTerms:
     values : (N,)   chi-bar, eigenvalues of the reduced body, rad^2/s^2
     first  : (N,)   xi^T X xi,  xi the interface part of each vibration
     second : (N,)   xi^T X2 xi
-    held   : (m,)   kappa, eigenvalues of the fixed-interface modes that are known, m > d, rad^2/s^2
-    next_held : kappa of the first mode not kept, rad^2/s^2; infinite when all modes are
+    fixed  : (m,)   kappa, eigenvalues of the fixed-interface modes that are known, m > d, rad^2/s^2
+    next_fixed : kappa of the first mode not kept, rad^2/s^2; infinite when all modes are
     """
 
     values: np.ndarray
     first: np.ndarray
     second: np.ndarray
-    held: np.ndarray
-    next_held: float
+    fixed: np.ndarray
+    next_fixed: float
 
     def __post_init__(self):
-        for name in ("values", "first", "second", "held"):
+        for name in ("values", "first", "second", "fixed"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
@@ -47,8 +47,8 @@ def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) 
         values=vibrations.values,
         first=np.sum(xi * (kept.residual_flexibility @ xi), axis=0),
         second=np.sum(xi * (kept.residual_mass @ xi), axis=0),
-        held=component.eigenvalues,
-        next_held=float(component.eigenvalues[n_kept]) if n_kept < component.n_modes else np.inf,
+        fixed=component.eigenvalues,
+        next_fixed=float(component.eigenvalues[n_kept]) if n_kept < component.n_modes else np.inf,
     )
 
 
@@ -56,7 +56,7 @@ class ErrorEstimator(Protocol):
     """An estimate of zeta_n = chi-bar_n / chi_n - 1, by how much the reduced eigenvalues are too high.
 
     Above or below are meant to first order, for errors of a few per cent and less. None of them sees a
-    vibration that no interface feels while its mode is left out: that takes a count.
+    vibration without motion or force at the interfaces while its mode is left out: that takes a count.
     """
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
@@ -77,16 +77,16 @@ class FirstOrderEstimate:
 class Han2020Bound:
     """(chi-bar + chi-bar^2 / kappa_n) xi^T X xi, n the number of the elastic vibration. [Han2020] (42)
 
-    With n modes or more kept, every mode left out vibrates faster than the n-th one held, so its share is
-    bounded. With many kept the bound is two or three times the truth, and tens of times where chi-bar_n is
+    With n modes or more kept, every mode left out is faster than the n-th fixed-interface mode, so its share
+    is bounded. With many kept the bound is two or three times the truth, and tens of times where chi-bar_n is
     far above kappa_n. With fewer, as bodies of several interfaces allow, it bounds nothing; where the body
     has no n-th mode, the last one stands for it.
     """
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
         """Upper estimate."""
-        n_th = np.minimum(np.arange(terms.values.size), max(terms.held.size - 1, 0))
-        ratio = terms.values / np.append(terms.held, np.inf)[n_th]
+        n_th = np.minimum(np.arange(terms.values.size), max(terms.fixed.size - 1, 0))
+        ratio = terms.values / np.append(terms.fixed, np.inf)[n_th]
         return terms.values * (1.0 + ratio) * terms.first
 
 
@@ -96,7 +96,7 @@ class SharperBound:
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
         """Upper estimate."""
-        return terms.values * (1.0 + terms.values / terms.next_held) * terms.first
+        return terms.values * (1.0 + terms.values / terms.next_fixed) * terms.first
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ SMALLEST_GROWTH = 1.05
 # What is promised is exceeded by this, so that one more step upwards is seldom needed.
 ALLOWANCE = 1.03
 
-# Of an estimate below its neighbours, before the search for an earlier answer ends.
+# Of an estimate below its neighbours, before the search for an earlier one ends.
 DEEPEST_DIP = 1.1
 
 
@@ -82,7 +82,7 @@ class Bisection:
     """Upwards as the errors seen so far promise, at most doubling, then bisection.
 
     Estimates may cross the tolerance more than once, so the numbers below the one found are tried too, down
-    to where the largest error is 1.1 times the tolerance: the answer is that of OneByOne, for a fraction of
+    to where the largest error is 1.1 times the tolerance: the result is that of OneByOne, for a fraction of
     its eigen-solves, unless an estimate dips deeper than that.
     """
 
