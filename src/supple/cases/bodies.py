@@ -34,19 +34,29 @@ from supple.cases.body_kinds import (
 )
 from supple.cases.damping import Damping
 from supple.cases.interfaces import Interface
-from supple.cases.line_index import KeyPath
 from supple.cases.notify import Notify
-from supple.cases.raw_tables import Mistakes, Raw, names, on_each, table, unknown, usable_names
 from supple.cases.reductions import FullOrder, Reduction, derivative_choice, search_words
-from supple.cases.table import ZERO, Table, Vector
+from supple.cases.shared_rules import usable_names
 from supple.errors import ModelError
 from supple.importers import Connection
+from supple.importers.toml import (
+    ZERO,
+    CheckedTable,
+    KeyPath,
+    Mistakes,
+    Raw,
+    Vector,
+    names,
+    on_each,
+    table,
+    unknown,
+)
 from supple.machine import Placed
 from supple.reduction import ReducedBody, reduce
 from supple.storage import read_reduced_body
 
 
-class MeanAxis(Table):
+class MeanAxis(CheckedTable):
     """Frame that follows the mean motion of the body."""
 
     kind: Literal["mean-axis"]
@@ -56,7 +66,7 @@ class MeanAxis(Table):
         return MeanAxisFrame()
 
 
-class NodalFixed(Table):
+class NodalFixed(CheckedTable):
     """Frame fixed to one interface."""
 
     kind: Literal["nodal-fixed"]
@@ -70,7 +80,7 @@ class NodalFixed(Table):
 Frame = Annotated[MeanAxis | NodalFixed, Field(discriminator="kind")]
 
 
-class Body(Table):
+class Body(CheckedTable):
     """A rigid or elastic body and where it starts."""
 
     name: str = Field(min_length=1, description="used as NAME.INTERFACE by joints, loads and output")

@@ -28,8 +28,6 @@ from supple.body import (
     read_nodal_matrices,
     read_superelement,
 )
-from supple.cases.raw_tables import Raw
-from supple.cases.table import ZERO, Matrix, Positive, Table, Vector
 from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
@@ -48,6 +46,7 @@ from supple.importers import (
     read_mesh,
     read_nastran,
 )
+from supple.importers.toml import ZERO, CheckedTable, Matrix, Positive, Raw, Vector
 from supple.mesh import Mesh
 
 Kinematics = Literal["green-lagrange", "von-karman"]
@@ -84,7 +83,7 @@ def _element_parts(
     )
 
 
-class BodyKind(Table):
+class BodyKind(CheckedTable):
     """What a body is made of. The class says what a body of this kind has, and what its table must hold."""
 
     mesh_suffixes: ClassVar[tuple[str, ...]] = ()

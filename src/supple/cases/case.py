@@ -14,14 +14,12 @@ from supple.body import FlexibleBody
 from supple.cases.bodies import checked_line
 from supple.cases.body_kinds import BodyParts
 from supple.cases.case_tables import CaseTables
-from supple.cases.line_index import KeyPath, LineIndex
-from supple.cases.mistakes import case_error
 from supple.cases.notify import Notify, silent
-from supple.cases.raw_tables import did_you_mean
 from supple.cases.reductions import reduction_start
 from supple.correction import ReductionStart
 from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel, stress_recovery
+from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
 from supple.machine import System
 from supple.mesh import Mesh
@@ -69,7 +67,7 @@ class Case:
 
     def error(self, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:
         """One error that lists mistakes found after reading, such as a node set missing in a mesh."""
-        return case_error(self.path, self.lines, mistakes)
+        return CaseError(listed_mistakes(self.path, self.lines, mistakes))
 
     @cached_property
     def run(self) -> Run:

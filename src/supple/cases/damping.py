@@ -16,12 +16,10 @@ from supple.body import (
     RayleighDamping,
     rayleigh_from_ratios,
 )
-from supple.cases.line_index import KeyPath
-from supple.cases.raw_tables import Mistakes, Raw, table
-from supple.cases.table import NonNegative, Table
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Raw, table
 
 
-class RayleighRatio(Table):
+class RayleighRatio(CheckedTable):
     """Rayleigh damping with the same ratio on two modes of the body in its frame."""
 
     kind: Literal["rayleigh-ratio"]
@@ -39,7 +37,7 @@ class RayleighRatio(Table):
         return rayleigh_from_ratios(self.ratio, first, second)
 
 
-class Rayleigh(Table):
+class Rayleigh(CheckedTable):
     """Rayleigh damping alpha M + beta K."""
 
     kind: Literal["rayleigh"]
@@ -51,7 +49,7 @@ class Rayleigh(Table):
         return RayleighDamping(self.alpha, self.beta)
 
 
-class Modal(Table):
+class Modal(CheckedTable):
     """The same damping ratio on every mode of the reduced body."""
 
     kind: Literal["modal"]

@@ -11,9 +11,8 @@ from pydantic import Field
 
 from supple import machine
 from supple.cases.laws import Law, time_law
-from supple.cases.line_index import KeyPath
-from supple.cases.raw_tables import Mistakes, Raw, axes_with_length, on_each, usable_names
-from supple.cases.table import Table, Vector
+from supple.cases.shared_rules import axes_with_length, usable_names
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, on_each
 
 JointKind = Literal[
     "fixed",
@@ -47,7 +46,7 @@ _EXAMPLES = {
 }
 
 
-class Joint(Table):
+class Joint(CheckedTable):
     """A connection of two interfaces, or of one with the ground."""
 
     kind: JointKind

@@ -9,19 +9,19 @@ import numpy as np
 from pydantic import Field
 
 from supple import machine
-from supple.cases.table import Positive, Table
 from supple.errors import ImportFormatError
+from supple.importers.toml import CheckedTable, Positive
 from supple.machine import TimeLaw
 
 
-class Constant(Table):
+class Constant(CheckedTable):
     """value"""
 
     kind: Literal["constant"]
     value: float
 
 
-class Ramp(Table):
+class Ramp(CheckedTable):
     """From 0 to value in duration with a smooth start and end, then constant."""
 
     kind: Literal["ramp"]
@@ -29,7 +29,7 @@ class Ramp(Table):
     duration: Positive = Field(description="s")
 
 
-class Sine(Table):
+class Sine(CheckedTable):
     """amplitude sin(2 pi frequency_hz t)"""
 
     kind: Literal["sine"]
@@ -37,7 +37,7 @@ class Sine(Table):
     frequency_hz: Positive = Field(description="Hz")
 
 
-class SpinUp(Table):
+class SpinUp(CheckedTable):
     """An angle (or path) whose rate grows smoothly from 0 to speed in duration, then stays."""
 
     kind: Literal["spin-up"]
@@ -45,7 +45,7 @@ class SpinUp(Table):
     duration: Positive = Field(description="s")
 
 
-class TableLaw(Table):
+class TableLaw(CheckedTable):
     """Values from a file, joined by a curve that is smooth enough for prescribed motion (cubic spline)."""
 
     kind: Literal["table"]

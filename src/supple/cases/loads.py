@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from supple.cases.laws import Constant, Law, time_law
-from supple.cases.raw_tables import Mistakes, Raw, names, tables
-from supple.cases.table import Table, Vector
+from supple.importers.toml import CheckedTable, Mistakes, Raw, Vector, names, tables
 from supple.machine import (
     At,
     DeadForce,
@@ -23,7 +22,7 @@ from supple.machine import (
 )
 
 
-class Load(Table):
+class Load(CheckedTable):
     """A force or torque in time."""
 
     kind: Literal["force", "torque"]

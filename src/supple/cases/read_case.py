@@ -9,11 +9,10 @@ from pydantic import ValidationError
 
 from supple.cases.case import Case
 from supple.cases.case_tables import CaseTables, broken_rules
-from supple.cases.line_index import index_lines
-from supple.cases.mistakes import case_error, schema_mistake
 from supple.cases.notify import Notify, silent
 from supple.cases.reduced_file import with_interfaces_of_files
 from supple.errors import CaseError
+from supple.importers.toml import index_lines, listed_mistakes, schema_mistake
 
 
 def read_case(path: str | Path, notify: Notify = silent) -> Case:
@@ -48,7 +47,8 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
         tables = CaseTables.model_validate(raw)
     except ValidationError as error:
         details = error.errors(include_url=False)
-        raise case_error(path, lines, [*map(schema_mistake, details), *mistakes]) from error
+        found = [schema_mistake(CaseTables, each) for each in details]
+        raise CaseError(listed_mistakes(path, lines, [*found, *mistakes])) from error
     if mistakes:
-        raise case_error(path, lines, mistakes)
+        raise CaseError(listed_mistakes(path, lines, mistakes))
     return Case(path, text, tables, lines, notify)

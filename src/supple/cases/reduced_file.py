@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from supple.cases.line_index import KeyPath
-from supple.cases.raw_tables import Raw
 from supple.errors import ResultFileError
+from supple.importers.toml import KeyPath, Raw
 from supple.storage import read_interface_names
 
 

@@ -12,10 +12,8 @@ from supple import reduction
 from supple.body import FlexibleBody
 from supple.cases.body_kinds import is_elastic, kind_of
 from supple.cases.damping import is_modal
-from supple.cases.line_index import KeyPath
-from supple.cases.raw_tables import Mistakes, Raw, names, table
-from supple.cases.table import Positive, Table
 from supple.correction import ReductionStart, SelfCorrection
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, names, table
 from supple.reduction import DerivativeChoice, LinearBasisRecipe, SearchStep
 
 DEFAULT_ACCURACY = 1e-3
@@ -29,21 +27,21 @@ Tell = Callable[[str], None]
 """Hears in words how far a search for the number of modes has come."""
 
 
-class AllPairsCompressed(Table):
+class AllPairsCompressed(CheckedTable):
     """Modal derivatives of all pairs, compressed to the leading directions."""
 
     kind: Literal["compressed"]
     number: int = Field(ge=1, description="directions kept")
 
 
-class Picked(Table):
+class Picked(CheckedTable):
     """The modal derivatives of the heaviest pairs."""
 
     kind: Literal["picked"]
     number: int = Field(ge=1, description="derivatives kept")
 
 
-class NoDerivatives(Table):
+class NoDerivatives(CheckedTable):
     """A basis without modal derivatives: small deformation only."""
 
     kind: Literal["none"]
@@ -63,7 +61,7 @@ def derivative_choice(table: Derivatives | None) -> DerivativeChoice:
             return reduction.NoDerivatives()
 
 
-class Accuracy(Table):
+class Accuracy(CheckedTable):
     """The error down to which a reduction corrects itself; 1e-3 relative if neither is given."""
 
     relative: Positive | None = Field(
@@ -84,7 +82,7 @@ class Accuracy(Table):
         return SelfCorrection(**given)
 
 
-class Sized(Table):
+class Sized(CheckedTable):
     """A basis of a number of modes besides static columns; it corrects itself unless the number is given."""
 
     made: ClassVar[Callable[[int], LinearBasisRecipe]]
@@ -174,7 +172,7 @@ class NormalModes(Sized):
     modes: int | None = Field(None, ge=1, description="vibration modes")
 
 
-class Guyan(Table):
+class Guyan(CheckedTable):
     """Static shapes of the interfaces only."""
 
     needs_interface: ClassVar[bool] = True
@@ -193,7 +191,7 @@ class Guyan(Table):
         return reduction.Guyan()
 
 
-class ErrorControlled(Table):
+class ErrorControlled(CheckedTable):
     """The lowest vibrations of the free body, each eigenvalue proven to be within a tolerance."""
 
     needs_interface: ClassVar[bool] = True
@@ -221,7 +219,7 @@ class ErrorControlled(Table):
         return reduction.AttachmentModes(vibrations) if self.attachment_modes else vibrations
 
 
-class FullOrder(Table):
+class FullOrder(CheckedTable):
     """No reduction: every freedom of the mesh is simulated."""
 
     corrects_itself: ClassVar[bool] = False

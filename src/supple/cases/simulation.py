@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from supple.cases.raw_tables import Mistakes, Raw, table
-from supple.cases.table import Positive, Table
+from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, table
 from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run
 
 
-class Adaptive(Table):
+class Adaptive(CheckedTable):
     """Steps chosen from the local error."""
 
     first: Positive = Field(description="first step, s")
@@ -23,7 +22,7 @@ class Adaptive(Table):
         return AdaptiveStep(self.first, self.largest, self.tolerance)
 
 
-class Simulation(Table):
+class Simulation(CheckedTable):
     """Span of time and method."""
 
     duration: Positive = Field(description="s")

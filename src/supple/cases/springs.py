@@ -7,12 +7,12 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from supple.cases.raw_tables import axes_with_length, on_each
-from supple.cases.table import NonNegative, Table, Vector
+from supple.cases.shared_rules import axes_with_length
+from supple.importers.toml import CheckedTable, NonNegative, Vector, on_each
 from supple.machine import SpringDamper, System, TorsionSpringDamper, as_end
 
 
-class StraightSpring(Table):
+class StraightSpring(CheckedTable):
     """A spring and damper along the line between two interfaces that stay apart."""
 
     kind: Literal["straight"]
@@ -37,7 +37,7 @@ class StraightSpring(Table):
         )
 
 
-class TorsionSpring(Table):
+class TorsionSpring(CheckedTable):
     """A spring and damper about an axis, between two interfaces or one and the ground."""
 
     kind: Literal["torsion"]
