@@ -1,6 +1,13 @@
 """Flexible bodies: a finite-element model with interfaces, a floating frame and its inertia Gram matrix."""
 
 from supple.body.body_form import BodyForm
+from supple.body.body_source import (
+    BodySource,
+    elements_source,
+    labelled_matrices_source,
+    matrices_source,
+    nastran_source,
+)
 from supple.body.connection_interfaces import connection_interface, connection_named
 from supple.body.damping import ModalDamping, RayleighDamping, rayleigh_from_ratios
 from supple.body.finite_element_body import flexible_body
@@ -35,6 +42,7 @@ __all__ = [
     "AveragingInterface",
     "BodyForm",
     "BodyInterface",
+    "BodySource",
     "Finding",
     "FlexibleBody",
     "Frame",
@@ -58,14 +66,18 @@ __all__ = [
     "check_nodal_matrices",
     "connection_interface",
     "connection_named",
+    "elements_source",
     "flexible_body",
     "floating_positions",
     "frame_projector",
     "in_space",
     "inertia_gram",
+    "labelled_matrices_source",
     "labelled_superelement",
+    "matrices_source",
     "mesh_mass_properties",
     "nastran_model",
+    "nastran_source",
     "nodal_matrices",
     "node_displacements",
     "rayleigh_from_ratios",

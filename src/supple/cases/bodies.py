@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from supple.body import (
+    BodySource,
     FlexibleBody,
     FullBody,
     MeanAxisFrame,
@@ -22,7 +23,6 @@ from supple.body import (
 from supple.cases import damping, interfaces, reductions
 from supple.cases.body_kinds import (
     KINDS,
-    BodyParts,
     ElasticKind,
     Matrices,
     Nastran,
@@ -126,7 +126,7 @@ class Body(CheckedTable):
             return self.elastic is not None
         return self.reduction.corrects_itself
 
-    def flexible(self, parts: BodyParts) -> FlexibleBody:
+    def flexible(self, source: BodySource) -> FlexibleBody:
         """The elastic body, not yet reduced.
 
         Raises
@@ -134,11 +134,11 @@ class Body(CheckedTable):
         ModelError   whatever is wrong with the model: all findings of its check, if that refuses it
         """
         try:
-            connections = parts.connections()
+            connections = source.connections()
             self._check_rigid_connections(connections)
-            body = parts.body(self.name, [each.build(connections) for each in self.interface])
+            body = source.body(self.name, [each.build(connections) for each in self.interface])
         except ModelError:
-            parts.check(0).raise_if_refused(self.name)
+            source.check(0).raise_if_refused(self.name)
             raise
         return body.linearized() if self.linear else body
 
