@@ -37,6 +37,7 @@ from supple.cases.interfaces import Interface
 from supple.cases.notify import Notify
 from supple.cases.reductions import FullOrder, Reduction, derivative_choice, search_words
 from supple.cases.shared_rules import usable_names
+from supple.cases.table import Made
 from supple.errors import ModelError
 from supple.importers import Connection
 from supple.importers.toml import (
@@ -56,25 +57,21 @@ from supple.reduction import ReducedBody, reduce
 from supple.storage import read_reduced_body
 
 
-class MeanAxis(CheckedTable):
+class MeanAxis(Made):
     """Frame that follows the mean motion of the body."""
+
+    makes = MeanAxisFrame
 
     kind: Literal["mean-axis"]
 
-    def build(self) -> MeanAxisFrame:
-        """The frame."""
-        return MeanAxisFrame()
 
-
-class NodalFixed(CheckedTable):
+class NodalFixed(Made):
     """Frame fixed to one interface."""
+
+    makes = NodalFixedFrame
 
     kind: Literal["nodal-fixed"]
     interface: str = Field(description="name of the interface the frame moves with")
-
-    def build(self) -> NodalFixedFrame:
-        """The frame."""
-        return NodalFixedFrame(self.interface)
 
 
 Frame = Annotated[MeanAxis | NodalFixed, Field(discriminator="kind")]

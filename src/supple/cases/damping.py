@@ -16,6 +16,7 @@ from supple.body import (
     RayleighDamping,
     rayleigh_from_ratios,
 )
+from supple.cases.table import Made
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Raw, table
 
 
@@ -37,27 +38,23 @@ class RayleighRatio(CheckedTable):
         return rayleigh_from_ratios(self.ratio, first, second)
 
 
-class Rayleigh(CheckedTable):
+class Rayleigh(Made):
     """Rayleigh damping alpha M + beta K."""
+
+    makes = RayleighDamping
 
     kind: Literal["rayleigh"]
     alpha: NonNegative = Field(description="1/s")
     beta: NonNegative = Field(description="s")
 
-    def build(self, _body: FlexibleBody, _frame: Frame) -> RayleighDamping:
-        """Damping of any body."""
-        return RayleighDamping(self.alpha, self.beta)
 
-
-class Modal(CheckedTable):
+class Modal(Made):
     """The same damping ratio on every mode of the reduced body."""
+
+    makes = ModalDamping
 
     kind: Literal["modal"]
     ratio: NonNegative = Field(description="damping ratio, 0.02 for 2 %")
-
-    def build(self, _body: FlexibleBody, _frame: Frame) -> ModalDamping:
-        """Damping of any body that is reduced."""
-        return ModalDamping(self.ratio)
 
 
 Damping = Annotated[RayleighRatio | Rayleigh | Modal, Field(discriminator="kind")]

@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 from pydantic import Field
 
 from supple import machine
-from supple.cases.laws import Law, time_law
+from supple.cases.laws import Law
 from supple.cases.shared_rules import axes_with_length, usable_names
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, on_each
 
@@ -66,7 +66,7 @@ class Joint(CheckedTable):
         """
         made, needed = _KINDS[self.kind]
         given: dict[str, Any] = {"axis": self.axis, "second_axis": self.second_axis}
-        given["law"] = time_law(self.law, folder) if self.law else None
+        given["law"] = self.law.build(folder) if self.law else None
         return made(
             first=self.first,
             second=self.second,

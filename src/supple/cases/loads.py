@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from supple.cases.laws import Constant, Law, time_law
+from supple.cases.laws import Constant, Law
 from supple.importers.toml import CheckedTable, Mistakes, Raw, Vector, names, tables
 from supple.machine import (
     At,
@@ -38,7 +38,7 @@ class Load(CheckedTable):
 
         folder : where the file of its law lies
         """
-        factor = time_law(self.law, folder)
+        factor = self.law.build(folder)
         vector = np.array(self.vector)
         if not isinstance(at, str):
             return DeadForce(body=body, at=at, force=Scaled(vector / len(at), factor))

@@ -12,6 +12,7 @@ from supple import reduction
 from supple.body import FlexibleBody
 from supple.cases.body_kinds import is_elastic, kind_of
 from supple.cases.damping import is_modal
+from supple.cases.table import Made
 from supple.correction import ReductionStart, SelfCorrection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, names, table
 from supple.reduction import DerivativeChoice, LinearBasisRecipe, SearchStep
@@ -27,22 +28,28 @@ Tell = Callable[[str], None]
 """Hears in words how far a search for the number of modes has come."""
 
 
-class AllPairsCompressed(CheckedTable):
+class AllPairsCompressed(Made):
     """Modal derivatives of all pairs, compressed to the leading directions."""
+
+    makes = reduction.CompressedDerivatives
 
     kind: Literal["compressed"]
     number: int = Field(ge=1, description="directions kept")
 
 
-class Picked(CheckedTable):
+class Picked(Made):
     """The modal derivatives of the heaviest pairs."""
+
+    makes = reduction.PickedDerivatives
 
     kind: Literal["picked"]
     number: int = Field(ge=1, description="derivatives kept")
 
 
-class NoDerivatives(CheckedTable):
+class NoDerivatives(Made):
     """A basis without modal derivatives: small deformation only."""
+
+    makes = reduction.NoDerivatives
 
     kind: Literal["none"]
 
@@ -52,13 +59,7 @@ Derivatives = Annotated[AllPairsCompressed | Picked | NoDerivatives, Field(discr
 
 def derivative_choice(table: Derivatives | None) -> DerivativeChoice:
     """The choice of modal derivatives; none unless they are asked for."""
-    match table:
-        case AllPairsCompressed():
-            return reduction.CompressedDerivatives(table.number)
-        case Picked():
-            return reduction.PickedDerivatives(table.number)
-        case _:
-            return reduction.NoDerivatives()
+    return table.build() if table else reduction.NoDerivatives()
 
 
 class Accuracy(CheckedTable):

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from pydantic import Field
 
+from supple.cases.table import Made
 from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, table
 from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run
 
 
-class Adaptive(CheckedTable):
+class Adaptive(Made):
     """Steps chosen from the local error."""
+
+    makes = AdaptiveStep
 
     first: Positive = Field(description="first step, s")
     largest: Positive = Field(description="largest step, s")
     tolerance: Positive = Field(
         1e-6, description="local error allowed per step, relative to the system's size"
     )
-
-    def build(self) -> AdaptiveStep:
-        """The step control."""
-        return AdaptiveStep(self.first, self.largest, self.tolerance)
 
 
 class Simulation(CheckedTable):

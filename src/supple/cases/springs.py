@@ -24,13 +24,13 @@ class StraightSpring(CheckedTable):
 
     def build(self, system: System) -> SpringDamper:
         """The spring between bodies of a system."""
-        first, second = as_end(self.first), as_end(self.second)
         length = self.free_length
         if length is None:
-            length = float(np.linalg.norm(system.initial_point(second) - system.initial_point(first)))
+            first, second = (system.initial_point(as_end(end)) for end in (self.first, self.second))
+            length = float(np.linalg.norm(second - first))
         return SpringDamper(
-            first=first,
-            second=second,
+            first=self.first,
+            second=self.second,
             stiffness=self.stiffness,
             damping=self.damping,
             rest_length=length,
@@ -51,8 +51,8 @@ class TorsionSpring(CheckedTable):
     def build(self, _system: System) -> TorsionSpringDamper:
         """The spring between bodies of a system."""
         return TorsionSpringDamper(
-            first=as_end(self.first),
-            second=as_end(self.second),
+            first=self.first,
+            second=self.second,
             axis=self.axis,
             stiffness=self.stiffness,
             damping=self.damping,
