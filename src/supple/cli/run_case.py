@@ -6,7 +6,7 @@ from pathlib import Path
 
 from supple import cases
 from supple.cli.console import Steps, console, print_table, progress_bars
-from supple.correction import Round, SelfCorrectionError, correction_numbers
+from supple.correction import SelfCorrectionError, correction_numbers
 from supple.results.run_tables import body_table, correction_table, cost_line, joint_table, place_table
 
 
@@ -16,14 +16,11 @@ def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = F
     steps = Steps(bars)
     case = cases.read_case(path, steps.show)
     console.print(f"[bold]{case.title}[/bold]", highlight=False)
-    rounds: list[Round] = []
     with bars:
         try:
-            result = cases.run_case(
-                case, folder, resume=resume, strict=strict, progress=steps.share, announce=rounds.append
-            )
-        except SelfCorrectionError:
-            print_table(*correction_table(correction_numbers(rounds)))
+            result = cases.run_case(case, folder, resume=resume, strict=strict, progress=steps.share)
+        except SelfCorrectionError as error:
+            print_table(*correction_table(correction_numbers(error.rounds)))
             raise
         steps.finish()
     numbers = result.numbers
