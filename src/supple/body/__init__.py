@@ -8,8 +8,8 @@ from supple.body.body_source import (
     matrices_source,
     nastran_source,
 )
-from supple.body.connection_interfaces import connection_interface, connection_named
-from supple.body.damping import ModalDamping, RayleighDamping, rayleigh_from_ratios
+from supple.body.connection_interfaces import check_rigid_connections, connection_interface, connection_named
+from supple.body.damping import ModalDamping, RayleighDamping, rayleigh_at_modes, rayleigh_from_ratios
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
 from supple.body.floating_kinematics import floating_positions, in_space, node_displacements
@@ -64,6 +64,7 @@ __all__ = [
     "check_elements",
     "check_model",
     "check_nodal_matrices",
+    "check_rigid_connections",
     "connection_interface",
     "connection_named",
     "elements_source",
@@ -80,6 +81,7 @@ __all__ = [
     "nastran_source",
     "nodal_matrices",
     "node_displacements",
+    "rayleigh_at_modes",
     "rayleigh_from_ratios",
     "read_labelled_superelement",
     "read_nastran_body",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
@@ -18,6 +17,7 @@ from supple.body import (
     ModalDamping,
     NodalFixedFrame,
     RigidBody,
+    check_rigid_connections,
     rigid_mass_properties,
 )
 from supple.cases import damping, interfaces, reductions
@@ -35,11 +35,10 @@ from supple.cases.body_kinds import (
 from supple.cases.damping import Damping
 from supple.cases.interfaces import Interface
 from supple.cases.notify import Notify
-from supple.cases.reductions import FullOrder, Reduction, derivative_choice, search_words
+from supple.cases.reductions import FullOrder, Reduction, derivative_choice
 from supple.cases.shared_rules import usable_names
 from supple.cases.table import Made
 from supple.errors import ModelError
-from supple.importers import Connection
 from supple.importers.toml import (
     ZERO,
     CheckedTable,
@@ -54,6 +53,7 @@ from supple.importers.toml import (
 )
 from supple.machine import Placed
 from supple.reduction import ReducedBody, reduce
+from supple.reduction.eigenvalues.mode_search import search_words
 from supple.storage import read_reduced_body
 
 
@@ -132,24 +132,14 @@ class Body(CheckedTable):
         """
         try:
             connections = source.connections()
-            self._check_rigid_connections(connections)
+            taken = {each.connection for each in self.interface}
+            taken |= {each.nodes for each in self.interface if each.kind == "rigid"}
+            check_rigid_connections(self.name, self.mesh or "", connections, taken)
             body = source.body(self.name, [each.build(connections) for each in self.interface])
         except ModelError:
             source.check(0).raise_if_refused(self.name)
             raise
         return body.linearized() if self.linear else body
-
-    def _check_rigid_connections(self, connections: Sequence[Connection]) -> None:
-        """ModelError for an RBE2 that is no interface: it stiffens the body that the file describes."""
-        taken = {interface.connection for interface in self.interface}
-        taken |= {interface.nodes for interface in self.interface if interface.kind == "rigid"}
-        left = [c.name for c in connections if c.weights is None and c.name not in taken]
-        if left:
-            raise ModelError(
-                f"body '{self.name}': {', '.join(left)} of {self.mesh} ties nodes rigidly and is not among "
-                f'the interfaces; add an interface with connection = "{left[0]}", or remove the RBE2 from '
-                "the file"
-            )
 
     def build(self, flexible: FlexibleBody | None, folder: Path, notify: Notify) -> Placed:
         """The body where it starts; in full if its basis is "none", or if its reduction is to correct itself.

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-import numpy as np
 from pydantic import Field
 
-from supple.algebra import lowest_modes
 from supple.body import (
     FlexibleBody,
     Frame,
     ModalDamping,
     NodalFixedFrame,
     RayleighDamping,
-    rayleigh_from_ratios,
+    rayleigh_at_modes,
 )
 from supple.cases.table import Made
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Raw, table
@@ -33,9 +31,7 @@ class RayleighRatio(CheckedTable):
     def build(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
         """Damping of a body; the frequencies are those of the whole mesh."""
         constraint = (NodalFixedFrame(self.held) if self.held else frame).constraint(body)
-        found = lowest_modes(body.stiffness, body.mass, max(self.modes), constraint=constraint)
-        first, second = (float(np.sqrt(found.values[mode - 1])) for mode in self.modes)
-        return rayleigh_from_ratios(self.ratio, first, second)
+        return rayleigh_at_modes(body.stiffness, body.mass, constraint, self.ratio, self.modes)
 
 
 class Rayleigh(Made):

@@ -65,14 +65,10 @@ class Joint(CheckedTable):
         folder : where the file of a law lies
         """
         made, needed = _KINDS[self.kind]
-        given: dict[str, Any] = {"axis": self.axis, "second_axis": self.second_axis}
-        given["law"] = self.law.build(folder) if self.law else None
-        return made(
-            first=self.first,
-            second=self.second,
-            name=self.name or "",
-            **{name: given[key] for key, name in needed.items()},
-        )
+        law = self.law.build(folder) if self.law else None
+        given: dict[str, Any] = {"axis": self.axis, "second_axis": self.second_axis, "law": law}
+        own = {name: given[key] for key, name in needed.items()}
+        return made(first=self.first, second=self.second, name=self.name or "", **own)
 
 
 def _has_what_its_kind_needs(path: KeyPath, joint: Raw) -> Mistakes:

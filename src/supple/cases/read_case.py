@@ -5,14 +5,12 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from supple.cases.case import Case
 from supple.cases.case_tables import CaseTables, broken_rules
 from supple.cases.notify import Notify, silent
 from supple.cases.reduced_file import with_interfaces_of_files
 from supple.errors import CaseError
-from supple.importers.toml import index_lines, listed_mistakes, schema_mistake
+from supple.importers.toml import checked, index_lines, listed_mistakes
 
 
 def read_case(path: str | Path, notify: Notify = silent) -> Case:
@@ -43,12 +41,7 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
     lines = index_lines(text)
     raw, mistakes = with_interfaces_of_files(raw, path.parent)
     mistakes += broken_rules(raw, path.parent)
-    try:
-        tables = CaseTables.model_validate(raw)
-    except ValidationError as error:
-        details = error.errors(include_url=False)
-        found = [schema_mistake(CaseTables, each) for each in details]
-        raise CaseError(listed_mistakes(path, lines, [*found, *mistakes])) from error
-    if mistakes:
+    tables, mistakes = checked(CaseTables, raw, mistakes)
+    if tables is None or mistakes:
         raise CaseError(listed_mistakes(path, lines, mistakes))
     return Case(path, text, tables, lines, notify)

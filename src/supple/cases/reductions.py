@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
-import numpy as np
 from pydantic import Field
 
 from supple import reduction
@@ -15,7 +14,8 @@ from supple.cases.damping import is_modal
 from supple.cases.table import Made
 from supple.correction import ReductionStart, SelfCorrection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, names, table
-from supple.reduction import DerivativeChoice, LinearBasisRecipe, SearchStep
+from supple.reduction import DerivativeChoice, LinearBasisRecipe
+from supple.reduction.eigenvalues.mode_search import search_words
 
 DEFAULT_ACCURACY = 1e-3
 """Largest RMS error of the nodes over the largest displacement."""
@@ -211,11 +211,7 @@ class ErrorControlled(CheckedTable):
 
     def recipe(self, tell: Tell | None = None) -> LinearBasisRecipe:
         """The linear columns, whose number a search finds."""
-
-        def progress(step: SearchStep) -> None:
-            if tell is not None:
-                tell(search_words(step.n_modes, step.largest))
-
+        progress = None if tell is None else lambda step: tell(search_words(step.n_modes, step.largest))
         vibrations = reduction.ErrorControlled(self.tolerance, self.modes, progress=progress)
         return reduction.AttachmentModes(vibrations) if self.attachment_modes else vibrations
 
@@ -252,12 +248,6 @@ def reduction_start(given: Reduction | None, body: FlexibleBody) -> ReductionSta
         derivatives = reduction.CompressedDerivatives(FIRST_DERIVATIVES)
     accuracy = given.accuracy or Accuracy.model_validate({})
     return ReductionStart(accuracy.target(), given.recipe(), derivatives)
-
-
-def search_words(n_modes: int, largest_error: float) -> str:
-    """So many fixed-interface modes, and the largest error; infinite with too few for all vibrations."""
-    error = f"error {100 * largest_error:.2g} %" if np.isfinite(largest_error) else "too few"
-    return f"{n_modes} modes, {error}"
 
 
 def _bases_have_interfaces(path: KeyPath, body: Raw) -> Mistakes:

@@ -24,12 +24,14 @@ class CaseResult:
 
     system : System             with its bodies reduced as far as their accuracy allows
     rounds : of its self-correction in numbers, as `correction_numbers` gives them
+    tracked : motions of the places that the case tracks, by their names there
     numbers : of the run, as `summarize` gives them
     """
 
     system: System
     solution: Solution
     rounds: Sequence[Mapping[str, Any]]
+    tracked: Mapping[str, TrackedMotion]
     numbers: Mapping[str, Any]
 
 
@@ -62,9 +64,10 @@ def run_case(
         _write_report(case, folder, correction_numbers(rounds), {})
         raise
     tracked = tracked_places(system, solution, {name: case.place(name) for name in case.tables.output.track})
-    result = CaseResult(system, solution, correction_numbers(rounds), summarize(system, solution, tracked))
+    numbers = summarize(system, solution, tracked)
+    result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_report(case, folder, result.rounds, result.numbers)
-    _draw(case, result, tracked, folder, progress)
+    _draw(case, result, folder, progress)
     return result
 
 
@@ -100,13 +103,7 @@ def _write_report(
         plot_rounds(folder / "self_correction.png", rounds)
 
 
-def _draw(
-    case: Case,
-    result: CaseResult,
-    tracked: Mapping[str, TrackedMotion],
-    folder: Path,
-    progress: Progress,
-) -> None:
+def _draw(case: Case, result: CaseResult, folder: Path, progress: Progress) -> None:
     output = case.tables.output
     if not (output.pictures or output.animation):
         return
@@ -116,7 +113,7 @@ def _draw(
     elements = case.elements if output.colour == "von-mises" else None
     if output.pictures:
         case.notify("drawing pictures")
-        draw_run(folder, *run, tracked=tracked, elements=elements)
+        draw_run(folder, *run, tracked=result.tracked, elements=elements)
     if output.animation:
         animate_run(
             folder / "motion.gif",

@@ -10,7 +10,7 @@ from supple.importers.toml.checked_table import (
     Vector,
 )
 from supple.importers.toml.line_index import KeyPath, LineIndex, index_lines
-from supple.importers.toml.mistakes import listed_mistakes, schema_mistake
+from supple.importers.toml.mistakes import checked, listed_mistakes
 from supple.importers.toml.raw_tables import (
     Mistakes,
     Raw,
@@ -38,12 +38,12 @@ __all__ = [
     "Rule",
     "RuleOfOne",
     "Vector",
+    "checked",
     "did_you_mean",
     "index_lines",
     "listed_mistakes",
     "names",
     "on_each",
-    "schema_mistake",
     "table",
     "tables",
     "unknown",

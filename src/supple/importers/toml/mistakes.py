@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from supple.importers.toml.checked_table import CheckedTable
@@ -13,6 +14,20 @@ from supple.importers.toml.line_index import KeyPath, LineIndex
 from supple.importers.toml.raw_tables import did_you_mean
 
 _Schema = Mapping[str, Any]
+_Root = TypeVar("_Root", bound=CheckedTable)
+
+
+def checked(
+    root: type[_Root], raw: Mapping[str, Any], mistakes: Sequence[tuple[KeyPath, str]]
+) -> tuple[_Root | None, Sequence[tuple[KeyPath, str]]]:
+    """The file as its schema sees it, None if that finds mistakes; and these, with those that rules found.
+
+    root : the table of the whole file
+    """
+    try:
+        return root.model_validate(raw), mistakes
+    except ValidationError as error:
+        return None, [*(_schema_mistake(root, each) for each in error.errors(include_url=False)), *mistakes]
 
 
 def listed_mistakes(path: Path, lines: LineIndex, mistakes: Iterable[tuple[KeyPath, str]]) -> str:
@@ -31,7 +46,7 @@ def _spell(path: KeyPath) -> str:
     )
 
 
-def schema_mistake(root: type[CheckedTable], item: ErrorDetails) -> tuple[KeyPath, str]:
+def _schema_mistake(root: type[CheckedTable], item: ErrorDetails) -> tuple[KeyPath, str]:
     """One schema error as the path of its key in the file, and a sentence with the remedy.
 
     root : the table of the whole file, whose check found the error
