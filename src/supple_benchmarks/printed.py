@@ -5,16 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from supple.cli.console import console, print_table
+from rich.box import SIMPLE_HEAD
+from rich.table import Table as ShownTable
+
+from supple.cli.console import console
 from supple_benchmarks.table import Table
 
 __all__ = ["print_files", "print_tables"]
+
+_WORDS = {"model", "columns", "basis", "one", "other", "body", "element", "motion", "interfaces"}
+"""Heads of columns that hold words, which stand on the left; numbers stand on the right."""
 
 
 def print_tables(tables: Iterable[Table]) -> None:
     """Print tables, each a title, column heads and rows."""
     for title, heads, rows in tables:
-        print_table(title, heads, rows)
+        shown = ShownTable(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+        for head in heads:
+            shown.add_column(head, justify="left" if head in _WORDS else "right", no_wrap=True)
+        for row in rows:
+            shown.add_row(*row)
+        console.print(shown)
 
 
 def print_files(report: Path, pictures: Iterable[Path], *, motions: Path | None = None) -> None:

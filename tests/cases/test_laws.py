@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 
 from supple import machine
-from supple.cases.laws import Constant, Ramp, Sine, SpinUp, TableLaw, read_time_table, time_law
-from supple.errors import ImportFormatError
+from supple.cases.laws import Constant, Ramp, Sine, SpinUp, TableLaw
 
 TIMES = np.linspace(0.0, 5.0, 101)
 
 
 def sampled(law, folder):
     with jax.enable_x64(True):
-        return np.asarray(jax.vmap(time_law(law, folder))(jnp.asarray(TIMES)))
+        return np.asarray(jax.vmap(law.build(folder))(jnp.asarray(TIMES)))
 
 
 def test_constant(tmp_path):
@@ -30,7 +29,7 @@ def test_sine(tmp_path):
 
 def test_ramp_rises_once_and_starts_and_ends_without_speed_or_acceleration(tmp_path):
     with jax.enable_x64(True):
-        ramp = time_law(Ramp(kind="ramp", value=4.0, duration=2.0), tmp_path)
+        ramp = Ramp(kind="ramp", value=4.0, duration=2.0).build(tmp_path)
         rate, acceleration = jax.grad(ramp), jax.grad(jax.grad(ramp))
         for end in (1e-9, 2.0 - 1e-9):
             assert abs(rate(end)) < 1e-8
@@ -52,28 +51,12 @@ def test_table_passes_through_its_rows_with_a_continuous_second_derivative(tmp_p
     rows = np.column_stack([np.linspace(0.0, 5.0, 11), np.sin(np.linspace(0.0, 5.0, 11))])
     np.savetxt(tmp_path / "law.csv", rows, delimiter=",", header="time,value")
     with jax.enable_x64(True):
-        law = time_law(TableLaw(kind="table", file="law.csv"), tmp_path)
+        law = TableLaw(kind="table", file="law.csv").build(tmp_path)
         np.testing.assert_allclose([law(t) for t in rows[:, 0]], rows[:, 1], atol=1e-12)
         second = jax.grad(jax.grad(law))
         for t in rows[1:-1, 0]:
             assert float(second(t - 1e-9)) == pytest.approx(float(second(t + 1e-9)), abs=1e-6)
         assert float(law(9.0)) == pytest.approx(rows[-1, 1])
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("0,1\nx,2\n", "write rows of two numbers, time,value"),
-        ("0,1\n", "has 1 rows of 2 numbers; write two or more rows"),
-        ("0,1,2\n1,2,3\n", "has 2 rows of 3 numbers; write two or more rows"),
-        ("0,1\n1,nan\n", "holds NaN or infinite numbers; remove these rows"),
-        ("0,1\n2,1\n1,1\n", "times must increase, but row 3 has 1 after 2"),
-    ],
-)
-def test_wrong_tables_are_named(tmp_path, text, message):
-    (tmp_path / "law.csv").write_text(text)
-    with pytest.raises(ImportFormatError, match=message):
-        read_time_table(tmp_path / "law.csv")
 
 
 @pytest.mark.parametrize(
@@ -88,7 +71,7 @@ def test_wrong_tables_are_named(tmp_path, text, message):
 )
 def test_a_table_builds_what_a_script_would_write(tmp_path, table, law):
     (tmp_path / "law.csv").write_text("0,0\n1,2\n3,1\n")
-    built = time_law(table, tmp_path)
+    built = table.build(tmp_path)
     assert type(built) is type(law)
     own, expected = jax.tree.leaves(built), jax.tree.leaves(law)
     assert expected

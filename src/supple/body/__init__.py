@@ -1,8 +1,15 @@
 """Flexible bodies: a finite-element model with interfaces, a floating frame and its inertia Gram matrix."""
 
 from supple.body.body_form import BodyForm
-from supple.body.connection_interfaces import connection_interface, connection_named
-from supple.body.damping import ModalDamping, RayleighDamping, rayleigh_from_ratios
+from supple.body.body_source import (
+    BodySource,
+    elements_source,
+    labelled_matrices_source,
+    matrices_source,
+    nastran_source,
+)
+from supple.body.connection_interfaces import check_rigid_connections, connection_interface, connection_named
+from supple.body.damping import ModalDamping, RayleighDamping, rayleigh_at_modes, rayleigh_from_ratios
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
 from supple.body.floating_kinematics import floating_positions, in_space, node_displacements
@@ -35,6 +42,7 @@ __all__ = [
     "AveragingInterface",
     "BodyForm",
     "BodyInterface",
+    "BodySource",
     "Finding",
     "FlexibleBody",
     "Frame",
@@ -56,18 +64,24 @@ __all__ = [
     "check_elements",
     "check_model",
     "check_nodal_matrices",
+    "check_rigid_connections",
     "connection_interface",
     "connection_named",
+    "elements_source",
     "flexible_body",
     "floating_positions",
     "frame_projector",
     "in_space",
     "inertia_gram",
+    "labelled_matrices_source",
     "labelled_superelement",
+    "matrices_source",
     "mesh_mass_properties",
     "nastran_model",
+    "nastran_source",
     "nodal_matrices",
     "node_displacements",
+    "rayleigh_at_modes",
     "rayleigh_from_ratios",
     "read_labelled_superelement",
     "read_nastran_body",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 
 from supple.body.interface import AveragingInterface, RigidInterface
 from supple.errors import ModelError
@@ -29,3 +29,19 @@ def connection_named(name: str, connections: Sequence[Connection]) -> Connection
         f"no connection '{name}' (RBE2, or RBE3 on nodes that all carry stiffness) in the mesh file; it has "
         f"{known}"
     )
+
+
+def check_rigid_connections(
+    body: str, file: str, connections: Sequence[Connection], taken: Container[str | None]
+) -> None:
+    """ModelError for an RBE2 that is no interface: it stiffens the body that the file describes.
+
+    body, file : names, for the message
+    taken : names of the connections, or of node sets like them, that rigid interfaces take
+    """
+    left = [each.name for each in connections if each.weights is None and each.name not in taken]
+    if left:
+        raise ModelError(
+            f"body '{body}': {', '.join(left)} of {file} ties nodes rigidly and is not among the interfaces; "
+            f'add an interface with connection = "{left[0]}", or remove the RBE2 from the file'
+        )

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import linalg
+from scipy import linalg, sparse
 
-from supple.algebra import read_only
+from supple.algebra import lowest_modes, read_only
 from supple.errors import ModelError
 
 
@@ -51,6 +51,19 @@ def rayleigh_from_ratios(
     omega = np.array([omega_1, omega_2])
     alpha, beta = np.linalg.solve(np.column_stack([0.5 / omega, 0.5 * omega]), np.broadcast_to(ratio, 2))
     return RayleighDamping(float(alpha), float(beta))
+
+
+def rayleigh_at_modes(
+    stiffness: sparse.sparray, mass: sparse.sparray, constraint: Any, ratio: float, modes: tuple[int, int]
+) -> RayleighDamping:
+    """Rayleigh damping with one ratio on two modes of a body that a constraint holds; their numbers from 1.
+
+    stiffness, mass, constraint : as for `lowest_modes`
+    Raises ModelError as for `rayleigh_from_ratios`.
+    """
+    found = lowest_modes(stiffness, mass, max(modes), constraint=constraint)
+    first, second = (float(np.sqrt(found.values[mode - 1])) for mode in modes)
+    return rayleigh_from_ratios(ratio, first, second)
 
 
 @dataclass(frozen=True, eq=False)

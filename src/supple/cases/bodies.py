@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
@@ -11,18 +10,19 @@ import numpy as np
 from pydantic import Field
 
 from supple.body import (
+    BodySource,
     FlexibleBody,
     FullBody,
     MeanAxisFrame,
     ModalDamping,
     NodalFixedFrame,
     RigidBody,
+    check_rigid_connections,
     rigid_mass_properties,
 )
 from supple.cases import damping, interfaces, reductions
 from supple.cases.body_kinds import (
     KINDS,
-    BodyParts,
     ElasticKind,
     Matrices,
     Nastran,
@@ -34,43 +34,50 @@ from supple.cases.body_kinds import (
 )
 from supple.cases.damping import Damping
 from supple.cases.interfaces import Interface
-from supple.cases.line_index import KeyPath
 from supple.cases.notify import Notify
-from supple.cases.raw_tables import Mistakes, Raw, names, on_each, table, unknown, usable_names
-from supple.cases.reductions import FullOrder, Reduction, derivative_choice, search_words
-from supple.cases.table import ZERO, Table, Vector
+from supple.cases.reductions import FullOrder, Reduction, derivative_choice
+from supple.cases.shared_rules import usable_names
+from supple.cases.table import Made
 from supple.errors import ModelError
-from supple.importers import Connection
+from supple.importers.toml import (
+    ZERO,
+    CheckedTable,
+    KeyPath,
+    Mistakes,
+    Raw,
+    Vector,
+    names,
+    on_each,
+    table,
+    unknown,
+)
 from supple.machine import Placed
 from supple.reduction import ReducedBody, reduce
+from supple.reduction.eigenvalues.mode_search import search_words
 from supple.storage import read_reduced_body
 
 
-class MeanAxis(Table):
+class MeanAxis(Made):
     """Frame that follows the mean motion of the body."""
+
+    makes = MeanAxisFrame
 
     kind: Literal["mean-axis"]
 
-    def build(self) -> MeanAxisFrame:
-        """The frame."""
-        return MeanAxisFrame()
 
-
-class NodalFixed(Table):
+class NodalFixed(Made):
     """Frame fixed to one interface."""
+
+    makes = NodalFixedFrame
 
     kind: Literal["nodal-fixed"]
     interface: str = Field(description="name of the interface the frame moves with")
-
-    def build(self) -> NodalFixedFrame:
-        """The frame."""
-        return NodalFixedFrame(self.interface)
 
 
 Frame = Annotated[MeanAxis | NodalFixed, Field(discriminator="kind")]
 
 
-class Body(Table):
+class Body(CheckedTable):
     """A rigid or elastic body and where it starts."""
 
     name: str = Field(min_length=1, description="used as NAME.INTERFACE by joints, loads and output")
@@ -116,7 +123,7 @@ class Body(Table):
             return self.elastic is not None
         return self.reduction.corrects_itself
 
-    def flexible(self, parts: BodyParts) -> FlexibleBody:
+    def flexible(self, source: BodySource) -> FlexibleBody:
         """The elastic body, not yet reduced.
 
         Raises
@@ -124,25 +131,15 @@ class Body(Table):
         ModelError   whatever is wrong with the model: all findings of its check, if that refuses it
         """
         try:
-            connections = parts.connections()
-            self._check_rigid_connections(connections)
-            body = parts.body(self.name, [each.build(connections) for each in self.interface])
+            connections = source.connections()
+            taken = {each.connection for each in self.interface}
+            taken |= {each.nodes for each in self.interface if each.kind == "rigid"}
+            check_rigid_connections(self.name, self.mesh or "", connections, taken)
+            body = source.body(self.name, [each.build(connections) for each in self.interface])
         except ModelError:
-            parts.check(0).raise_if_refused(self.name)
+            source.check(0).raise_if_refused(self.name)
             raise
         return body.linearized() if self.linear else body
-
-    def _check_rigid_connections(self, connections: Sequence[Connection]) -> None:
-        """ModelError for an RBE2 that is no interface: it stiffens the body that the file describes."""
-        taken = {interface.connection for interface in self.interface}
-        taken |= {interface.nodes for interface in self.interface if interface.kind == "rigid"}
-        left = [c.name for c in connections if c.weights is None and c.name not in taken]
-        if left:
-            raise ModelError(
-                f"body '{self.name}': {', '.join(left)} of {self.mesh} ties nodes rigidly and is not among "
-                f'the interfaces; add an interface with connection = "{left[0]}", or remove the RBE2 from '
-                "the file"
-            )
 
     def build(self, flexible: FlexibleBody | None, folder: Path, notify: Notify) -> Placed:
         """The body where it starts; in full if its basis is "none", or if its reduction is to correct itself.

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import ClassVar, Literal
@@ -13,23 +11,13 @@ import numpy as np
 from pydantic import Field
 
 from supple.body import (
-    AveragingInterface,
-    FlexibleBody,
-    ModelCheck,
-    NodalMatrices,
+    BodySource,
     RigidBody,
-    RigidInterface,
-    check_elements,
-    check_model,
-    check_nodal_matrices,
-    flexible_body,
-    labelled_superelement,
-    nastran_model,
-    read_nodal_matrices,
-    read_superelement,
+    elements_source,
+    labelled_matrices_source,
+    matrices_source,
+    nastran_source,
 )
-from supple.cases.raw_tables import Raw
-from supple.cases.table import ZERO, Matrix, Positive, Table, Vector
 from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
@@ -39,52 +27,15 @@ from supple.fem import (
     shell_model,
     solid_model,
 )
-from supple.importers import (
-    MESH_SUFFIXES,
-    NASTRAN_SUFFIXES,
-    NODE_SUFFIXES,
-    Connection,
-    read_matrix,
-    read_mesh,
-    read_nastran,
-)
+from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, NODE_SUFFIXES, read_mesh
+from supple.importers.toml import ZERO, CheckedTable, Matrix, Positive, Raw, Vector
 from supple.mesh import Mesh
 
 Kinematics = Literal["green-lagrange", "von-karman"]
 _KINEMATICS = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 
-@dataclass(frozen=True, eq=False)
-class BodyParts:
-    """What the files of an elastic body hold; each is read, or assembled, once and when it is first needed.
-
-    check : of the nodal matrices, before the interfaces; with so many elastic modes
-    body : of that name with those interfaces; ModelError for whatever is wrong with the model
-    connections : RBE2 and RBE3 elements that may be interfaces
-    mesh, model : with elements, also of a body that is made linear; matrices have none
-    """
-
-    check: Callable[[int], ModelCheck]
-    body: Callable[[str, Sequence[RigidInterface | AveragingInterface]], FlexibleBody]
-    connections: Callable[[], Sequence[Connection]] = tuple
-    mesh: Mesh | None = None
-    model: Callable[[], FiniteElementModel] | None = None
-
-
-def _element_parts(
-    mesh: Mesh, assemble: Callable[[], FiniteElementModel], connections: Sequence[Connection] = ()
-) -> BodyParts:
-    model = cache(assemble)
-    return BodyParts(
-        lambda n_frequencies: check_elements(model(), n_frequencies=n_frequencies),
-        lambda name, interfaces: flexible_body(name, model(), interfaces),
-        lambda: connections,
-        mesh,
-        model,
-    )
-
-
-class BodyKind(Table):
+class BodyKind(CheckedTable):
     """What a body is made of. The class says what a body of this kind has, and what its table must hold."""
 
     mesh_suffixes: ClassVar[tuple[str, ...]] = ()
@@ -104,7 +55,7 @@ class ElasticKind(BodyKind):
 
     is_elastic = True
 
-    def parts(self, folder: Path, mesh: str, /) -> BodyParts:
+    def source(self, folder: Path, mesh: str, /) -> BodySource:
         """What the files hold, which lie in `folder`; a superelement has no mesh file."""
         raise NotImplementedError
 
@@ -119,11 +70,11 @@ class Homogeneous(ElasticKind):
     poissons_ratio: float = Field(gt=-1.0, lt=0.5, description="Poisson's ratio")
     density: Positive = Field(description="mass per volume, kg/m3")
 
-    def parts(self, folder: Path, mesh: str, /) -> BodyParts:
+    def source(self, folder: Path, mesh: str, /) -> BodySource:
         """The mesh file with elements."""
         read = read_mesh(folder / mesh)
         material = Isotropic(self.youngs_modulus, self.poissons_ratio, self.density)
-        return _element_parts(read, lambda: self.model(read, material))
+        return elements_source(read, lambda: self.model(read, material))
 
     def model(self, mesh: Mesh, material: Isotropic) -> FiniteElementModel:
         """The elements on a mesh."""
@@ -165,10 +116,9 @@ class Nastran(ElasticKind):
         description="membrane strain of shells; von-karman only for flat ones bending out of their plane",
     )
 
-    def parts(self, folder: Path, mesh: str, /) -> BodyParts:
+    def source(self, folder: Path, mesh: str, /) -> BodySource:
         """The bulk data file."""
-        read, kinematics = read_nastran(folder / mesh), _KINEMATICS[self.kinematics]
-        return _element_parts(read.mesh, lambda: nastran_model(read, kinematics=kinematics), read.connections)
+        return nastran_source(folder / mesh, _KINEMATICS[self.kinematics])
 
 
 class Matrices(ElasticKind):
@@ -190,24 +140,15 @@ class Matrices(ElasticKind):
         None, description="largest relative force against rigid motion; from the printed digits if left out"
     )
 
-    def parts(self, folder: Path, mesh: str, /) -> BodyParts:
-        """The matrices; they stand for any elements, also such as a mesh cannot have: it is not read."""
-
-        @cache
-        def read() -> NodalMatrices:
-            return read_nodal_matrices(
-                nodes=folder / mesh,
-                stiffness=folder / self.stiffness,
-                mass=folder / self.mass,
-                stiffness_name=self.stiffness_name,
-                mass_name=self.mass_name,
-            )
-
-        exact = self.rigid_tolerance
-        return BodyParts(
-            lambda n: check_nodal_matrices(read(), n_frequencies=n, rigid_tolerance=exact),
-            lambda name, interfaces: labelled_superelement(name, read(), interfaces, rigid_tolerance=exact),
-            lambda: read().connections,
+    def source(self, folder: Path, mesh: str, /) -> BodySource:
+        """The matrices, and the nodes of the mesh file."""
+        return labelled_matrices_source(
+            nodes=folder / mesh,
+            stiffness=folder / self.stiffness,
+            mass=folder / self.mass,
+            stiffness_name=self.stiffness_name,
+            mass_name=self.mass_name,
+            rigid_tolerance=self.rigid_tolerance,
         )
 
 
@@ -223,20 +164,13 @@ class Superelement(ElasticKind):
         description="freedoms per node: 3 (translations) or 6 (and rotations)"
     )
 
-    def parts(self, folder: Path, _mesh: str, /) -> BodyParts:
+    def source(self, folder: Path, _mesh: str, /) -> BodySource:
         """The three files."""
-        nodes, stiffness, mass = (folder / name for name in (self.nodes, self.stiffness, self.mass))
-        size = self.dofs_per_node
-
-        def check(n: int) -> ModelCheck:
-            K, M = read_matrix(stiffness), read_matrix(mass)
-            return check_model(read_matrix(nodes).toarray(), K, M, dofs_per_node=size, n_frequencies=n)
-
-        return BodyParts(
-            check,
-            lambda name, interfaces: read_superelement(
-                name, nodes=nodes, stiffness=stiffness, mass=mass, dofs_per_node=size, interfaces=interfaces
-            ),
+        return matrices_source(
+            nodes=folder / self.nodes,
+            stiffness=folder / self.stiffness,
+            mass=folder / self.mass,
+            dofs_per_node=self.dofs_per_node,
         )
 
 

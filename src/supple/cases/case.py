@@ -10,18 +10,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body import FlexibleBody
+from supple.body import BodySource, FlexibleBody
 from supple.cases.bodies import checked_line
-from supple.cases.body_kinds import BodyParts
 from supple.cases.case_tables import CaseTables
-from supple.cases.line_index import KeyPath, LineIndex
-from supple.cases.mistakes import case_error
 from supple.cases.notify import Notify, silent
-from supple.cases.raw_tables import did_you_mean
 from supple.cases.reductions import reduction_start
 from supple.correction import ReductionStart
 from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel, stress_recovery
+from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
 from supple.machine import System
 from supple.mesh import Mesh
@@ -69,7 +66,7 @@ class Case:
 
     def error(self, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:
         """One error that lists mistakes found after reading, such as a node set missing in a mesh."""
-        return case_error(self.path, self.lines, mistakes)
+        return CaseError(listed_mistakes(self.path, self.lines, mistakes))
 
     @cached_property
     def run(self) -> Run:
@@ -77,37 +74,37 @@ class Case:
         return self.tables.simulation.build()
 
     @cached_property
-    def parts(self) -> Mapping[str, BodyParts]:
-        """What the files of each elastic body hold, by body name.
+    def sources(self) -> Mapping[str, BodySource]:
+        """What each elastic body is made of, by body name.
 
         Raises
         ------
         CaseError   interfaces, loads or output that name a node set no mesh has: all, with their lines
         """
         self.notify("reading meshes")
-        parts = {
-            body.name: body.elastic.parts(self.folder, body.mesh or "")
+        sources = {
+            body.name: body.elastic.source(self.folder, body.mesh or "")
             for body in self.tables.body
             if body.elastic is not None
         }
         mistakes = [
             (path, message)
             for path, body, name in self._node_sets_named()
-            if body in parts and (message := _missing(name, parts[body].mesh))
+            if body in sources and (message := _missing(name, sources[body].mesh))
         ]
         if mistakes:
             raise self.error(mistakes)
-        return parts
+        return sources
 
     @cached_property
     def meshes(self) -> Mapping[str, Mesh]:
         """The mesh of each body that has elements, by body name."""
-        return {name: part.mesh for name, part in self.parts.items() if part.mesh is not None}
+        return {name: source.mesh for name, source in self.sources.items() if source.mesh is not None}
 
     @cached_property
     def elements(self) -> Mapping[str, FiniteElementModel]:
         """The elements of each body that has any, by body name; of a linear one too."""
-        return {name: part.model() for name, part in self.parts.items() if part.model is not None}
+        return {name: source.model() for name, source in self.sources.items() if source.model is not None}
 
     @cached_property
     def flexible(self) -> Mapping[str, FlexibleBody]:
@@ -115,14 +112,14 @@ class Case:
 
         Raises
         ------
-        CaseError    as for `parts`
+        CaseError    as for `sources`
         SuppleError  whatever is wrong with a model: all findings of its check, if that refuses it
         """
         flexible = {}
         for table in self.tables.body:
-            if table.name in self.parts:
+            if table.name in self.sources:
                 self.notify(f"assembling body '{table.name}'")
-                flexible[table.name] = table.flexible(self.parts[table.name])
+                flexible[table.name] = table.flexible(self.sources[table.name])
                 self.notify(checked_line(flexible[table.name]))
         return flexible
 
@@ -132,7 +129,7 @@ class Case:
 
         Raises
         ------
-        CaseError    as for `parts`; stress to draw of elements that have none
+        CaseError    as for `sources`; stress to draw of elements that have none
         SuppleError  whatever the meshes, bodies, reductions and joints find wrong
         """
         tables, flexible = self.tables, self.flexible

@@ -13,16 +13,14 @@ from supple.cases.bodies import Body
 from supple.cases.body_kinds import KINDS
 from supple.cases.ends import ends_exist
 from supple.cases.joints import Joint
-from supple.cases.line_index import KeyPath
 from supple.cases.loads import Load
 from supple.cases.output import Output
-from supple.cases.raw_tables import Mistakes, Raw, Rule, table, tables
 from supple.cases.simulation import Simulation
 from supple.cases.springs import Spring
-from supple.cases.table import ZERO, Table, Vector
+from supple.importers.toml import ZERO, CheckedTable, KeyPath, Mistakes, Raw, Rule, Vector, table, tables
 
 
-class CaseTables(Table):
+class CaseTables(CheckedTable):
     """A whole case file."""
 
     title: str = Field(description="one line for tables and pictures")

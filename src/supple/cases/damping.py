@@ -4,24 +4,21 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-import numpy as np
 from pydantic import Field
 
-from supple.algebra import lowest_modes
 from supple.body import (
     FlexibleBody,
     Frame,
     ModalDamping,
     NodalFixedFrame,
     RayleighDamping,
-    rayleigh_from_ratios,
+    rayleigh_at_modes,
 )
-from supple.cases.line_index import KeyPath
-from supple.cases.raw_tables import Mistakes, Raw, table
-from supple.cases.table import NonNegative, Table
+from supple.cases.table import Made
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Raw, table
 
 
-class RayleighRatio(Table):
+class RayleighRatio(CheckedTable):
     """Rayleigh damping with the same ratio on two modes of the body in its frame."""
 
     kind: Literal["rayleigh-ratio"]
@@ -34,32 +31,26 @@ class RayleighRatio(Table):
     def build(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
         """Damping of a body; the frequencies are those of the whole mesh."""
         constraint = (NodalFixedFrame(self.held) if self.held else frame).constraint(body)
-        found = lowest_modes(body.stiffness, body.mass, max(self.modes), constraint=constraint)
-        first, second = (float(np.sqrt(found.values[mode - 1])) for mode in self.modes)
-        return rayleigh_from_ratios(self.ratio, first, second)
+        return rayleigh_at_modes(body.stiffness, body.mass, constraint, self.ratio, self.modes)
 
 
-class Rayleigh(Table):
+class Rayleigh(Made):
     """Rayleigh damping alpha M + beta K."""
+
+    makes = RayleighDamping
 
     kind: Literal["rayleigh"]
     alpha: NonNegative = Field(description="1/s")
     beta: NonNegative = Field(description="s")
 
-    def build(self, _body: FlexibleBody, _frame: Frame) -> RayleighDamping:
-        """Damping of any body."""
-        return RayleighDamping(self.alpha, self.beta)
 
-
-class Modal(Table):
+class Modal(Made):
     """The same damping ratio on every mode of the reduced body."""
+
+    makes = ModalDamping
 
     kind: Literal["modal"]
     ratio: NonNegative = Field(description="damping ratio, 0.02 for 2 %")
-
-    def build(self, _body: FlexibleBody, _frame: Frame) -> ModalDamping:
-        """Damping of any body that is reduced."""
-        return ModalDamping(self.ratio)
 
 
 Damping = Annotated[RayleighRatio | Rayleigh | Modal, Field(discriminator="kind")]

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from supple.cases.body_kinds import kind_of
-from supple.cases.line_index import KeyPath
-from supple.cases.raw_tables import Mistakes, Raw, did_you_mean, names, table, tables, unknown
+from supple.importers.toml import KeyPath, Mistakes, Raw, did_you_mean, names, table, tables, unknown
 
 
 def ends_exist(raw: Raw) -> Mistakes:

@@ -10,13 +10,11 @@ from pydantic import Field
 
 from supple.body import AveragingInterface, RigidInterface, connection_interface, connection_named
 from supple.cases.body_kinds import Rigid, Superelement, kind_of, kinds_that
-from supple.cases.line_index import KeyPath
-from supple.cases.raw_tables import Mistakes, Raw, tables
-from supple.cases.table import NodeIndices, Table, Vector
 from supple.importers import Connection
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NodeIndices, Raw, Vector, tables
 
 
-class Interface(Table):
+class Interface(CheckedTable):
     """A named place where joints, loads and springs take hold of a body."""
 
     name: str = Field(min_length=1, description="used as BODY.NAME by joints, loads and output")

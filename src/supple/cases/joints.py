@@ -10,10 +10,9 @@ from typing import Any, Literal, get_args
 from pydantic import Field
 
 from supple import machine
-from supple.cases.laws import Law, time_law
-from supple.cases.line_index import KeyPath
-from supple.cases.raw_tables import Mistakes, Raw, axes_with_length, on_each, usable_names
-from supple.cases.table import Table, Vector
+from supple.cases.laws import Law
+from supple.cases.shared_rules import axes_with_length, usable_names
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, on_each
 
 JointKind = Literal[
     "fixed",
@@ -47,7 +46,7 @@ _EXAMPLES = {
 }
 
 
-class Joint(Table):
+class Joint(CheckedTable):
     """A connection of two interfaces, or of one with the ground."""
 
     kind: JointKind
@@ -66,14 +65,10 @@ class Joint(Table):
         folder : where the file of a law lies
         """
         made, needed = _KINDS[self.kind]
-        given: dict[str, Any] = {"axis": self.axis, "second_axis": self.second_axis}
-        given["law"] = time_law(self.law, folder) if self.law else None
-        return made(
-            first=self.first,
-            second=self.second,
-            name=self.name or "",
-            **{name: given[key] for key, name in needed.items()},
-        )
+        law = self.law.build(folder) if self.law else None
+        given: dict[str, Any] = {"axis": self.axis, "second_axis": self.second_axis, "law": law}
+        own = {name: given[key] for key, name in needed.items()}
+        return made(first=self.first, second=self.second, name=self.name or "", **own)
 
 
 def _has_what_its_kind_needs(path: KeyPath, joint: Raw) -> Mistakes:

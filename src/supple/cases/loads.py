@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from supple.cases.laws import Constant, Law, time_law
-from supple.cases.raw_tables import Mistakes, Raw, names, tables
-from supple.cases.table import Table, Vector
+from supple.cases.laws import Constant, Law
+from supple.importers.toml import CheckedTable, Mistakes, Raw, Vector, names, tables
 from supple.machine import (
     At,
     DeadForce,
@@ -23,7 +22,7 @@ from supple.machine import (
 )
 
 
-class Load(Table):
+class Load(CheckedTable):
     """A force or torque in time."""
 
     kind: Literal["force", "torque"]
@@ -39,7 +38,7 @@ class Load(Table):
 
         folder : where the file of its law lies
         """
-        factor = time_law(self.law, folder)
+        factor = self.law.build(folder)
         vector = np.array(self.vector)
         if not isinstance(at, str):
             return DeadForce(body=body, at=at, force=Scaled(vector / len(at), factor))

@@ -7,11 +7,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from supple.cases.body_kinds import kinds_that
-from supple.cases.raw_tables import Mistakes, Raw, table, tables
-from supple.cases.table import Table
+from supple.importers.toml import CheckedTable, Mistakes, Raw, table, tables
 
 
-class Output(Table):
+class Output(CheckedTable):
     """What is drawn besides the result file."""
 
     track: Annotated[tuple[str, ...], Field(strict=False)] = Field(

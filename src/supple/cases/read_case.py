@@ -5,15 +5,12 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from supple.cases.case import Case
 from supple.cases.case_tables import CaseTables, broken_rules
-from supple.cases.line_index import index_lines
-from supple.cases.mistakes import case_error, schema_mistake
 from supple.cases.notify import Notify, silent
 from supple.cases.reduced_file import with_interfaces_of_files
 from supple.errors import CaseError
+from supple.importers.toml import checked, index_lines, listed_mistakes
 
 
 def read_case(path: str | Path, notify: Notify = silent) -> Case:
@@ -44,11 +41,7 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
     lines = index_lines(text)
     raw, mistakes = with_interfaces_of_files(raw, path.parent)
     mistakes += broken_rules(raw, path.parent)
-    try:
-        tables = CaseTables.model_validate(raw)
-    except ValidationError as error:
-        details = error.errors(include_url=False)
-        raise case_error(path, lines, [*map(schema_mistake, details), *mistakes]) from error
-    if mistakes:
-        raise case_error(path, lines, mistakes)
+    tables, mistakes = checked(CaseTables, raw, mistakes)
+    if tables is None or mistakes:
+        raise CaseError(listed_mistakes(path, lines, mistakes))
     return Case(path, text, tables, lines, notify)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from supple.cases.line_index import KeyPath
-from supple.cases.raw_tables import Raw
 from supple.errors import ResultFileError
+from supple.importers.toml import KeyPath, Raw
 from supple.storage import read_interface_names
 
 
@@ -26,16 +25,10 @@ def with_interfaces_of_files(raw: Raw, folder: Path) -> tuple[Raw, list[tuple[Ke
         path: KeyPath = ("body", number)
         if "interface" in body:
             mistakes.append(((*path, "interface"), "a reduced body brings its interfaces; remove these"))
-        names, mistake = _interface_names(folder / body["reduced"])
-        if mistake:
-            mistakes.append(((*path, "reduced"), mistake))
+        try:
+            names = read_interface_names(folder / body["reduced"])
+        except ResultFileError as error:
+            names = ()
+            mistakes.append(((*path, "reduced"), str(error)))
         completed[number] = {**body, "interface": [{"name": name} for name in names]}
     return {**raw, "body": completed}, mistakes
-
-
-def _interface_names(path: Path) -> tuple[tuple[str, ...], str]:
-    """The names, or what is wrong with the file."""
-    try:
-        return read_interface_names(path), ""
-    except ResultFileError as error:
-        return (), str(error)

@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
-import numpy as np
 from pydantic import Field
 
 from supple import reduction
 from supple.body import FlexibleBody
 from supple.cases.body_kinds import is_elastic, kind_of
 from supple.cases.damping import is_modal
-from supple.cases.line_index import KeyPath
-from supple.cases.raw_tables import Mistakes, Raw, names, table
-from supple.cases.table import Positive, Table
+from supple.cases.table import Made
 from supple.correction import ReductionStart, SelfCorrection
-from supple.reduction import DerivativeChoice, LinearBasisRecipe, SearchStep
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, names, table
+from supple.reduction import DerivativeChoice, LinearBasisRecipe
+from supple.reduction.eigenvalues.mode_search import search_words
 
 DEFAULT_ACCURACY = 1e-3
 """Largest RMS error of the nodes over the largest displacement."""
@@ -29,22 +28,28 @@ Tell = Callable[[str], None]
 """Hears in words how far a search for the number of modes has come."""
 
 
-class AllPairsCompressed(Table):
+class AllPairsCompressed(Made):
     """Modal derivatives of all pairs, compressed to the leading directions."""
+
+    makes = reduction.CompressedDerivatives
 
     kind: Literal["compressed"]
     number: int = Field(ge=1, description="directions kept")
 
 
-class Picked(Table):
+class Picked(Made):
     """The modal derivatives of the heaviest pairs."""
+
+    makes = reduction.PickedDerivatives
 
     kind: Literal["picked"]
     number: int = Field(ge=1, description="derivatives kept")
 
 
-class NoDerivatives(Table):
+class NoDerivatives(Made):
     """A basis without modal derivatives: small deformation only."""
+
+    makes = reduction.NoDerivatives
 
     kind: Literal["none"]
 
@@ -54,16 +59,10 @@ Derivatives = Annotated[AllPairsCompressed | Picked | NoDerivatives, Field(discr
 
 def derivative_choice(table: Derivatives | None) -> DerivativeChoice:
     """The choice of modal derivatives; none unless they are asked for."""
-    match table:
-        case AllPairsCompressed():
-            return reduction.CompressedDerivatives(table.number)
-        case Picked():
-            return reduction.PickedDerivatives(table.number)
-        case _:
-            return reduction.NoDerivatives()
+    return table.build() if table else reduction.NoDerivatives()
 
 
-class Accuracy(Table):
+class Accuracy(CheckedTable):
     """The error down to which a reduction corrects itself; 1e-3 relative if neither is given."""
 
     relative: Positive | None = Field(
@@ -84,7 +83,7 @@ class Accuracy(Table):
         return SelfCorrection(**given)
 
 
-class Sized(Table):
+class Sized(CheckedTable):
     """A basis of a number of modes besides static columns; it corrects itself unless the number is given."""
 
     made: ClassVar[Callable[[int], LinearBasisRecipe]]
@@ -174,7 +173,7 @@ class NormalModes(Sized):
     modes: int | None = Field(None, ge=1, description="vibration modes")
 
 
-class Guyan(Table):
+class Guyan(CheckedTable):
     """Static shapes of the interfaces only."""
 
     needs_interface: ClassVar[bool] = True
@@ -193,7 +192,7 @@ class Guyan(Table):
         return reduction.Guyan()
 
 
-class ErrorControlled(Table):
+class ErrorControlled(CheckedTable):
     """The lowest vibrations of the free body, each eigenvalue proven to be within a tolerance."""
 
     needs_interface: ClassVar[bool] = True
@@ -212,16 +211,12 @@ class ErrorControlled(Table):
 
     def recipe(self, tell: Tell | None = None) -> LinearBasisRecipe:
         """The linear columns, whose number a search finds."""
-
-        def progress(step: SearchStep) -> None:
-            if tell is not None:
-                tell(search_words(step.n_modes, step.largest))
-
+        progress = None if tell is None else lambda step: tell(search_words(step.n_modes, step.largest))
         vibrations = reduction.ErrorControlled(self.tolerance, self.modes, progress=progress)
         return reduction.AttachmentModes(vibrations) if self.attachment_modes else vibrations
 
 
-class FullOrder(Table):
+class FullOrder(CheckedTable):
     """No reduction: every freedom of the mesh is simulated."""
 
     corrects_itself: ClassVar[bool] = False
@@ -253,12 +248,6 @@ def reduction_start(given: Reduction | None, body: FlexibleBody) -> ReductionSta
         derivatives = reduction.CompressedDerivatives(FIRST_DERIVATIVES)
     accuracy = given.accuracy or Accuracy.model_validate({})
     return ReductionStart(accuracy.target(), given.recipe(), derivatives)
-
-
-def search_words(n_modes: int, largest_error: float) -> str:
-    """So many fixed-interface modes, and the largest error; infinite with too few for all vibrations."""
-    error = f"error {100 * largest_error:.2g} %" if np.isfinite(largest_error) else "too few"
-    return f"{n_modes} modes, {error}"
 
 
 def _bases_have_interfaces(path: KeyPath, body: Raw) -> Mistakes:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from supple.cases.raw_tables import Mistakes, Raw, table
-from supple.cases.table import Positive, Table
+from supple.cases.table import Made
+from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, table
 from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run
 
 
-class Adaptive(Table):
+class Adaptive(Made):
     """Steps chosen from the local error."""
+
+    makes = AdaptiveStep
 
     first: Positive = Field(description="first step, s")
     largest: Positive = Field(description="largest step, s")
@@ -18,12 +20,8 @@ class Adaptive(Table):
         1e-6, description="local error allowed per step, relative to the system's size"
     )
 
-    def build(self) -> AdaptiveStep:
-        """The step control."""
-        return AdaptiveStep(self.first, self.largest, self.tolerance)
 
-
-class Simulation(Table):
+class Simulation(CheckedTable):
     """Span of time and method."""
 
     duration: Positive = Field(description="s")

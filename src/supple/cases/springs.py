@@ -7,12 +7,12 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from supple.cases.raw_tables import axes_with_length, on_each
-from supple.cases.table import NonNegative, Table, Vector
+from supple.cases.shared_rules import axes_with_length
+from supple.importers.toml import CheckedTable, NonNegative, Vector, on_each
 from supple.machine import SpringDamper, System, TorsionSpringDamper, as_end
 
 
-class StraightSpring(Table):
+class StraightSpring(CheckedTable):
     """A spring and damper along the line between two interfaces that stay apart."""
 
     kind: Literal["straight"]
@@ -24,20 +24,20 @@ class StraightSpring(Table):
 
     def build(self, system: System) -> SpringDamper:
         """The spring between bodies of a system."""
-        first, second = as_end(self.first), as_end(self.second)
         length = self.free_length
         if length is None:
-            length = float(np.linalg.norm(system.initial_point(second) - system.initial_point(first)))
+            first, second = (system.initial_point(as_end(end)) for end in (self.first, self.second))
+            length = float(np.linalg.norm(second - first))
         return SpringDamper(
-            first=first,
-            second=second,
+            first=self.first,
+            second=self.second,
             stiffness=self.stiffness,
             damping=self.damping,
             rest_length=length,
         )
 
 
-class TorsionSpring(Table):
+class TorsionSpring(CheckedTable):
     """A spring and damper about an axis, between two interfaces or one and the ground."""
 
     kind: Literal["torsion"]
@@ -51,8 +51,8 @@ class TorsionSpring(Table):
     def build(self, _system: System) -> TorsionSpringDamper:
         """The spring between bodies of a system."""
         return TorsionSpringDamper(
-            first=as_end(self.first),
-            second=as_end(self.second),
+            first=self.first,
+            second=self.second,
             axis=self.axis,
             stiffness=self.stiffness,
             damping=self.damping,

@@ -1,22 +1,22 @@
-"""A table of a case file, and the types of its values."""
+"""A table of a case file that stands for one object of the library."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Callable
+from typing import Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
-
-# Strict numbers and strings (no "0.02" for 0.02), but a TOML array may fill a tuple.
-Vector = Annotated[tuple[float, float, float], Field(strict=False)]
-Matrix = Annotated[tuple[Vector, Vector, Vector], Field(strict=False)]
-NodeIndices = Annotated[tuple[int, ...], Field(strict=False)]
-Positive = Annotated[float, Field(gt=0.0)]
-NonNegative = Annotated[float, Field(ge=0.0)]
-
-ZERO: tuple[float, float, float] = (0.0, 0.0, 0.0)
+from supple.importers.toml import CheckedTable
 
 
-class Table(BaseModel):
-    """A table of the case file: unknown keys are mistakes, values cannot change, numbers are finite."""
+class Made(CheckedTable):
+    """A table that stands for one object, whose parameters begin with the keys of the table, in order."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    makes: ClassVar[Callable[..., Any]]
+    """The class of the object."""
+    chosen_by: ClassVar[tuple[str, ...]] = ("kind", "basis")
+    """Keys that choose among tables; they are no parameters."""
+
+    def build(self, *_: Any) -> Any:
+        """The object; what other tables of the same choice need besides their keys does not matter."""
+        keys = (key for key in type(self).model_fields if key not in self.chosen_by)
+        return type(self).makes(*(getattr(self, key) for key in keys))

@@ -6,8 +6,7 @@ that Typer makes the command of.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from typing import Any, cast
 
 import typer
@@ -24,27 +23,18 @@ class BenchmarkGroup(TyperGroup):
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
-        self.commands = cast(Any, _OfferedCommands())
+        offered = sorted(entry_points(group=GROUP), key=lambda each: each.name)
+        self.commands = cast(Any, {each.name: each for each in offered})
 
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002  (Typer's signature)
         """Names of all benchmarks, in order."""
         return list(self.commands)
 
-
-class _OfferedCommands(Mapping[str, Any]):
-    """The commands by name; to look one up loads it."""
-
-    def __init__(self) -> None:
-        found = sorted(entry_points(group=GROUP), key=lambda each: each.name)
-        self._entry_points: dict[str, EntryPoint] = {each.name: each for each in found}
-
-    def __getitem__(self, name: str) -> Any:
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002  (Typer's signature)
+        """The command of a benchmark, which is loaded now; None of a name that nobody offers."""
+        offered = cast(Any, self.commands.get(cmd_name))
+        if offered is None:
+            return None
         single = typer.Typer(add_completion=False)
-        single.command(name)(self._entry_points[name].load())
+        single.command(cmd_name)(offered.load())
         return typer.main.get_command(single)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._entry_points)
-
-    def __len__(self) -> int:
-        return len(self._entry_points)

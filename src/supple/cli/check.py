@@ -8,18 +8,11 @@ from pathlib import Path
 from rich.markup import escape
 from rich.table import Table
 
-from supple.body import (
-    ModelCheck,
-    Verdict,
-    check_elements,
-    check_nodal_matrices,
-    nastran_model,
-    read_nodal_matrices,
-)
+from supple.body import ModelCheck, Verdict, labelled_matrices_source, nastran_source
 from supple.cases import read_case
 from supple.cli.console import console
 from supple.errors import ImportFormatError, ModelError
-from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES, read_nastran
+from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES
 
 _VERDICTS = {
     Verdict.OK: "[green]OK[/green]",
@@ -59,14 +52,12 @@ def check_table(name: str, check: ModelCheck) -> Table:
 def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck]]:
     suffix = path.suffix.lower()
     if suffix in NASTRAN_SUFFIXES:
-        model = nastran_model(read_nastran(path))
-        yield str(path), check_elements(model, n_frequencies=n_frequencies)
+        yield str(path), nastran_source(path).check(n_frequencies)
     elif suffix in HDF5_SUFFIXES:
-        matrices = read_nodal_matrices(nodes=path, stiffness=path, mass=path)
-        yield str(path), check_nodal_matrices(matrices, n_frequencies=n_frequencies)
+        yield str(path), labelled_matrices_source(nodes=path, stiffness=path, mass=path).check(n_frequencies)
     elif suffix == ".toml":
-        for name, parts in read_case(path).parts.items():
-            yield f"body '{name}'", parts.check(n_frequencies)
+        for name, source in read_case(path).sources.items():
+            yield f"body '{name}'", source.check(n_frequencies)
     else:
         complete = ", ".join((".toml", *NASTRAN_SUFFIXES, *HDF5_SUFFIXES))
         raise ImportFormatError(

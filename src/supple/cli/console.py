@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 import typer
-from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import (
@@ -94,18 +93,20 @@ def bar(bars: Progress, label: str) -> Callable[[float], None]:
     return lambda fraction: bars.update(task, completed=fraction)
 
 
-_WORDS = {"model", "columns", "basis", "one", "other", "body", "element", "motion", "interfaces"}
-"""Heads of columns that hold words, which stand on the left; numbers stand on the right."""
-
-
-def print_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table of a report."""
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
-    for head in heads:
-        table.add_column(head, justify="left" if head in _WORDS else "right", no_wrap=True)
+def print_table(title: str, heads: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
+    """Print a table of words."""
+    shown = Table(*heads, title=title)
     for row in rows:
-        table.add_row(*row)
-    console.print(table)
+        shown.add_row(*row)
+    console.print(shown)
+
+
+def print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
+    """Print names, each with what it is, in words."""
+    shown = Table(title=title, show_header=False)
+    for row in rows:
+        shown.add_row(*row)
+    console.print(shown)
 
 
 @contextmanager

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple import cases
-from supple.cli.console import Steps, console, progress_bars
-from supple.cli.summary_tables import body_table, correction_table, cost_line, joint_table, place_table
-from supple.correction import Round, SelfCorrectionError, correction_numbers
+from supple.cli.console import Steps, console, print_table, progress_bars
+from supple.correction import SelfCorrectionError, correction_numbers
+from supple.results.run_tables import body_table, correction_table, cost_line, joint_table, place_table
 
 
 def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = False) -> None:
@@ -16,25 +16,22 @@ def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = F
     steps = Steps(bars)
     case = cases.read_case(path, steps.show)
     console.print(f"[bold]{case.title}[/bold]", highlight=False)
-    rounds: list[Round] = []
     with bars:
         try:
-            result = cases.run_case(
-                case, folder, resume=resume, strict=strict, progress=steps.share, announce=rounds.append
-            )
-        except SelfCorrectionError:
-            console.print(correction_table(correction_numbers(rounds)))
+            result = cases.run_case(case, folder, resume=resume, strict=strict, progress=steps.share)
+        except SelfCorrectionError as error:
+            print_table(*correction_table(correction_numbers(error.rounds)))
             raise
         steps.finish()
     numbers = result.numbers
-    tables = [correction_table(result.rounds)] if result.rounds else []
-    tables += [body_table(numbers), joint_table(numbers)] + (
-        [place_table(numbers)] if numbers["tracked"] else []
-    )
-    for table in tables:
-        console.print(table)
+    if result.rounds:
+        print_table(*correction_table(result.rounds))
+    print_table(*body_table(numbers))
+    print_table(*joint_table(numbers))
+    if numbers["tracked"]:
+        print_table(*place_table(numbers))
     for name, body in numbers["bodies"].items():
         if "eigenvalues" in body:
             console.print(f"{name}: {body['eigenvalues']}", highlight=False)
-    console.print(cost_line(result.solution), highlight=False)
+    console.print(cost_line(result.solution.statistics), highlight=False)
     console.print(f"Results are in {folder}/", highlight=False)

@@ -36,6 +36,7 @@ from supple.results.tracked_motion import (
     TrackedMotion,
     deflections,
     tracked_motion,
+    tracked_places,
 )
 
 __all__ = [
@@ -58,6 +59,7 @@ __all__ = [
     "stress_modes",
     "summarize",
     "tracked_motion",
+    "tracked_places",
     "von_mises_history",
     "von_mises_strain_history",
 ]

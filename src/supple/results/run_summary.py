@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
@@ -38,18 +38,25 @@ def summarize(
 
 def body_numbers(body: RigidBody | FullBody | ReducedBody) -> dict[str, Any]:
     """Kind, size, mass and frequencies of a body."""
-    if isinstance(body, RigidBody):
-        return {"kind": "rigid", "mass": body.mass}
-    if isinstance(body, FullBody):
-        return {"kind": "full", "nodes": len(body.nodes), "coordinates": body.n_coordinates}
+    return {"kind": body.kind, **_NUMBERS_OF[body.kind](body)}
+
+
+def _numbers_of_rigid(body: RigidBody) -> dict[str, Any]:
+    return {"mass": body.mass}
+
+
+def _numbers_of_full(body: FullBody) -> dict[str, Any]:
+    return {"nodes": len(body.nodes), "coordinates": body.n_coordinates}
+
+
+def _numbers_of_reduced(body: ReducedBody) -> dict[str, Any]:
     held = {
         i.name: _hertz(clamped_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies)
         for i in body.interfaces
     }
     proven = body.report.certificate
     return {
-        "kind": "reduced",
-        "mass": float(body.gram[0, 0]),
+        "mass": body.mass,
         "nodes": len(body.nodes),
         "freedoms": body.nodal_basis.shape[0],
         "coordinates": body.r,
@@ -62,6 +69,12 @@ def body_numbers(body: RigidBody | FullBody | ReducedBody) -> dict[str, Any]:
         **({} if proven is None else {"eigenvalues": str(proven)}),
         "seconds": dict(body.report.seconds),
     }
+
+
+_NUMBERS_OF: Mapping[str, Callable[[Any], dict[str, Any]]] = MappingProxyType(
+    {"rigid": _numbers_of_rigid, "full": _numbers_of_full, "reduced": _numbers_of_reduced}
+)
+"""What there is to say of a body of each form."""
 
 
 def _hertz(omega: np.ndarray) -> np.ndarray:

@@ -43,7 +43,7 @@ def von_mises_history(
     ------
     ModelError   as for stress_modes
     """
-    if isinstance(body, ReducedBody):
+    if body.kind == "reduced":
         return stress_modes(body, model, nodes).von_mises(coordinates)
     return _of_full_body(body, stress_recovery(model), von_mises, coordinates, nodes)
 
@@ -55,7 +55,7 @@ def von_mises_strain_history(
     nodes: ArrayLike | None = None,
 ) -> Array:
     """Von Mises equivalent strain (t, N): as von_mises_history, with the same parameters and errors."""
-    if isinstance(body, ReducedBody):
+    if body.kind == "reduced":
         return strain_modes(body, model, nodes).von_mises(coordinates)
     return _of_full_body(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,8 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from supple.body import BodyForm, in_space, node_displacements
-from supple.integrate import FloatingMotion
+from supple.integrate import FloatingMotion, Solution
+from supple.machine import System
 from supple.results.recovery import displacement_from_axes, node_positions
 
 
@@ -56,6 +58,16 @@ def tracked_motion(body: BodyForm, motion: FloatingMotion, at: str | ArrayLike) 
     base = body.interfaces[0]
     deflection = displacement_from_axes(position, origin, axes, rest - base.position)
     return TrackedMotion(position, base.name, deflection)
+
+
+def tracked_places(
+    system: System, solution: Solution, places: Mapping[str, tuple[str, str | ArrayLike]]
+) -> dict[str, TrackedMotion]:
+    """`tracked_motion` of places by their names; of each the name of its body, and where on the body."""
+    return {
+        place: tracked_motion(system.bodies[system.body_index(name)].body, solution.bodies[name], at)
+        for place, (name, at) in places.items()
+    }
 
 
 def deflections(body: BodyForm, motion: FloatingMotion) -> np.ndarray:

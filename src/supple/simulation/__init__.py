@@ -10,6 +10,7 @@ from supple.simulation.kept_bodies import (
     reduced_bodies,
     with_kept_bodies,
 )
+from supple.simulation.kept_run import simulate_kept
 from supple.simulation.recorded_run import (
     begin_recorded,
     continue_recorded,
@@ -28,6 +29,7 @@ __all__ = [
     "reduced_bodies",
     "simulate",
     "simulate_batch",
+    "simulate_kept",
     "simulate_recorded",
     "with_kept_bodies",
 ]

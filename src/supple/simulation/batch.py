@@ -120,7 +120,7 @@ def simulate_batch(
     check_not_forked()
     if not cases:
         raise ModelError("a batch needs at least one case")
-    if any(isinstance(placed.body, FullBody) for placed in cases[0].bodies):
+    if cases[0].bodies_of(FullBody):
         raise ModelError("a batch takes rigid and reduced bodies: reduce the full ones first")
     if chunk < 1:
         raise ValueError(f"chunk must be at least 1, got {chunk}")

@@ -94,7 +94,8 @@ def _kept(run: MachineRun) -> dict[str, float]:
 
 
 def _row(study: Study, run: MachineRun) -> dict[str, Any]:
-    proven = run.body.report.certificate if isinstance(run.body, ReducedBody) else None
+    reduced = run.system.bodies_of(ReducedBody).get(run.body.name)
+    proven = reduced.report.certificate if reduced is not None else None
     exact = study.of(Variant.EXACT_MODES)[0]
     return {
         "e": run.tolerance,

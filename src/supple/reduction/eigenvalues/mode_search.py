@@ -54,6 +54,12 @@ class SearchStep:
         return int(failing[0]) + 1 if failing.size else None
 
 
+def search_words(n_modes: int, largest_error: float) -> str:
+    """So many fixed-interface modes, and the largest error; infinite with too few for all vibrations."""
+    error = f"error {100 * largest_error:.2g} %" if np.isfinite(largest_error) else "too few"
+    return f"{n_modes} modes, {error}"
+
+
 Trial = Callable[[int], SearchStep]
 
 

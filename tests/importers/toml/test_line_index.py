@@ -6,7 +6,7 @@ import tomllib
 
 import pytest
 
-from supple.cases.line_index import index_lines
+from supple.importers.toml.line_index import index_lines
 
 TEXT = '''\
 # a comment with = and [brackets]

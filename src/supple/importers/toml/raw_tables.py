@@ -1,4 +1,4 @@
-"""The tables of a case file as the TOML reader returns them, for rules on what one key demands of another.
+"""The tables of a TOML file as the TOML reader returns them, for rules on what one key demands of another.
 
 The rules read the raw data, not the checked tables, so that they all run even when other keys are wrong and
 every mistake is reported at once. A value of the wrong type is the schema's business: rules pass it over.
@@ -9,16 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from supple.cases.line_index import KeyPath
 from supple.errors import nearest_name
+from supple.importers.toml.line_index import KeyPath
 
 Raw = Mapping[str, Any]
 Mistakes = Iterator[tuple[KeyPath, str]]
 """Paths of the keys to look at, each with what is wrong there and the remedy."""
 Rule = Callable[[Raw], Mistakes]
-"""A rule on a whole case."""
+"""A rule on a whole file."""
 RuleOfOne = Callable[[KeyPath, Raw], Mistakes]
-"""A rule on one table, such as a body, which stands at the path."""
+"""A rule on one table, which stands at the path."""
 
 
 def tables(raw: Raw, key: str, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Raw]]:
@@ -49,27 +49,6 @@ def on_each(key: str, *rules: RuleOfOne) -> Rule:
 def names(raw: Raw, key: str) -> list[str]:
     """The names of the items of an array of tables."""
     return [str(item.get("name")) for _, item in tables(raw, key)]
-
-
-def usable_names(raw: Raw, key: str, path: KeyPath = ()) -> Mistakes:
-    """The rule that names of bodies, interfaces or joints differ, and can stand in `BODY.INTERFACE`."""
-    taken: set[str] = set()
-    for place, item in tables(raw, key, path):
-        name = item.get("name")
-        if not isinstance(name, str):
-            continue
-        if name in taken:
-            yield (*place, "name"), f"an earlier {key} is already named {name!r}; names must differ"
-        if "." in name or name == "ground":
-            yield (*place, "name"), f"{name!r} cannot be a {key} name: no dots, and not the word ground"
-        taken.add(name)
-
-
-def axes_with_length(path: KeyPath, raw: Raw) -> Mistakes:
-    """The rule that a direction is not zero."""
-    for key in ("axis", "second_axis"):
-        if raw.get(key) == [0, 0, 0]:
-            yield (*path, key), "an axis of length zero has no direction; give for example [1, 0, 0]"
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -1,25 +1,41 @@
-"""The mistakes of a case file in words: all of them in one error, each with its line, key and remedy."""
+"""The mistakes of a TOML file in words: all of them in one text, each with its line, key and remedy."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from supple.cases.case_tables import CaseTables
-from supple.cases.line_index import KeyPath, LineIndex
-from supple.cases.raw_tables import did_you_mean
-from supple.errors import CaseError
+from supple.importers.toml.checked_table import CheckedTable
+from supple.importers.toml.line_index import KeyPath, LineIndex
+from supple.importers.toml.raw_tables import did_you_mean
+
+_Schema = Mapping[str, Any]
+_Root = TypeVar("_Root", bound=CheckedTable)
 
 
-def case_error(path: Path, lines: LineIndex, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:
-    """The error of a file: its mistakes in the order of their lines, each with its key."""
+def checked(
+    root: type[_Root], raw: Mapping[str, Any], mistakes: Sequence[tuple[KeyPath, str]]
+) -> tuple[_Root | None, Sequence[tuple[KeyPath, str]]]:
+    """The file as its schema sees it, None if that finds mistakes; and these, with those that rules found.
+
+    root : the table of the whole file
+    """
+    try:
+        return root.model_validate(raw), mistakes
+    except ValidationError as error:
+        return None, [*(_schema_mistake(root, each) for each in error.errors(include_url=False)), *mistakes]
+
+
+def listed_mistakes(path: Path, lines: LineIndex, mistakes: Iterable[tuple[KeyPath, str]]) -> str:
+    """The mistakes of a file in the order of their lines, each with its key."""
     found = sorted({(lines.line_of(place), _spell(place), message) for place, message in mistakes})
     count = "one mistake" if len(found) == 1 else f"{len(found)} mistakes"
     listed = "\n".join(f"  line {line}, {place}: {message}" for line, place, message in found)
-    return CaseError(f"{path} has {count}:\n{listed}")
+    return f"{path} has {count}:\n{listed}"
 
 
 def _spell(path: KeyPath) -> str:
@@ -30,17 +46,21 @@ def _spell(path: KeyPath) -> str:
     )
 
 
-def schema_mistake(item: ErrorDetails) -> tuple[KeyPath, str]:
-    """One schema error as the path of its key in the file, and a sentence with the remedy."""
-    place, schema = _follow(item["loc"])
+def _schema_mistake(root: type[CheckedTable], item: ErrorDetails) -> tuple[KeyPath, str]:
+    """One schema error as the path of its key in the file, and a sentence with the remedy.
+
+    root : the table of the whole file, whose check found the error
+    """
+    tree = root.model_json_schema()
+    place, schema = _follow(tree, item["loc"])
     kind, seen, context = item["type"], item["input"], item.get("ctx", {})
     unit = f" ({schema['description']})" if "description" in schema else ""
     if kind == "extra_forbidden":
-        known = _follow(item["loc"][:-1])[1].get("properties", {})
+        known = _follow(tree, item["loc"][:-1])[1].get("properties", {})
         return place, f"unknown key{did_you_mean(str(place[-1]), known)}; known keys: {', '.join(known)}"
     if kind == "missing":
         if isinstance(place[-1], int):
-            items = _follow(item["loc"][:-1])[1]["minItems"]
+            items = _follow(tree, item["loc"][:-1])[1]["minItems"]
             return place[:-1], f"{items} items are needed, got {seen!r}"
         return place, f"this key is missing; add it{unit}"
     if kind in ("union_tag_not_found", "union_tag_invalid", "literal_error"):
@@ -50,7 +70,7 @@ def schema_mistake(item: ErrorDetails) -> tuple[KeyPath, str]:
     return place, f"{item['msg'].removeprefix('Input ')}, got {seen!r}{unit}"
 
 
-def _wrong_choice(place: KeyPath, item: ErrorDetails, schema: Mapping[str, Any]) -> tuple[KeyPath, str]:
+def _wrong_choice(place: KeyPath, item: ErrorDetails, schema: _Schema) -> tuple[KeyPath, str]:
     context = item.get("ctx", {})
     if item["type"] == "literal_error":
         choices, seen = [str(choice) for choice in schema.get("enum", [schema.get("const")])], item["input"]
@@ -66,13 +86,12 @@ def _wrong_choice(place: KeyPath, item: ErrorDetails, schema: Mapping[str, Any])
     )
 
 
-def _follow(location: tuple[int | str, ...]) -> tuple[KeyPath, Mapping[str, Any]]:
+def _follow(root: _Schema, location: tuple[int | str, ...]) -> tuple[KeyPath, _Schema]:
     """The key path in the file, and the JSON schema there, of an error's location.
 
     A location also holds the tags of the alternatives that were tried (`reduction`, `rubin`, `modes`),
     which are no keys of the file.
     """
-    root = CaseTables.model_json_schema()
     schema, path = _resolve(root, root), ()
     for part in location:
         alternatives = schema.get("discriminator", {}).get("mapping", {})
@@ -88,7 +107,7 @@ def _follow(location: tuple[int | str, ...]) -> tuple[KeyPath, Mapping[str, Any]
     return path, schema
 
 
-def _resolve(root: Mapping[str, Any], schema: Mapping[str, Any]) -> Mapping[str, Any]:
+def _resolve(root: _Schema, schema: _Schema) -> _Schema:
     """The schema behind references and behind 'or nothing', keeping the description of the key itself."""
     while "$ref" in schema or "anyOf" in schema:
         if "$ref" in schema:

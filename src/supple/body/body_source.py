@@ -1,0 +1,113 @@
+"""What an elastic body is made of, before it is one: elements or matrices, read and assembled once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from supple.body.finite_element_body import flexible_body
+from supple.body.flexible_body import FlexibleBody
+from supple.body.interface import AveragingInterface, RigidInterface
+from supple.body.labelled_superelement import NodalMatrices, labelled_superelement, read_nodal_matrices
+from supple.body.model_check import ModelCheck, check_elements, check_model, check_nodal_matrices
+from supple.body.nastran_body import nastran_model
+from supple.body.superelement import read_superelement
+from supple.fem import GREEN_LAGRANGE, FiniteElementModel, MembraneKinematics
+from supple.importers import Connection, read_matrix, read_nastran
+from supple.mesh import Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class BodySource:
+    """What an elastic body is made of; each part is read, or assembled, once and when it is first needed.
+
+    check : of the nodal matrices, before the interfaces; with so many elastic modes
+    body : of that name with those interfaces; ModelError for whatever is wrong with the model
+    connections : RBE2 and RBE3 elements that may be interfaces
+    mesh, model : with elements, also of a body that is made linear; matrices have none
+    """
+
+    check: Callable[[int], ModelCheck]
+    body: Callable[[str, Sequence[RigidInterface | AveragingInterface]], FlexibleBody]
+    connections: Callable[[], Sequence[Connection]] = tuple
+    mesh: Mesh | None = None
+    model: Callable[[], FiniteElementModel] | None = None
+
+
+def elements_source(
+    mesh: Mesh, assemble: Callable[[], FiniteElementModel], connections: Sequence[Connection] = ()
+) -> BodySource:
+    """A mesh with elements, which `assemble` makes."""
+    model = cache(assemble)
+    return BodySource(
+        lambda n_frequencies: check_elements(model(), n_frequencies=n_frequencies),
+        lambda name, interfaces: flexible_body(name, model(), interfaces),
+        lambda: connections,
+        mesh,
+        model,
+    )
+
+
+def nastran_source(path: Path, kinematics: MembraneKinematics = GREEN_LAGRANGE) -> BodySource:
+    """The elements, materials and walls of a bulk data file; errors as for `read_nastran`."""
+    read = read_nastran(path)
+    return elements_source(read.mesh, lambda: nastran_model(read, kinematics=kinematics), read.connections)
+
+
+def labelled_matrices_source(
+    *,
+    nodes: Path,
+    stiffness: Path,
+    mass: Path,
+    stiffness_name: str | None = None,
+    mass_name: str | None = None,
+    rigid_tolerance: float | None = None,
+) -> BodySource:
+    """Matrices of another program with the file of its nodes, as for `read_labelled_superelement`.
+
+    They stand for any elements, also such as a mesh cannot have: the mesh of the node file is not read.
+    """
+
+    @cache
+    def read() -> NodalMatrices:
+        return read_nodal_matrices(
+            nodes=nodes,
+            stiffness=stiffness,
+            mass=mass,
+            stiffness_name=stiffness_name,
+            mass_name=mass_name,
+        )
+
+    exact = rigid_tolerance
+    return BodySource(
+        lambda n: check_nodal_matrices(read(), n_frequencies=n, rigid_tolerance=exact),
+        lambda name, interfaces: labelled_superelement(name, read(), interfaces, rigid_tolerance=exact),
+        lambda: read().connections,
+    )
+
+
+def matrices_source(*, nodes: Path, stiffness: Path, mass: Path, dofs_per_node: int) -> BodySource:
+    """Matrices in Matrix Market files, as for `read_superelement`."""
+
+    def check(n_frequencies: int) -> ModelCheck:
+        return check_model(
+            read_matrix(nodes).toarray(),
+            read_matrix(stiffness),
+            read_matrix(mass),
+            dofs_per_node=dofs_per_node,
+            n_frequencies=n_frequencies,
+        )
+
+    return BodySource(
+        check,
+        lambda name, interfaces: read_superelement(
+            name,
+            nodes=nodes,
+            stiffness=stiffness,
+            mass=mass,
+            dofs_per_node=dofs_per_node,
+            interfaces=interfaces,
+        ),
+    )

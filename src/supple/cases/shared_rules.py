@@ -1,0 +1,26 @@
+"""Rules that several sections of a case share: on names, and on directions."""
+
+from __future__ import annotations
+
+from supple.importers.toml import KeyPath, Mistakes, Raw, tables
+
+
+def usable_names(raw: Raw, key: str, path: KeyPath = ()) -> Mistakes:
+    """The rule that names of bodies, interfaces or joints differ, and can stand in `BODY.INTERFACE`."""
+    taken: set[str] = set()
+    for place, item in tables(raw, key, path):
+        name = item.get("name")
+        if not isinstance(name, str):
+            continue
+        if name in taken:
+            yield (*place, "name"), f"an earlier {key} is already named {name!r}; names must differ"
+        if "." in name or name == "ground":
+            yield (*place, "name"), f"{name!r} cannot be a {key} name: no dots, and not the word ground"
+        taken.add(name)
+
+
+def axes_with_length(path: KeyPath, raw: Raw) -> Mistakes:
+    """The rule that a direction is not zero."""
+    for key in ("axis", "second_axis"):
+        if raw.get(key) == [0, 0, 0]:
+            yield (*path, key), "an axis of length zero has no direction; give for example [1, 0, 0]"

@@ -1,0 +1,84 @@
+"""What a mesh, a reduced body or a result file holds, in rows of two: name and words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from supple.mesh import Mesh
+from supple.reduction import ReducedBody
+from supple.reduction.reduced_body import ReductionReport
+from supple.storage import read_header, read_solution
+
+Row = tuple[str, str]
+
+
+def describe_mesh(mesh: Mesh) -> Iterator[Row]:
+    """Nodes, cells of each kind, extent and sets."""
+    yield "what", f"{mesh.n_nodes} nodes"
+    for kind, cells in mesh.cells.items():
+        yield kind.name, f"{len(cells)} cells"
+    for axis, low, high in zip("xyz", mesh.nodes.min(axis=0), mesh.nodes.max(axis=0), strict=True):
+        yield axis, f"{low:g} to {high:g}"
+    for name, nodes in mesh.node_sets.items():
+        yield f"node set {name}", f"{len(nodes)} nodes, centroid {_point(mesh.nodes[nodes].mean(axis=0))}"
+    for name, members in mesh.cell_sets.items():
+        yield f"cell set {name}", f"{sum(len(cells) for cells in members.values())} cells"
+
+
+def describe_reduced_body(body: ReducedBody) -> Iterator[Row]:
+    """Size, mass, lowest frequencies, what is proven of them, and interfaces."""
+    kind = "linear" if body.is_linear else "nonlinear"
+    yield "what", body.name
+    yield "coordinates", f"{body.r} of {len(body.nodal_basis)} freedoms, {kind}; {body.frame}"
+    yield "mass", f"{body.mass:g}"
+    yield "lowest frequencies", f"{_listed(body.frequencies[:6] / (2 * np.pi))} Hz in its frame"
+    if body.report.certificate is not None:
+        yield "eigenvalues", str(body.report.certificate)
+    for interface in body.interfaces:
+        yield f"interface {interface.name}", f"at {_point(interface.position)}"
+
+
+def describe_reduction(report: ReductionReport) -> Iterator[Row]:
+    """What the basis is made of, what was left out, and what it cost."""
+    for what in ("linear", "derivatives", "corrections", "dropped"):
+        labels = getattr(report, what)
+        if labels:
+            yield what, f"{len(labels)}: {', '.join(labels)}"
+    if report.singular_values_dropped.size:
+        yield "largest singular value dropped", f"{report.singular_values_dropped.max():.2g}"
+    if report.certificate is not None:
+        yield "eigenvalues", str(report.certificate)
+    yield "seconds", ", ".join(f"{step} {time:.2f}" for step, time in report.seconds.items())
+
+
+def describe_result(path: Path) -> Iterator[Row]:
+    """Whether a result file is complete, what it is of, its motions and forces, and its cost.
+
+    Raises
+    ------
+    ResultFileError    as for `read_header`
+    """
+    header, unfinished = read_header(path), "cut off, or still running; supple run CASE --resume continues it"
+    yield "what", "complete" if header.complete else unfinished
+    for name, value in header.metadata.items():
+        yield name, str(value)
+    if header.n_times:
+        solution = read_solution(path)
+        yield "times", f"{header.n_times}, from {solution.times[0]:g} to {solution.times[-1]:g} s"
+        for name, motion in solution.bodies.items():
+            yield f"body {name}", f"{motion.coordinates.shape[1]} coordinates"
+        for name, forces in solution.joint_forces.items():
+            yield f"joint {name}", f"{forces.shape[1]} forces and moments"
+    cost = header.statistics
+    yield "cost", f"{cost.steps} steps, {cost.iterations} iterations, {cost.seconds:.2f} s"
+
+
+def _point(position: np.ndarray) -> str:
+    return f"({_listed(position)})"
+
+
+def _listed(values: np.ndarray) -> str:
+    return ", ".join(f"{value:.4g}" for value in values)

@@ -1,0 +1,47 @@
+"""A run whose result file and reduced bodies lie side by side: begun, or continued where it was cut off."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+
+from supple.integrate import Progress, Run, Solution
+from supple.machine import System
+from supple.simulation.kept_bodies import keep_bodies, with_kept_bodies
+from supple.simulation.recorded_run import begin_recorded, continue_recorded
+
+
+def simulate_kept(
+    system: System,
+    run: Run,
+    path: Path,
+    kept: Collection[str],
+    *,
+    case: str,
+    title: str = "",
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> tuple[System, Solution]:
+    """Simulate a system and keep its motion with the reduced bodies it means, `NAME-reduced.h5` beside it.
+
+    Parameters
+    ----------
+    system, run, path, case, progress : as for `begin_recorded`
+    kept : names of the bodies to keep, as far as they are reduced; others have files of their own
+    title : kept in the file, for the record
+    resume : continue the run that was cut off, with the bodies that it began with
+
+    Returns
+    -------
+    the system as it was simulated, and the whole run
+
+    Raises
+    ------
+    ResultFileError     a file that cannot be written, or not be continued
+    errors of `simulate`; what was computed until then is kept in the file
+    """
+    if resume:
+        system = with_kept_bodies(system, kept, path.parent)
+        return system, continue_recorded(system, run, path, case=case, progress=progress)
+    keep_bodies(system, kept, path.parent)
+    return system, begin_recorded(system, run, path, case=case, metadata={"title": title}, progress=progress)

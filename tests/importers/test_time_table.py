@@ -1,0 +1,24 @@
+"""A table over time that cannot be used is refused in words."""
+
+from __future__ import annotations
+
+import pytest
+
+from supple.errors import ImportFormatError
+from supple.importers.time_table import read_time_table
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0,1\nx,2\n", "write rows of two numbers, time,value"),
+        ("0,1\n", "has 1 rows of 2 numbers; write two or more rows"),
+        ("0,1,2\n1,2,3\n", "has 2 rows of 3 numbers; write two or more rows"),
+        ("0,1\n1,nan\n", "holds NaN or infinite numbers; remove these rows"),
+        ("0,1\n2,1\n1,1\n", "times must increase, but row 3 has 1 after 2"),
+    ],
+)
+def test_wrong_tables_are_named(tmp_path, text, message):
+    (tmp_path / "law.csv").write_text(text)
+    with pytest.raises(ImportFormatError, match=message):
+        read_time_table(tmp_path / "law.csv")
