@@ -46,11 +46,13 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.machine import GROUND as GROUND
     from supple.machine import At as At
     from supple.machine import Ball as Ball
+    from supple.machine import BaseAcceleration as BaseAcceleration
     from supple.machine import Cylindrical as Cylindrical
     from supple.machine import DeadForce as DeadForce
     from supple.machine import DeadTorque as DeadTorque
     from supple.machine import Fixed as Fixed
     from supple.machine import FollowerForce as FollowerForce
+    from supple.machine import FollowerPressure as FollowerPressure
     from supple.machine import FollowerTorque as FollowerTorque
     from supple.machine import Placed as Placed
     from supple.machine import PrescribedRotation as PrescribedRotation
@@ -113,6 +115,7 @@ _NAMES = {
         "System Placed At GROUND "
         "Fixed Ball Revolute Universal Cylindrical Prismatic PrescribedRotation PrescribedTranslation "
         "SpringDamper TorsionSpringDamper DeadForce DeadTorque FollowerForce FollowerTorque "
+        "FollowerPressure BaseAcceleration "
         "Table Spline Ramp Sine SpinUp Turning"
     ),
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",

@@ -15,8 +15,8 @@ from supple.body import RigidBody
 from supple.integrate import FloatingMotion, Leg, Run, Solution, Statistics
 from supple.machine import Placed, System
 from supple.results import node_positions
-from supple.simulation import simulate
-from supple.simulation.engines import _ENGINES, register_engine
+from supple.simulation import register_engine, simulate
+from supple.simulation.engines import _ENGINES
 from supple.storage import read_header, read_solution
 from supple.viz import Skin, animate
 
@@ -54,9 +54,9 @@ class Explicit:
         times, position, midway = (np.array(column) for column in zip(*leg.states, strict=True))
         none, still = np.zeros((len(times), 0)), np.zeros((len(times), 3))
         turned = Rotation.from_rotvec(times[:, None] * self.placed.angular_velocity).as_matrix()
-        velocity = midway - self.h / 2 * self.gravity
+        velocity, spin = midway - self.h / 2 * self.gravity, still + self.placed.angular_velocity
         motion = FloatingMotion(
-            position, turned, none, velocity, still, none, still + self.gravity, still, none
+            position, turned, none, velocity, spin, none, still + self.gravity, still, none
         )
         body = {self.placed.body.name: motion}
         return Solution(times, body, {}, leg.statistics, engine_state={"midway": midway[-1]})

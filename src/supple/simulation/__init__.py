@@ -4,6 +4,7 @@ from supple.simulation.batch import (
     BatchSolution,
     simulate_batch,
 )
+from supple.simulation.engines import register_engine
 from supple.simulation.kept_bodies import (
     keep_bodies,
     keep_body,
@@ -27,6 +28,7 @@ __all__ = [
     "keep_bodies",
     "keep_body",
     "reduced_bodies",
+    "register_engine",
     "simulate",
     "simulate_batch",
     "simulate_kept",

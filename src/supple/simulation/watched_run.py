@@ -33,9 +33,9 @@ def watched_run(
     peaks: dict[str, Peaks] = {}
 
     def observed(leg: Solution) -> None:
+        check_redundant_joints(system, leg)  # what is wrong is not recorded
         if record is not None:
             record(leg)
-        check_redundant_joints(system, leg)
         peaks.update(limits.observe(peaks, leg))
 
     engine = engine_for(system, run)

@@ -8,7 +8,7 @@ from supple.errors import AccuracyError
 from supple.integrate import Solution
 from supple.machine import System
 from supple.multibody.checks.joint_residuals import joint_residuals
-from supple.multibody.equations.build_model import system_length
+from supple.multibody.equations.build_model import row_scales
 
 __all__ = ["check_redundant_joints"]
 
@@ -25,13 +25,13 @@ def check_redundant_joints(system: System, leg: Solution) -> None:
     kept = leg.engine_state.get("active")
     if kept is None or len(kept) == n_equations:
         return
-    residuals = np.abs(joint_residuals(system, leg))
+    residuals = np.abs(joint_residuals(system, leg)) / row_scales(system)
     residuals[:, kept.astype(int)] = 0.0
     row, worst = np.unravel_index(np.argmax(residuals), residuals.shape)
-    if residuals[row, worst] > OPEN * max(system_length(system), 1.0):
+    if residuals[row, worst] > OPEN:
         labels = [f"'{joint.name}' ({what})" for joint in system.joints for what in joint.rows]
         raise AccuracyError(
             f"{labels[worst]} was left out at the start as redundant, and is off by "
-            f"{residuals[row, worst]:.3g} at t = {leg.times[row]:.6g}: the machine has left the position in "
-            "which its joints repeat each other. Start beside that position"
+            f"{residuals[row, worst]:.3g} of the machine's size, or rad, at t = {leg.times[row]:.6g}: the "
+            "machine has left the position in which its joints repeat each other. Start beside that position"
         )

@@ -26,7 +26,14 @@ from supple.multibody.equations.model import (
 from supple.multibody.equations.nodal_load import prepared
 from supple.multibody.equations.places import Places
 
-__all__ = ["build_model", "initial_points", "is_on_full_nodes", "seen_coordinates", "system_length"]
+__all__ = [
+    "build_model",
+    "initial_points",
+    "is_on_full_nodes",
+    "row_scales",
+    "seen_coordinates",
+    "system_length",
+]
 
 T = TypeVar("T")
 
@@ -287,6 +294,14 @@ def _nodal_load(system: System, load: NodalLoad, places: _BodyPlaces) -> NodalLo
         positions, basis = position[None], motion[None, :3]
     velocities, coordinates = places.pair([index])
     return NodalLoadArrays(index, velocities, coordinates, prepared(load), positions, basis)
+
+
+def row_scales(system: System) -> np.ndarray:
+    """What counts as one of each constraint equation: the system's size for positions, 1 for angles, (m,)."""
+    length = system_length(system)
+    return np.array(
+        [length if row.startswith("position") else 1.0 for joint in system.joints for row in joint.rows]
+    )
 
 
 def system_length(system: System) -> float:

@@ -21,6 +21,7 @@ import scipy.linalg
 from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning
 from supple.machine import System
 from supple.multibody.equations.balance import constraint_jacobian
+from supple.multibody.equations.build_model import row_scales
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import AnyArray, Configuration, advance
 from supple.multibody.equations.joint_force import constraints
@@ -148,7 +149,7 @@ def consistent_start(machine: M, time: float) -> tuple[M, Configuration, np.ndar
         machine = machine.restricted(active)
     configuration = _joints_closed(machine, time, configuration, velocity)
     left = every.joint_terms(time, configuration, velocity).residual
-    _check_redundant_closed(system, every.model, active, left)
+    _check_redundant_closed(system, active, left)
     if len(active) < len(left):
         _check_nearby(every, machine, time, configuration, velocity)
     terms = machine.joint_terms(time, configuration, velocity)
@@ -172,8 +173,7 @@ def _check_nearby(
         sorted(set(every.model.active) - set(machine.model.active)),
         list(neighbours(machine.model, machine.joint_terms(time, configuration, velocity).jacobian)),
         closed,
-        lambda at: every.joint_terms(time, at, velocity).residual,
-        float(machine.model.length),
+        lambda at: every.joint_terms(time, at, velocity).residual / row_scales(machine.system),
     )
 
 
@@ -251,13 +251,11 @@ def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) ->
                 )
 
 
-def _check_redundant_closed(
-    system: System, model: Model, active: tuple[int, ...], residuals: np.ndarray
-) -> None:
+def _check_redundant_closed(system: System, active: tuple[int, ...], residuals: np.ndarray) -> None:
     """Raise ModelError when an equation left out is not met by the others: joints that contradict."""
-    labels = _row_labels(system)
+    labels, scales = _row_labels(system), row_scales(system)
     for index in sorted(set(range(len(residuals))) - set(active)):
-        if abs(residuals[index]) > 1e-9 * max(float(model.length), 1.0):
+        if abs(residuals[index]) > 1e-9 * scales[index]:
             raise ModelError(
                 f"the joints contradict each other at the start: with all others closed, {labels[index]} is "
                 f"off by {residuals[index]:.3g}. Correct the placement, or start away from a dead point"

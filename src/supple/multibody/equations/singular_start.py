@@ -49,26 +49,25 @@ def check_redundant_nearby(
     left_out: Sequence[int],
     nearby: Sequence[np.ndarray],
     closed: Callable[[np.ndarray], Configuration],
-    residual: Callable[[Configuration], np.ndarray],
-    length: float,
+    relative_residual: Callable[[Configuration], np.ndarray],
 ) -> None:
     """Raise ModelError when an equation left out does not hold in a neighbouring configuration.
 
     labels : of all equations           left_out : those that depend on others in the initial configuration
     nearby : motions of the frames      closed : the configuration after such a motion, kept joints closed
-    residual : of all equations         length : size of the system
+    relative_residual : of all equations, positions in parts of the system's size
     """
     for motion in nearby:
         try:
-            opened = np.abs(residual(closed(motion)))[list(left_out)]
+            opened = np.abs(relative_residual(closed(motion)))[list(left_out)]
         except ConvergenceError:
             continue  # not a configuration the kept joints can reach
         worst = int(np.argmax(opened))
-        if opened[worst] > OPENED_BY * max(length, 1.0):
+        if opened[worst] > OPENED_BY:
             names = ", ".join(labels[index] for index in left_out)
             raise ModelError(
                 f"the mechanism starts in a dead point: {names} depend(s) on the other joints in the initial "
                 f"configuration, but not beside it, where {labels[left_out[worst]]} would open by "
-                f"{opened[worst]:.2g}. How it leaves that position is undetermined: place the bodies beside "
-                "it (a driving joint with an angle there is enough), all joints closed"
+                f"{opened[worst]:.2g} of its size or rad. How it leaves that position is undetermined: place "
+                "the bodies beside it (a driving joint with an angle there is enough), all joints closed"
             )
