@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.box import SIMPLE_HEAD
 from rich.table import Table as ShownTable
 
-from supple.cli.console import console
+from supple.terminal import console
 from supple_benchmarks.table import Table
 
 __all__ = ["print_files", "print_tables"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import linalg, sparse
 
-from supple.body import ModalDamping, RayleighDamping, rayleigh_from_ratios
+from supple.body import ModalDamping, RayleighDamping, rayleigh_at_modes, rayleigh_from_ratios
 from supple.errors import ModelError
 
 
@@ -27,6 +27,16 @@ def test_rayleigh_ratios_hold_at_both_frequencies(pair):
         _, C = modal_ratios(damping, *pair)
         np.testing.assert_allclose(np.diag(C)[[0, 3]], 2 * np.broadcast_to(ratios, 2) * omega[[0, 3]])
         np.testing.assert_allclose(C - np.diag(np.diag(C)), 0, atol=1e-12)
+
+
+def test_rayleigh_at_modes_takes_the_frequencies_of_a_body_that_is_held():
+    """A chain of four masses, its first one held: ratios of modes 1 and 3 of what is left."""
+    K = sparse.diags_array([[-1.0] * 3, [1.0, 2.0, 2.0, 1.0], [-1.0] * 3], offsets=[-1, 0, 1]).tocsc()
+    M = sparse.eye_array(4).tocsc()
+    damping = rayleigh_at_modes(K, M, np.eye(4)[:1], 0.02, (1, 3))
+    held = K.toarray()[1:, 1:], M.toarray()[1:, 1:]
+    omega, C = modal_ratios(damping, *held)
+    np.testing.assert_allclose(np.diag(C)[[0, 2]], 2 * 0.02 * omega[[0, 2]])
 
 
 def test_rayleigh_keeps_sparse_matrices_sparse(pair):

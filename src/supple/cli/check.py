@@ -10,9 +10,9 @@ from rich.table import Table
 
 from supple.body import ModelCheck, Verdict, labelled_matrices_source, nastran_source
 from supple.cases import read_case
-from supple.cli.console import console
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES
+from supple.terminal import console
 
 _VERDICTS = {
     Verdict.OK: "[green]OK[/green]",

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from supple.cases import read_case
 from supple.cli.check import print_check
-from supple.cli.console import print_rows
 from supple.errors import ImportFormatError
 from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, read_mesh
 from supple.results.descriptions import Row, describe_mesh, describe_reduced_body, describe_result
 from supple.storage import holds_reduced_body, read_reduced_body
+from supple.terminal import print_rows
 
 
 def print_info(path: Path) -> None:

@@ -9,7 +9,7 @@ import typer
 
 from supple import __version__
 from supple.cli.benchmark import BenchmarkGroup
-from supple.cli.console import console, reported_errors, reported_warnings
+from supple.terminal import console, reported_errors, reported_warnings
 
 app = typer.Typer(
     help="Reduced-order flexible multibody dynamics.",

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple.cases import read_case
-from supple.cli.console import console, print_rows, print_table, worded
 from supple.errors import CaseError
 from supple.results import body_numbers
 from supple.results.descriptions import describe_reduction
 from supple.results.run_tables import body_table
 from supple.simulation import keep_body, reduced_bodies
+from supple.terminal import console, print_rows, print_table, worded
 
 
 def reduce_case(path: Path, folder: Path) -> None:

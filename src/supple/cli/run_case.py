@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple import cases
-from supple.cli.console import Steps, console, print_table, progress_bars
 from supple.correction import SelfCorrectionError, correction_numbers
 from supple.results.run_tables import body_table, correction_table, cost_line, joint_table, place_table
+from supple.terminal import Steps, console, print_table, progress_bars
 
 
 def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = False) -> None:

@@ -47,7 +47,8 @@ def correct_recorded(
 
     Raises
     ------
-    SelfCorrectionError     an error was not met: what was reached, and the file of the best round
+    SelfCorrectionError     an error was not met: what was reached, and the file of the best round; the
+                            rounds in the order in which they were finished
     ResultFileError         rounds that cannot be written or continued; a run that is complete
     errors of `self_correct`
     """
@@ -71,7 +72,7 @@ def correct_recorded(
             )
     except SelfCorrectionError as error:
         best = archive.motion(best_round(correction_numbers(rounds)))
-        raise SelfCorrectionError(f"{error}, and on disk: the best is {best}", error.rounds) from error
+        raise SelfCorrectionError(f"{error}, and on disk: the best is {best}", tuple(rounds)) from error
     metadata = {"title": title, "self_correction": json.dumps(correction_numbers(rounds))}
     write_solution(path, corrected.solution, case=case, metadata=metadata)
     keep_bodies(corrected.system, starts, path.parent)

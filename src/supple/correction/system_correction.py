@@ -282,5 +282,5 @@ def _check_prospects(problem: Problem, past: Mapping[str, list[_Judged]], finer:
         "".join(said) + "Start with more modes (all those in the band of the loads), add more directions a "
         "round, tighten the tolerances of the time integration, or allow more; the rounds are kept in this "
         "error",
-        tuple(each.round for together in zip(*past.values(), strict=True) for each in together),
+        tuple(each.round for judged in past.values() for each in judged),
     )

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from supple.cli.console import bar, console, progress_bars
 from supple.storage import write_json
+from supple.terminal import bar, console, progress_bars
 from supple_benchmarks.blade.figures import animation, draw_figures
 from supple_benchmarks.blade.report import report, tables
 from supple_benchmarks.blade.run import BladeBenchmark, BladeRun, run_blade

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from supple.cli.console import reported_errors, reported_warnings
+from supple.terminal import reported_errors, reported_warnings
 from supple_benchmarks.options import Debug, Json
 
 __all__ = ["eigenvalue_error"]

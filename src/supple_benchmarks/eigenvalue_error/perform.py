@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from supple.cli.console import bar, progress_bars
 from supple.storage import write_json
+from supple.terminal import bar, progress_bars
 from supple_benchmarks.eigenvalue_error.beam_frequencies import beam_frequencies
 from supple_benchmarks.eigenvalue_error.figures import draw_figures
 from supple_benchmarks.eigenvalue_error.mode_selection_study import (

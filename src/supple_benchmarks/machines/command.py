@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from supple.cli.console import reported_errors, reported_warnings
+from supple.terminal import reported_errors, reported_warnings
 from supple_benchmarks.options import Debug, Json
 
 if TYPE_CHECKING:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from supple.cli.console import bar, progress_bars
 from supple.storage import write_json
+from supple.terminal import bar, progress_bars
 from supple_benchmarks.machines.figures import animation, draw_figures
 from supple_benchmarks.machines.flexible_machine import FlexibleMachine
 from supple_benchmarks.machines.report import report, tables

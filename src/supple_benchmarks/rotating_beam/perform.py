@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from supple.cli.console import bar, progress_bars
 from supple.storage import write_json, write_solution
+from supple.terminal import bar, progress_bars
 from supple_benchmarks.printed import print_files, print_tables
 from supple_benchmarks.rotating_beam.figures import animation, draw_figures
 from supple_benchmarks.rotating_beam.problem import RotatingBeam

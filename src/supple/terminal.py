@@ -1,4 +1,4 @@
-"""What the commands say: progress bars, warnings and errors on one console."""
+"""What programs say on a terminal: progress bars, tables, warnings and errors on one console."""
 
 from __future__ import annotations
 
