@@ -47,24 +47,22 @@ def run(
     ValueError          nothing is left to simulate
     ConvergenceError    the run ended early; what was computed until then has been handed to `record`
     """
-    size = leg_size(len(times))
     began = perf_counter()
     if resume is None:
+        # The initial state is a leg of its own: it is kept before the first step is tried.
+        legs = [times[:1], *_legs(times, times[1:])]
         state = engine.start(float(times[0]))
-        left = times
     else:
-        left = _times_left(times, float(resume.times[-1]))
+        legs = _legs(times, _times_left(times, float(resume.times[-1])))
         state = engine.resumed(resume)
     preparing = Statistics(compile_seconds=perf_counter() - began)
     parts: list[Solution] = []
-    # The initial state is a leg of its own: it is kept before the first step is tried.
-    first = 1 if resume is None else 0
+    n_times = sum(len(leg) for leg in legs)
     n_done = 0
-    while n_done < len(left):
-        n_leg = size if n_done or not first else first
-        leg = engine.march(state, left[n_done : n_done + n_leg])
-        n_done = min(n_done + n_leg, len(left))
+    for leg_times in legs:
+        leg = engine.march(state, leg_times)
         state = leg.last
+        n_done += len(leg_times)
         if leg.n_reached:
             part = engine.solution(leg)
             if not parts:
@@ -76,9 +74,15 @@ def run(
             if check or not parts:
                 raise ConvergenceError(leg.stopped)
             return replace(concatenate(parts), stopped=leg.stopped)
-        if progress is not None and n_done > first:
-            progress((n_done - first) / (len(left) - first))
+        if progress is not None and (resume is not None or len(parts) > 1):
+            progress(n_done / n_times)
     return concatenate(parts)
+
+
+def _legs(times: np.ndarray, left: np.ndarray) -> list[np.ndarray]:
+    """What is left of a run, leg by leg."""
+    size = leg_size(len(times))
+    return [left[begin : begin + size] for begin in range(0, len(left), size)]
 
 
 def leg_size(n_times: int) -> int:
