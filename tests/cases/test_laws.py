@@ -9,6 +9,8 @@ import pytest
 
 from supple import machine
 from supple.cases.laws import Constant, Ramp, Sine, SpinUp, TableLaw
+from supple.cases.loads import Load
+from supple.errors import ImportFormatError
 
 TIMES = np.linspace(0.0, 5.0, 101)
 
@@ -66,14 +68,49 @@ def test_table_passes_through_its_rows_with_a_continuous_second_derivative(tmp_p
         (Ramp(kind="ramp", value=4.0, duration=2.0), machine.Ramp(4.0, 2.0)),
         (Sine(kind="sine", amplitude=2.0, frequency_hz=0.5), machine.Sine(2.0, 0.5)),
         (SpinUp(kind="spin-up", speed=2.0, duration=4.0), machine.SpinUp(2.0, 4.0)),
-        (TableLaw(kind="table", file="law.csv"), machine.Spline([0.0, 1.0, 3.0], [0.0, 2.0, 1.0])),
+        (TableLaw(kind="table", file="law.csv"), machine.Spline([0.0, 1.0, 3.0], [0.0, 1.0, 3.5])),
     ],
 )
 def test_a_table_builds_what_a_script_would_write(tmp_path, table, law):
-    (tmp_path / "law.csv").write_text("0,0\n1,2\n3,1\n")
+    (tmp_path / "law.csv").write_text("0,0\n1,1\n3,3.5\n")
     built = table.build(tmp_path)
     assert type(built) is type(law)
     own, expected = jax.tree.leaves(built), jax.tree.leaves(law)
     assert expected
     for leaf, other in zip(own, expected, strict=True):
         np.testing.assert_array_equal(leaf, other)
+
+
+def test_a_load_that_jumps_does_not_swing(tmp_path):
+    """A step of 1 kN within a millisecond: between its rows the force stays between them, as in a script."""
+    rows = "0,0\n0.5,0\n0.501,1000\n1,1000\n"
+    (tmp_path / "step.csv").write_text(rows)
+    load = Load.model_validate(
+        {
+            "kind": "force",
+            "at": "bar.tip",
+            "vector": [0.0, 0.0, 1.0],
+            "law": {"kind": "table", "file": "step.csv"},
+        }
+    ).build("bar", "tip", tmp_path)
+    force = np.array([load.law(t)[2] for t in np.linspace(0.0, 1.0, 2001)])
+    assert force.min() == 0.0
+    assert force.max() == 1000.0
+    assert float(load.law(0.5005)[2]) == pytest.approx(500.0)
+    assert (load.law.begin, load.law.end) == (0.0, 1.0)
+
+
+def test_a_motion_that_jumps_is_refused_with_its_row(tmp_path):
+    """A spline through a step of one radian would swing by a tenth of it."""
+    (tmp_path / "step.csv").write_text("0,0\n0.5,0\n0.501,1\n1,1\n")
+    with pytest.raises(ImportFormatError, match=r"between rows \d and \d .* a motion cannot jump"):
+        TableLaw(kind="table", file="step.csv").build(tmp_path)
+
+
+@pytest.mark.parametrize("rows_per_period", [16, 50])
+def test_a_sampled_sine_is_a_motion(tmp_path, rows_per_period):
+    times = np.arange(2 * rows_per_period + 1) / rows_per_period
+    rows = np.column_stack([times, np.sin(2 * np.pi * times + 0.1)])
+    np.savetxt(tmp_path / "sine.csv", rows, delimiter=",")
+    law = TableLaw(kind="table", file="sine.csv").build(tmp_path)
+    assert float(law(0.8)) == pytest.approx(np.sin(2 * np.pi * 0.8 + 0.1), abs=2e-3)

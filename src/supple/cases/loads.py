@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from supple.cases.laws import Constant, Law
+from supple.cases.laws import Constant, Law, TableLaw
 from supple.importers.toml import CheckedTable, Mistakes, Raw, Vector, names, tables
 from supple.machine import (
     At,
@@ -38,7 +38,8 @@ class Load(CheckedTable):
 
         folder : where the file of its law lies
         """
-        factor = self.law.build(folder)
+        law = self.law
+        factor = law.build_of_load(folder) if isinstance(law, TableLaw) else law.build(folder)
         vector = np.array(self.vector)
         if not isinstance(at, str):
             return DeadForce(body=body, at=at, force=Scaled(vector / len(at), factor))

@@ -7,6 +7,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from scipy.interpolate import CubicSpline
 
 from supple.algebra import read_only
@@ -45,6 +46,22 @@ class Spline(UnboundedLaw):
         t = jnp.clip(time, self.times[0], self.times[-1])
         piece = jnp.clip(jnp.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)
         return jnp.polyval(jnp.asarray(self.coefficients)[:, piece], t - starts[piece])
+
+    def excursions(self) -> np.ndarray:
+        """By how much each piece leaves the range of the rows around it, in parts of that of all values, (k - 1,).
+
+        The rows are those at both ends of the piece and one more on either side. A spline through smooth data
+        stays within a per cent; through a jump it swings.
+        """
+        times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
+        values = values.reshape(len(times), -1)
+        within = np.linspace(0.0, 1.0, 33)[:, None, None] * np.diff(times)[:, None]
+        piece = np.polyval(np.asarray(self.coefficients).reshape(4, len(times) - 1, -1), within)
+        padded = np.concatenate([values[:1], values, values[-1:]])
+        around = np.array([padded[i : i + len(times) - 1] for i in range(4)])
+        beyond = np.maximum(piece.max(axis=0) - around.max(axis=0), around.min(axis=0) - piece.min(axis=0))
+        size = np.ptp(values, axis=0)
+        return np.max(beyond / np.where(size > 0, size, 1.0), axis=1, initial=0.0)
 
 
 def _leaves(law: Spline) -> tuple[tuple[Any, Any, Any], None]:
