@@ -48,7 +48,7 @@ class Spline(UnboundedLaw):
         return jnp.polyval(jnp.asarray(self.coefficients)[:, piece], t - starts[piece])
 
     def excursions(self) -> np.ndarray:
-        """By how much each piece leaves the range of the rows around it, in parts of that of all values, (k - 1,).
+        """By how much each piece leaves the range of the rows around it, (k - 1,), in parts of all values'.
 
         The rows are those at both ends of the piece and one more on either side. A spline through smooth data
         stays within a per cent; through a jump it swings.
