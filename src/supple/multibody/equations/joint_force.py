@@ -43,8 +43,8 @@ __all__ = [
 class LinearizedJoints(NamedTuple):
     """A group of joints at one configuration."""
 
-    values: Any
-    """Of the laws, stacked; None without"""
+    coefficients: Any
+    """`L` of every joint, (k, m, 12), where it changes with a law; None where it is a constant of the group"""
     at: JointLinearization
     """Stacked"""
 
@@ -68,8 +68,8 @@ def linearized(model: Model, time: Any, configuration: Configuration) -> tuple[L
         if values is None:
             affine = affine_form(joints.constraint, None)
             return LinearizedJoints(None, over(lambda a, b: linearize_joint(affine, a, b), *ends))
-        at = over(lambda v, a, b: linearize_joint(affine_form(joints.constraint, v), a, b), values, *ends)
-        return LinearizedJoints(values, at)
+        affine = over(lambda value: affine_form(joints.constraint, value), values)
+        return LinearizedJoints(affine[0], over(linearize_joint, affine, *ends))
 
     return tuple(of_group(joints) for joints in model.joints)
 
@@ -138,24 +138,13 @@ def tangent(
     for own, each in zip(model.joints, joints, strict=True):
         ends = (markers(end, motion.configuration, motion.velocity) for end in (own.first, own.second))
         weights = own.rows.take(every)
-        if each.values is None:
-            coefficients, _ = affine_form(own.constraint, None)
+        if each.coefficients is None:
+            constant, _ = affine_form(own.constraint, None)
             local = over(
-                lambda at, a, b, w, c=coefficients: geometric_stiffness(c, at, a, b, w),
-                each.at,
-                *ends,
-                weights,
+                lambda at, a, b, w, c=constant: geometric_stiffness(c, at, a, b, w), each.at, *ends, weights
             )
         else:
-            local = over(
-                lambda v, at, a, b, w, of=own.constraint: geometric_stiffness(
-                    affine_form(of, v)[0], at, a, b, w
-                ),
-                each.values,
-                each.at,
-                *ends,
-                weights,
-            )
+            local = over(geometric_stiffness, each.coefficients, each.at, *ends, weights)
         yield from blocks_on_bodies(own, local, turns)
 
 
