@@ -130,7 +130,7 @@ def search_equilibrium(
         progress(iteration, largest)
         if not np.isfinite(largest):
             break
-        # A move that arithmetic cannot tell from none, in a step that went far from the start, is none as well:
+        # A move that arithmetic cannot tell from none, in a step that went far from the start, is none too:
         # where the terms of a kind all vanish, what is left of them has no size to be compared with.
         if found.gap <= 1e-12 and (largest <= search.residual or (move <= 1e-13 and k >= first)):
             return state, iteration
