@@ -7,7 +7,15 @@ from scipy.optimize import brentq
 from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
-from supple.fem import HomogeneousSection, Isotropic, LaminateSection, assemble, shell_model, stress_recovery
+from supple.fem import (
+    HomogeneousSection,
+    Isotropic,
+    LaminateSection,
+    ShellSection,
+    assemble,
+    shell_model,
+    stress_recovery,
+)
 from supple.fem.quadratic_strain import strain
 from supple.mesh import CellType, Mesh, strip
 
