@@ -81,9 +81,22 @@ class Assembly:
         forces = [quadratic_strain.internal_force(*pair).ravel() for pair in self._elements(q)]
         return np.sum([gather.T @ f for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
 
-    def tangent(self, q: Array) -> csc_array:
-        """Tangent stiffness (n, n), the derivative of the internal force."""
-        return self._matrix([quadratic_strain.tangent(*pair) for pair in self._elements(q)])
+    def strain_rate_force(self, q: Array, rates: Array) -> Array:
+        """Force K_mat(q) q_dot (n,) of stresses D eps_dot; none in a rigid motion."""
+        forces = [
+            quadratic_strain.strain_rate_force(block, own, own_rates).ravel()
+            for (block, own), (_, own_rates) in zip(self._elements(q), self._elements(rates), strict=True)
+        ]
+        return np.sum([gather.T @ f for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
+
+    def tangent(self, q: Array, *, material: float = 1.0) -> csc_array:
+        """Tangent stiffness (n, n), the derivative of the internal force.
+
+        material : a factor of all but the geometric term
+        """
+        return self._matrix(
+            [quadratic_strain.tangent(*pair, material=material) for pair in self._elements(q)]
+        )
 
     def tangent_derivative(self, x: Array) -> csc_array:
         """Derivative of the tangent at q = 0 in the direction x (n,), exact; (n, n)."""
