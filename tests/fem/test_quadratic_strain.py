@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
+    BeamSection,
     HomogeneousSection,
     LaminateSection,
     shell_model,
@@ -24,7 +25,7 @@ from supple.fem.quadratic_strain import (
     tangent,
     tangent_derivative,
 )
-from supple.mesh import CellType, block, box_beam
+from supple.mesh import CellType, Mesh, block, box_beam
 
 STEP = 1e-30
 
@@ -49,7 +50,14 @@ def solid(cell_type):
     )
 
 
+def beam(material, distorted):
+    nodes = np.linspace(0, 1, 4)[:, None] * [1.0, 0.3, -0.2]
+    mesh = distorted(Mesh(nodes, {CellType.LINE2: [[0, 1], [1, 2], [2, 3]]}), 0.05)
+    return shell_model(mesh, BeamSection(material, 4e-4, 2e-8, 1e-8, 2.5e-8, 0.8, 0.7, (0.2, 1.0, 0.4)))
+
+
 MODELS = {
+    "beam": beam,
     "shell": shell(GREEN_LAGRANGE, False),
     "shell, von Karman": shell(VON_KARMAN, False),
     "shell, coupled laminate": shell(GREEN_LAGRANGE, True),

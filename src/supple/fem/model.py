@@ -144,7 +144,7 @@ def _shell_block(mesh: Mesh, section: Section, kinematics: ShellKinematics) -> Q
     if section.cell_type is CellType.LINE2:
         if not isinstance(given, BeamSection):
             raise ModelError(f"lines need a BeamSection, not {type(given).__name__}; give their cell set one")
-        return beam_strain(section.corners(mesh), _dofs(section.nodes(mesh), 6), given)
+        return beam_strain(section.corners(mesh), _dofs(section.nodes(mesh), 6), given, kinematics)
     if section.cell_type is not CellType.TRIANGLE3:
         raise ModelError(
             f"a shell model takes TRIANGLE3 cells; the mesh has {section.cell_type.name}. "
