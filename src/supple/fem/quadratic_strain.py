@@ -95,7 +95,8 @@ def internal_force(block: QuadraticStrain, q: Array) -> Array:
     """Internal force dU/dq (E, n): sum_g w [B + N(Gq)G]^T D eps."""
     a = _apply(block.G, q)
     Na = _contract(block.N, a)
-    stress = _apply(block.weighted_D, _apply(block.B, q) + 0.5 * _apply(Na, a))
+    D = block.D if block.D.ndim == 2 else block.D[:, None]
+    stress = block.w[..., None] * _apply(D, _apply(block.B, q) + 0.5 * _apply(Na, a))
     f = _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
     if block.linear_stiffness is not None:
         f = f + _times(block.linear_stiffness, q)

@@ -15,8 +15,8 @@ the sides: s_k . b = s_k . b_k and s_k . t = s_k . t_k by least squares; V vanis
 
 Of a rigid turn rho and a small bend delta_i against it (exp(theta_i) = exp(rho) exp(delta_i)) they keep
 delta_i, and otherwise terms of order rho^3 delta and rho^4: the coefficients are those for which all terms
-up to rho^2 delta cancel. Without them the curvature lacks a part rho^2/3, and the drilling takes the bend of a
-turned facet for bending in its plane, which makes it too stiff by (rho h / t)^2.
+up to rho^2 delta cancel. Without them the curvature lacks a part rho^2/3, and the drilling takes the bend of
+a turned facet for bending in its plane: too stiff by (rho h / t)^2.
 """
 
 from __future__ import annotations

@@ -200,9 +200,14 @@ def _stress_scaled_strains(block: QuadraticStrain, chunk: slice, nodal_basis: np
 
 
 def _square_root(constitutive: np.ndarray) -> np.ndarray:
-    """R with R^T R = D for symmetric D that may be singular (a shell section without coupling, say)."""
+    """R with R^T R = D for symmetric D (..., s, s) that may be singular; as many rows as D has rank.
+
+    A shell has 18 strains and 12 shapes, so that a third of the rows of all sums over elements would be zero.
+    """
     values, vectors = np.linalg.eigh(constitutive)
-    return np.sqrt(np.maximum(values, 0.0))[..., None] * np.swapaxes(vectors, -1, -2)
+    rank = (values > 1e-14 * values[..., -1:]).sum(axis=-1).max()
+    root = np.sqrt(np.maximum(values, 0.0))[..., None] * np.swapaxes(vectors, -1, -2)
+    return root[..., -rank:, :]
 
 
 def _fold_cubic(strain_by_pair: np.ndarray) -> np.ndarray:
