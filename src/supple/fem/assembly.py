@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any
 
@@ -82,9 +82,17 @@ class Assembly:
         forces = self._over_elements(quadratic_strain.internal_force, q)
         return np.sum([gather.T @ f.ravel() for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
 
-    def tangent(self, q: Array) -> csc_array:
-        """Tangent stiffness (n, n), the derivative of the internal force."""
-        return self._matrix(self._over_elements(quadratic_strain.tangent, q))
+    def strain_rate_force(self, q: Array, rates: Array) -> Array:
+        """Force K_mat(q) q_dot (n,) of stresses D eps_dot; none in a rigid motion."""
+        forces = self._over_elements(quadratic_strain.strain_rate_force, q, rates)
+        return np.sum([gather.T @ f.ravel() for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
+
+    def tangent(self, q: Array, *, material: float = 1.0) -> csc_array:
+        """Tangent stiffness (n, n), the derivative of the internal force.
+
+        material : a factor of all but the geometric term
+        """
+        return self._matrix(self._over_elements(partial(quadratic_strain.tangent, material=material), q))
 
     def tangent_derivative(self, x: Array) -> csc_array:
         """Derivative of the tangent at q = 0 in the direction x (n,), exact; (n, n)."""
@@ -144,14 +152,14 @@ class Assembly:
             portions.append(tuple(block.of(elements) for elements in _ranges(n_elements, each)))
         return tuple(portions)
 
-    def _over_elements(self, evaluate: Callable[[QuadraticStrain, Array], Array], q: Array) -> list[Array]:
-        """Values (E, ...) of all elements of each block, from their freedoms (E, n_e)."""
+    def _over_elements(self, evaluate: Callable[..., Array], *vectors: Array) -> list[Array]:
+        """Values (E, ...) of all elements of each block, from their freedoms (E, n_e) in each vector (n,)."""
         values = []
         for block, portions, gather in zip(self.model.blocks, self._portions, self.gathers, strict=True):
-            own = (gather @ q).reshape(block.dofs.shape)
             ends = np.cumsum([len(portion.dofs) for portion in portions])
-            pieces = zip(portions, np.split(own, ends[:-1]), ends, strict=True)
-            values.append(_stacked(((evaluate(portion, x), end) for portion, x, end in pieces), ends[-1]))
+            own = [np.split((gather @ x).reshape(block.dofs.shape), ends[:-1]) for x in vectors]
+            pieces = zip(portions, ends, *own, strict=True)
+            values.append(_stacked(((evaluate(portion, *x), end) for portion, end, *x in pieces), ends[-1]))
         return values
 
     def _matrix(self, cell_matrices: list[Array]) -> csc_array:
