@@ -19,7 +19,7 @@ from supple.integrate import Run
 from supple.reduction import reduce
 from supple.simulation import simulate
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES
-from supple_benchmarks.blade.problem import (
+from supple_benchmarks.nrel5mw_blade import (
     FRAMES,
     RATED,
     Blade,
