@@ -15,7 +15,7 @@ __all__ = ["lateral_buckling"]
 
 
 def lateral_buckling(quick: bool) -> dict[str, float]:
-    """Critical load over theory: shells with their warping held (Vlasov), beams that know none (Timoshenko)."""
+    """Critical load over theory: shells, warping held (Vlasov); beams, which know none (Timoshenko)."""
     beams = beam_model(10 if quick else 40)
     held = warped_buckling_load(BENDING, TORSION, WARPING, LENGTH)
     free = lateral_buckling_load(BENDING, 400 * BENDING, TORSION, LENGTH)
