@@ -11,6 +11,7 @@ from matplotlib.ticker import EngFormatter
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
+from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import (
     SOLID,
     Stroke,
@@ -58,8 +59,12 @@ class Panel:
     series: Sequence[Series]
 
 
-def plot_time_history(path: Path | str, panels: Sequence[Panel], *, time_label: str = "time (s)") -> Path:
+def plot_time_history(
+    path: Path | str, panels: Sequence[Panel], *, n_columns: int = 1, units: UnitSystem = UNNAMED
+) -> Path:
     """Draw panels of curves over a common time axis, with one legend where all panels share their labels.
+
+    n_columns : panels beside each other, in rows
 
     Raises
     ------
@@ -70,9 +75,11 @@ def plot_time_history(path: Path | str, panels: Sequence[Panel], *, time_label: 
         raise ModelError(f"cannot draw {path}: give at least one panel, and each panel at least one series")
     labels = [[series.label for series in panel.series] for panel in panels]
     with textbook_style():
-        figure = new_figure(height=0.5 + 2.2 * len(panels))
-        grid = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
-        for i, (axes, panel) in enumerate(zip(grid, panels, strict=True)):
+        n_rows = -(-len(panels) // n_columns)
+        figure = new_figure(height=0.5 + 2.2 * n_rows)
+        table = figure.subplots(n_rows, n_columns, sharex=True, squeeze=False)
+        grid = table.ravel()
+        for i, (axes, panel) in enumerate(zip(grid, panels, strict=False)):
             ranks = _palette_ranks(panel.series)
             for series, rank in zip(panel.series, ranks, strict=True):
                 draw_curve(axes, series.times, series.values, series.stroke, rank, series.label)
@@ -83,8 +90,11 @@ def plot_time_history(path: Path | str, panels: Sequence[Panel], *, time_label: 
             axes.margins(x=0.0)
             if (i == 0 or labels[i] != labels[0]) and any(labels[i]):
                 legend_above(axes, len(panel.series))
-        grid[-1].set_xlabel(time_label)
-        figure.align_ylabels(grid)
+        for axes in grid[len(panels) :]:
+            axes.set_axis_off()
+        for axes in table[-1]:
+            axes.set_xlabel(labelled("time", units.time))
+        figure.align_ylabels(table)
         return save_figure(figure, path)
 
 
