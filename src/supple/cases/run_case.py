@@ -65,7 +65,7 @@ def run_case(
     except SelfCorrectionError:
         _write_report(case, folder, correction_numbers(rounds), {})
         raise
-    warn_of_frequencies(case.units, (body for body in reduced_bodies(system, case.starts)))
+    warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
     tracked = tracked_places(system, solution, {name: case.place(name) for name in case.tables.output.track})
     numbers = summarize(system, solution, tracked, units=case.units)
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)

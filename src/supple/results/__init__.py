@@ -19,6 +19,7 @@ from supple.results.recovery import (
     displacement_from_axes,
     node_positions,
 )
+from supple.results.round_off import without_noise
 from supple.results.run_summary import (
     body_numbers,
     summarize,
@@ -66,4 +67,5 @@ __all__ = [
     "unit_names",
     "von_mises_history",
     "von_mises_strain_history",
+    "without_noise",
 ]

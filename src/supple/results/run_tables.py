@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from supple.integrate import Statistics
+from supple.results.round_off import without_noise
 from supple.units import UNNAMED, UnitSystem, headed
 
 
@@ -48,8 +49,9 @@ def motion_table(numbers: Mapping[str, Any]) -> TextTable:
     """Where each tracked place has been, one row per global axis; numbers as of `summarize`."""
     rows = []
     for name, place in numbers["tracked"].items():
+        ends = without_noise([place[f"{which} position"] for which in ("lowest", "highest", "last")])
         for axis, letter in enumerate("xyz"):
-            values = (place[f"{which} position"][axis] for which in ("lowest", "highest", "last"))
+            values = ends[:, axis]
             rows.append([name if axis == 0 else "", letter, *(_number(value) for value in values)])
     length = numbers["units"].get("length", "")
     heads = (
@@ -64,9 +66,14 @@ def place_table(numbers: Mapping[str, Any]) -> TextTable:
     """Deflection of each tracked place of an elastic body, one row per axis; numbers as of `summarize`."""
     rows = []
     for name, place in numbers["tracked"].items():
+        moved = [place[f"{which} position"] for which in ("lowest", "highest")]
+        largest, last = (
+            without_noise(place[f"{which} deflection"], like=moved) for which in ("largest", "last")
+        )
         for axis, letter in enumerate("xyz") if place["elastic"] else ():
             head = [name, place["seen from"]] if axis == 0 else ["", ""]
-            values = (place[key][axis] for key in ("largest deflection", "at time", "last deflection"))
+            when = place["at time"][axis] if largest[axis] else 0.0
+            values = (largest[axis], when, last[axis])
             rows.append([*head, letter, *(_number(value) for value in values)])
     length, time = (numbers["units"].get(what, "") for what in ("length", "time"))
     heads = (
@@ -79,12 +86,17 @@ def place_table(numbers: Mapping[str, Any]) -> TextTable:
 def joint_table(numbers: Mapping[str, Any]) -> TextTable:
     """Force and moment on the second end of each joint; numbers as of `summarize`."""
     rows, units = [], numbers["units"]
+    scales = {
+        what: [joint.get(f"largest {what}", 0.0) for joint in numbers["joints"].values()]
+        for what in ("force", "moment")
+    }
     for name, joint in numbers["joints"].items():
         for row, what in enumerate(what for what in ("force", "moment") if f"largest {what}" in joint):
             head = [name, joint["acts on"]] if row == 0 else ["", ""]
-            largest = (_number(joint[f"{size} {what}"]) for size in ("largest", "time of largest"))
-            last = _vector(joint[f"last {what}"])
-            rows.append([*head, headed(what, units.get(what, "")), *largest, last])
+            largest = float(without_noise(joint[f"largest {what}"], like=scales[what]))
+            when = joint[f"time of largest {what}"] if largest else 0.0
+            last = _vector(without_noise(joint[f"last {what}"], like=scales[what]))
+            rows.append([*head, headed(what, units.get(what, "")), _number(largest), _number(when), last])
     time = headed("at time", units.get("time", ""))
     heads = ("joint", "acts on", "what", "largest", time, "x, y, z of the joint at the end")
     return TextTable("Joints", heads, rows)

@@ -79,7 +79,8 @@ def animate(
         raise ModelError(f"cannot draw a colour bar of '{values_label}': give the values, too")
     seen = positions if glyphs is None else np.concatenate([positions, glyphs.points], axis=1)
     camera = camera or Camera.three_quarter(seen.reshape(-1, 3))
-    page = page_around(camera.project(seen)[0], n_columns, least_aspect=0.25)
+    margin = 0.04 if glyphs is None else 0.08  # marks reach beyond their places
+    page = page_around(camera.project(seen)[0], n_columns, margin=margin, least_aspect=0.25)
     scale = ScalarMappable(cmap=colormaps[COLOUR_MAP].with_extremes(bad=SURFACE_COLOUR))
     if values is not None:
         scale.set_norm(Normalize(np.nanmin(values), np.nanmax(values)))

@@ -35,7 +35,7 @@ class MarkStyle(NamedTuple):
 
 
 GROUND_STYLE = MarkStyle("ground", "s", 130.0, edge=PALE_INK, hatch="//////")
-CENTRE_STYLE = MarkStyle("centre of mass", "o", 22.0, face=COLOURS[5])
+CENTRE_STYLE = MarkStyle("centre of mass", "o", 9.0, face=COLOURS[5])
 _JOINT_STYLES = MappingProxyType(
     {
         "Fixed": MarkStyle("fixed", "s", face=INK),

@@ -20,6 +20,7 @@ from supple.results import (
     joint_loads,
     node_positions,
     von_mises_history,
+    without_noise,
 )
 from supple.units import UNNAMED, UnitSystem, labelled, measured
 from supple.viz.animation import animate
@@ -261,13 +262,18 @@ def _draw_tracked(
     path: Path, tracked: Mapping[str, TrackedMotion], times: np.ndarray, units: UnitSystem
 ) -> Path:
     """Motion of every place in global axes; beside it the deflection of those of elastic bodies."""
-    elastic = {name: place for name, place in tracked.items() if place.is_elastic}
+    positions = {name: without_noise(place.position) for name, place in tracked.items()}
+    elastic = {
+        name: without_noise(place.deflection, like=place.position)
+        for name, place in tracked.items()
+        if place.is_elastic
+    }
     panels = []
     for i, axis in enumerate("xyz"):
-        places = [Series(name, times, place.position[:, i]) for name, place in tracked.items()]
+        places = [Series(name, times, position[:, i]) for name, position in positions.items()]
         panels.append(Panel(labelled(f"{axis}, global", units.length), places))
         if elastic:
-            bent = [Series(name, times, place.deflection[:, i]) for name, place in elastic.items()]
+            bent = [Series(name, times, deflection[:, i]) for name, deflection in elastic.items()]
             panels.append(Panel(labelled(f"deflection {axis}", units.length), bent))
     return plot_time_history(path, panels, n_columns=2 if elastic else 1, units=units)
 
@@ -280,11 +286,19 @@ def _joint_panels(system: System, solution: Solution, units: UnitSystem) -> list
         for what, unit in (("force", units.force), ("moment", units.moment))
         if any(what in parts for parts in loads.values())
     ]
+    all_of = {
+        what: np.concatenate([parts[what] for parts in loads.values() if what in parts])
+        for what, _ in columns
+    }
     return [
         Panel(
             labelled(f"{what} {axis}", unit),
             [
-                Series(f"{name} on {joint.second}", solution.times, loads[name][what][:, i])
+                Series(
+                    f"{name} on {joint.second}",
+                    solution.times,
+                    without_noise(loads[name][what], like=all_of[what])[:, i],
+                )
                 for name, joint in ((joint.name, joint) for joint in system.joints)
                 if what in loads[name]
             ],

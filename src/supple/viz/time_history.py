@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 from numpy.typing import NDArray
 
@@ -14,6 +17,7 @@ from supple.errors import ModelError
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import (
     SOLID,
+    TEXT_WIDTH,
     Stroke,
     draw_curve,
     legend_above,
@@ -64,7 +68,7 @@ def plot_time_history(
 ) -> Path:
     """Draw panels of curves over a common time axis, with one legend where all panels share their labels.
 
-    n_columns : panels beside each other, in rows
+    n_columns : panels beside each other, in rows; with several, a label has one colour in all of them
 
     Raises
     ------
@@ -79,8 +83,11 @@ def plot_time_history(
         figure = new_figure(height=0.5 + 2.2 * n_rows)
         table = figure.subplots(n_rows, n_columns, sharex=True, squeeze=False)
         grid = table.ravel()
+        order = list(dict.fromkeys(label for own in labels for label in own))
         for i, (axes, panel) in enumerate(zip(grid, panels, strict=False)):
-            ranks = _palette_ranks(panel.series)
+            ranks = (
+                [order.index(label) for label in labels[i]] if n_columns > 1 else _palette_ranks(panel.series)
+            )
             for series, rank in zip(panel.series, ranks, strict=True):
                 draw_curve(axes, series.times, series.values, series.stroke, rank, series.label)
             axes.set_ylabel(panel.quantity)
@@ -88,14 +95,27 @@ def plot_time_history(
                 # 0.4 M instead of a power of ten in the corner, where the legend stands.
                 axes.yaxis.set_major_formatter(EngFormatter())
             axes.margins(x=0.0)
-            if (i == 0 or labels[i] != labels[0]) and any(labels[i]):
+            if n_columns == 1 and (i == 0 or labels[i] != labels[0]) and any(labels[i]):
                 legend_above(axes, len(panel.series))
+        if n_columns > 1:
+            _legend_of_all(figure, grid.tolist(), order)
         for axes in grid[len(panels) :]:
             axes.set_axis_off()
         for axes in table[-1]:
             axes.set_xlabel(labelled("time", units.time))
         figure.align_ylabels(table)
         return save_figure(figure, path)
+
+
+def _legend_of_all(figure: Figure, grid: Sequence[Axes], order: Sequence[str]) -> None:
+    """One legend over all panels, each label once."""
+    shown: dict[str, Any] = {}
+    for axes in grid:
+        handles, labels = axes.get_legend_handles_labels()
+        shown |= dict(zip(labels, handles, strict=True))
+    columns = max(1, int((TEXT_WIDTH - 0.8) / (0.5 + 0.075 * max(map(len, order)))))
+    handles = [shown[label] for label in order]
+    figure.legend(handles, list(order), loc="outside upper left", ncols=min(columns, len(order)))
 
 
 def _palette_ranks(series: Sequence[Series]) -> list[int]:
