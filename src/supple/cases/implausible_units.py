@@ -74,19 +74,23 @@ def _of_gravity(units: UnitSystem, gravity: Iterable[float]) -> Iterator[str]:
         yield from _outside(units, "gravity", size, units.acceleration, _GRAVITY)
 
 
-def _of_body(units: UnitSystem, body: FlexibleBody) -> Iterator[str]:
+def _of_body(units: UnitSystem, body: FlexibleBody) -> list[str]:
     extent = float(np.ptp(body.nodes, axis=0).max())
-    yield from _outside(units, "its size", extent, units.length, _SIZE)
+    doubts = list(_outside(units, "its size", extent, units.length, _SIZE))
     for material in _materials(body):
-        yield from _of_material(units, material)
-    if body.model is not None and len(body.nodes) > 1:
-        speed = wave_speed(
-            body.nodes, body.model.stiffness, body.nodal_mass, dofs_per_node=body.dofs_per_node
-        )
-        if units.velocity:
-            yield from _outside(units, "the speed of waves, about", speed, units.velocity, _SPEED)
-        elif not USUAL_SPEEDS[0] <= speed <= USUAL_SPEEDS[1]:
-            yield f"waves travel about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
+        doubts += _of_material(units, material)
+    # The speed of waves tells what a size or a material out of range has told already.
+    return doubts or list(_of_waves(units, body))
+
+
+def _of_waves(units: UnitSystem, body: FlexibleBody) -> Iterator[str]:
+    if body.model is None or len(body.nodes) < 2:
+        return
+    speed = wave_speed(body.nodes, body.model.stiffness, body.nodal_mass, dofs_per_node=body.dofs_per_node)
+    if units.velocity:
+        yield from _outside(units, "the speed of waves", speed, units.velocity, _SPEED)
+    elif not USUAL_SPEEDS[0] <= speed <= USUAL_SPEEDS[1]:
+        yield f"waves travel about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
 
 
 def _materials(body: FlexibleBody) -> list[Isotropic]:
