@@ -37,10 +37,8 @@ def nastran():
 def gmsh_2():
     rows = [f"{i} {x} {y} {z}" for i, (x, y, z) in zip(IDS, NODES, strict=True)]
     cells = [f"{e} 2 2 1 1 {' '.join(map(str, nodes))}" for e, nodes in TRIANGLES]
-    return "\n".join(
-        ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(rows)), *rows, "$EndNodes"]
-        + ["$Elements", str(len(cells)), *cells, "$EndElements", ""]
-    )
+    nodes = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(rows)), *rows, "$EndNodes"]
+    return "\n".join([*nodes, "$Elements", str(len(cells)), *cells, "$EndElements", ""])
 
 
 def gmsh_4():

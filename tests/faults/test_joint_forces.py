@@ -113,7 +113,7 @@ def test_every_place_has_the_same_sign_and_says_what_it_acts_on(chain):
 
 
 def test_a_force_at_rest_is_the_weight_upwards():
-    """A body clamped to the ground: the force on it is +m g along z, its moment that of the weight, opposed."""
+    """A body clamped to the ground: the force on it is m g upwards, its moment opposes that of the weight."""
     from supple.machine import Fixed
 
     body = link("a", (0.0, 0.0, 0.0))

@@ -134,7 +134,7 @@ def texts_of_pictures(path, monkeypatch):
 
 @pytest.mark.slow
 def test_pictures_speak_the_units_of_the_case(machine, monkeypatch):
-    """Stress of the same size in MPa, in SI and in mm; lengths in the unit said; nothing where none is said."""
+    """Stress of the same size in MPa, in SI and in mm; lengths in the unit said; none where none is said."""
     _, _, metre = texts_of_pictures(machine("m", SYSTEMS["m-kg-s"], steps=4, pictures=True), monkeypatch)
     _, _, milli = texts_of_pictures(machine("mm", SYSTEMS["mm-t-s"], steps=4, pictures=True), monkeypatch)
     _, _, plain = texts_of_pictures(machine("none", {}, steps=4, pictures=True), monkeypatch)
