@@ -66,7 +66,7 @@ def run_case(
         _write_report(case, folder, correction_numbers(rounds), {})
         raise
     warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
-    tracked = tracked_places(system, solution, {name: case.place(name) for name in case.tables.output.track})
+    tracked = tracked_places(system, solution, {name: case.place(name) for name in case.parts.output.track})
     numbers = summarize(system, solution, tracked, units=case.units)
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_report(case, folder, result.rounds, result.numbers)
