@@ -1,4 +1,4 @@
-"""Rigid bodies, joints and the ground are in the pictures, and what is tracked of a rigid body is its motion."""
+"""Rigid bodies, joints and the ground are in pictures; what is tracked of a rigid body is its motion."""
 
 from __future__ import annotations
 
