@@ -92,8 +92,6 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.storage import read_reduced_body as read_reduced_body
     from supple.storage import read_solution as read_solution
     from supple.storage import write_reduced_body as write_reduced_body
-    from supple.units import SI as SI
-    from supple.units import UnitSystem as UnitSystem
     from supple.viz import animate as animate
     from supple.viz import displacement_magnitude as displacement_magnitude
     from supple.viz import plot_contour as plot_contour
@@ -128,7 +126,6 @@ _NAMES = {
     "supple.results": "node_positions rms_error stress_modes",
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",
-    "supple.units": "UnitSystem SI",
     "supple.viz": "plot_mesh plot_contour animate skin_of displacement_magnitude stress_field",
 }
 """The public names and the sub-packages that they come from."""

@@ -56,7 +56,7 @@ def run_case(
     folder.mkdir(parents=True, exist_ok=True)
     warn_of_units(case)
     for body in reduced_bodies(case.system, case.flexible):
-        warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body)
+        warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body, case.units)
     rounds: list[Round] = []
     try:
         system, solution = _simulated(
