@@ -1,9 +1,9 @@
 """Result files: simulations on disk, kept as they run.
 
-Format "supple-result", version 1, an HDF5 file (any HDF5 reader opens it):
+Format "supple-result", version 2, an HDF5 file (any HDF5 reader opens it):
 
     attributes   format        "supple-result"
-                 version       1
+                 version       2
                  case          the text of the case that was run, for the record and for continuing it
                  metadata      JSON object of further names and values
     complete     scalar        1 once the run has ended, 0 while it runs or where it was cut off
