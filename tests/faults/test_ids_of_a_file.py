@@ -53,7 +53,14 @@ def gmsh_4():
     )
 
 
-FILES = {"mesh.inp": abaqus, "mesh.bdf": nastran, "two.msh": gmsh_2, "four.msh": gmsh_4}
+def gmsh_40():
+    rows = [f"{i} {x} {y} {z}" for i, (x, y, z) in zip(IDS, NODES, strict=True)]
+    cells = [f"{e} {' '.join(map(str, nodes))}" for e, nodes in TRIANGLES]
+    nodes = ["$MeshFormat", "4.0 0 8", "$EndMeshFormat", "$Nodes", "1 5", "1 2 0 5", *rows, "$EndNodes"]
+    return "\n".join([*nodes, "$Elements", "1 3", "1 2 2 3", *cells, "$EndElements", ""])
+
+
+FILES = {"old.msh": gmsh_40, "mesh.inp": abaqus, "mesh.bdf": nastran, "two.msh": gmsh_2, "four.msh": gmsh_4}
 
 
 @pytest.mark.parametrize("name", FILES)

@@ -25,7 +25,7 @@ class GmshTags(NamedTuple):
 
 
 def read_gmsh_tags(path: Path) -> GmshTags | None:
-    """The tags of a file of format 2 or 4.1; None where another format or a rare element hides them.
+    """The tags of a file of format 2, 4.0 (text) or 4.1; None where another one or a rare element hides them.
 
     A file that meshio reads is taken to be sound: its checks are not repeated.
     """
@@ -37,7 +37,9 @@ def read_gmsh_tags(path: Path) -> GmshTags | None:
         if version.startswith(b"2"):
             read = _binary2 if is_binary else _text2
             return read(nodes, elements)
-        if version == b"4.1":
+        if version == b"4.0" and not is_binary:
+            return _text40(_Text(nodes), _Text(elements))
+        if version in (b"4", b"4.1"):
             real, whole = np.dtype("f8"), np.dtype(f"u{size}")
             cursors = (
                 (_Binary(nodes, whole, real), _Binary(elements, whole, real))
@@ -61,6 +63,17 @@ def _text2(nodes: bytes, elements: bytes) -> GmshTags:
     first = [np.fromstring(line.split(None, 1)[0], dtype=np.int64, sep=" ") for line in _rows(nodes)]
     of_elements = [np.fromstring(line.split(None, 1)[0], dtype=np.int64, sep=" ") for line in _rows(elements)]
     return GmshTags(np.concatenate(first), np.concatenate(of_elements))
+
+
+def _text40(nodes: _Text, elements: _Text) -> GmshTags:
+    """Blocks under `tag dimension - count` of rows `tag x y z`, and `tag nodes` of elements of one type."""
+    found: tuple[list[IntArray], list[IntArray]] = ([], [])
+    for cursor, tags in zip((nodes, elements), found, strict=True):
+        for _ in range(int(cursor.sizes(2)[0])):
+            _, _, kind, count = cursor.integers(4)
+            width = 4 if cursor is nodes else 1 + _N_NODES[kind]
+            tags.append(cursor.sizes(count * width).reshape(count, width)[:, 0])
+    return GmshTags(*(np.concatenate(tags) for tags in found))
 
 
 def _rows(section: bytes) -> list[bytes]:
