@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from supple.fem import (
     GREEN_LAGRANGE,
@@ -20,6 +21,7 @@ from supple.fem.quadratic_strain import (
     pair_forces,
     stiffness,
     strain,
+    strain_rate_force,
     tangent,
     tangent_derivative,
 )
@@ -103,6 +105,35 @@ def test_tangent_is_the_gradient_of_the_force(elements, random):
     K = tangent(elements, q)
     assert_close((K @ x[..., None])[..., 0], internal_force(elements, q + STEP * 1j * x).imag / STEP)
     assert_close(K, K.swapaxes(1, 2))
+
+
+def test_strain_rate_force_is_the_power_of_the_stress_of_the_strain_rate(elements, random):
+    """x . K_mat y is the work of D eps'(q) y on eps'(q) x, and K_mat the tangent without G^T sigma G."""
+    q, x, y = random(), random(), random()
+    rate_x, rate_y = (strain(elements, q + STEP * 1j * z).imag / STEP for z in (x, y))
+    D = np.broadcast_to(elements.D, (len(q), *elements.D.shape[-2:]))
+    expected = np.einsum("eg,egs,est,egt->e", elements.w, rate_x, D, rate_y)
+    if elements.linear_stiffness is not None:
+        expected += np.einsum("ei,eij,ej->e", x, elements.linear_stiffness, y)
+    force = strain_rate_force(elements, q, y)
+    assert_close((x * force).sum(axis=1), expected)
+    material = tangent(elements, q, material=2.0) - tangent(elements, q)
+    np.testing.assert_allclose(
+        (material @ y[..., None])[..., 0], force, rtol=0, atol=1e-12 * np.abs(force).max()
+    )
+
+
+@pytest.mark.parametrize("cell_type", [CellType.TETRA10, CellType.HEXA8])
+def test_a_turned_solid_that_turns_on_has_no_strain_rate(cell_type, material, distorted):
+    """Turned by 1 rad, turning about another axis; the stiffness at rest resists as if it were stretched."""
+    model = solid(cell_type)(material, distorted)
+    (elements,) = model.blocks
+    R = Rotation.from_rotvec([0.6, -0.64, 0.48]).as_matrix()
+    place = model.mesh.nodes @ R.T
+    q = (place - model.mesh.nodes).ravel()[elements.dofs]
+    rates = np.cross([0.3, 1.0, -0.5], place).ravel()[elements.dofs]
+    at_rest = strain_rate_force(elements, 0 * q, rates)
+    assert np.abs(strain_rate_force(elements, q, rates)).max() < 1e-13 * np.abs(at_rest).max()
 
 
 def test_stiffness_is_the_tangent_of_the_undeformed_element(elements, random):

@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.fem.beam_section import BeamSection
-from supple.fem.kinematics import GREEN_LAGRANGE, MembraneKinematics
 from supple.fem.mass import CellMass
 from supple.fem.quadratic_strain import QuadraticStrain
+from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 
 FloatArray = NDArray[np.float64]
 
 # An orientation within this angle of the beam, rad, gives no axes.
 NEARLY_PARALLEL = 1e-6
 
-# The displacement gradients of a membrane that lie in its plane (see MembraneKinematics).
+# The displacement gradients of a membrane that lie in its plane (see ShellKinematics).
 IN_PLANE = (0, 1, 2, 3)
 
 # Rows of the beam's gradients: g, t, theta_1, theta_2.
@@ -56,7 +56,7 @@ def beam_strain(
     ends: FloatArray,
     dofs: NDArray[np.int64],
     section: BeamSection,
-    kinematics: MembraneKinematics = GREEN_LAGRANGE,
+    kinematics: ShellKinematics = GREEN_LAGRANGE,
 ) -> QuadraticStrain:
     """Strain arrays of beams between nodes with six freedoms.
 
@@ -75,7 +75,7 @@ def beam_strain(
     ----------
     ends : float array (E, 2, 3)    positions of the nodes
     dofs : int array (E, 12)        ux uy uz rx ry rz of either node
-    kinematics : MembraneKinematics
+    kinematics : ShellKinematics
         one without gradients in the plane (VON_KARMAN) is for small rotations: only the slopes of the chord
         enter, in eps, and k and m stay linear
     Source: J. S. Przemieniecki, Theory of Matrix Structural Analysis (1968), eq. (5.116), the stiffness at
