@@ -22,7 +22,7 @@ from supple.fem import shell_model
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System
 from supple.multibody import StaticSearch
 from supple.simulation import equilibrium
-from supple_benchmarks.blade.problem import BODY, FRAMES, RATED, ROOT, SECTION, Blade
+from supple_benchmarks.nrel5mw_blade import BODY, FRAMES, RATED, ROOT, SECTION, Blade
 
 RESIDUAL = 1e-7
 

@@ -21,7 +21,7 @@ def lateral_buckling(quick: bool) -> dict[str, float]:
     free = lateral_buckling_load(BENDING, 400 * BENDING, TORSION, LENGTH)
     return {
         "shell": critical_load(strip_model(20), np.array([0.25, 0.5, 0.25]), held) / held,
-        "beam": critical_load(beams, np.ones(1), free) / free,
+        "beam": float(critical_load(beams, np.ones(1), free) / free),
     }
 
 
