@@ -30,7 +30,7 @@ class QuadraticStrain:
     dofs : int array (E, n)             nodal freedoms of each element, node by node
     B : float array (E, g, s, n)        linear strain
     G : float array (E, g, d, n)        displacement gradients that make the strain nonlinear
-    N : float array (s, d, d)           quadratic form, symmetric in its last two indices
+    N : float array (s, d, d) or (E, g, s, d, d)    quadratic form, symmetric in its last two indices
     D : float array (s, s) or (E, s, s)     constitutive matrix
     w : float array (E, g)              weights: quadrature weight times Jacobian
     linear_stiffness : float array (E, n, n) or None
@@ -53,12 +53,11 @@ class QuadraticStrain:
 
     def of(self, elements: slice | NDArray[np.int64]) -> QuadraticStrain:
         """The same arrays for some of the elements."""
-        own = {
-            name: getattr(self, name)[elements]
-            for name in ("dofs", "B", "G", "w", "linear_stiffness")
-            if getattr(self, name) is not None
-        }
-        return replace(self, **own, D=self.D[elements] if self.D.ndim == 3 else self.D)
+        names = ["dofs", "B", "G", "w", "linear_stiffness"]
+        names += ["D"] * (self.D.ndim == 3) + ["N"] * (self.N.ndim == 5)
+        return replace(
+            self, **{name: array[elements] for name in names if (array := getattr(self, name)) is not None}
+        )
 
     @property
     def weighted_D(self) -> FloatArray:
@@ -82,7 +81,7 @@ def energies(block: QuadraticStrain, Q: Array) -> Array:
     """Strain energies U (E, t) of each element, for t sets of element freedoms Q (E, n, t)."""
     a = _directions(block.G, Q)
     # N(a, a) with the sets before the strains, so that each is one small matrix product.
-    Na = np.tensordot(a, block.N, axes=(2, 1))
+    Na = _contract(block.N, a.swapaxes(2, 3))
     quadratic = (Na @ a.swapaxes(2, 3)[..., None])[..., 0].swapaxes(2, 3)
     eps = _directions(block.B, Q) + 0.5 * quadratic
     U = 0.5 * (eps * (block.weighted_D @ eps)).sum(axis=(1, 2))
@@ -164,12 +163,12 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
     float array (E, n, m(m+1)/2)    pairs j <= k in the order of numpy.triu_indices(m)
     """
     n_elements, n_points, d, _ = block.G.shape
-    s, m = block.N.shape[0], X.shape[2]
+    s, m = block.B.shape[2], X.shape[2]
     j, k = np.triu_indices(m)
     a = _directions(block.G, X)
     stress = block.weighted_D @ _directions(block.B, X)
     # N(a_j) as rows (s, j) by gradient columns, so that all pairs are one small matrix product a point.
-    Na = np.tensordot(a, block.N, axes=(2, 1)).transpose(0, 1, 3, 2, 4)
+    Na = _contract(block.N, a.swapaxes(2, 3)).swapaxes(2, 3)
     second_strain = (Na.reshape(n_elements, n_points, s * m, d) @ a).reshape(n_elements, n_points, s, m, m)
     second_stress = block.weighted_D @ second_strain[..., j, k]
     gradient_force = (Na.transpose(0, 1, 4, 3, 2).reshape(n_elements, n_points, d * m, s) @ stress).reshape(
@@ -192,13 +191,22 @@ def _times(matrix: Array, vector: Array) -> Array:
 
 
 def _contract(form: FloatArray, a: Array) -> Array:
-    """N(a, .) as matrices (E, g, s, d) from a (E, g, d)."""
-    return np.tensordot(a, form, axes=(2, 1))
+    """N(a, .) as matrices (E, g, ..., s, d) from a (E, g, ..., d)."""
+    if form.ndim == 3:
+        return np.tensordot(a, form, axes=(a.ndim - 1, 1))
+    n_strains, d, _ = form.shape[2:]
+    flat = form.reshape(*form.shape[:2], n_strains * d, d)
+    rows = a.reshape(*a.shape[:2], -1, d)
+    return (rows @ flat.swapaxes(2, 3)).reshape(*a.shape[:-1], n_strains, d)
 
 
 def _stress_form(form: FloatArray, stress: Array) -> Array:
     """N^T(sigma) = sum_s sigma_s N_s, (E, g, d, d)."""
-    return np.tensordot(stress, form, axes=(2, 0))
+    if form.ndim == 3:
+        return np.tensordot(stress, form, axes=(2, 0))
+    d = form.shape[-1]
+    flat = form.reshape(*form.shape[:3], d * d)
+    return (stress[:, :, None] @ flat).reshape(*form.shape[:2], d, d)
 
 
 def _gather(operator: Array, values: Array) -> Array:
