@@ -46,7 +46,7 @@ class FiniteElementModel:
     mass : csc_array (n, n)                 consistent mass, kg and kg m^2
     stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
     rotation_limit : float                  largest rotation, rad, against the frame; infinite for solids
-    kinematics : ShellKinematics         of shells; solids and beams have one kind only
+    kinematics : ShellKinematics            of shells; solids and beams have one kind only
     """
 
     mesh: Mesh
