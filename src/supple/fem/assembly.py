@@ -71,7 +71,7 @@ class Assembly:
         total = np.zeros(t, dtype=np.result_type(Q, np.float64))
         for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, n_points, s, n_e = block.B.shape
-            each = (n_points * s * block.G.shape[2] + n_e) * t
+            each = (n_points * (s + 5 * block.G.shape[2]) + n_e) * t
             for elements in _ranges(n_elements, each):
                 own = (gather[elements.start * n_e : elements.stop * n_e] @ Q).reshape(-1, n_e, t)
                 total += quadratic_strain.energies(block.of(elements), own).sum(axis=0)
@@ -109,7 +109,8 @@ class Assembly:
         forces = np.zeros((self.n, m * (m + 1) // 2))
         for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, n_points, s, n_e = block.B.shape
-            each = n_points * (s + block.G.shape[2]) * m * m + n_e * forces.shape[1]
+            d = block.G.shape[2]
+            each = n_points * (s + d) * (d + 3 * m) + n_e * forces.shape[1]
             for elements in _ranges(n_elements, each):
                 rows = gather[elements.start * n_e : elements.stop * n_e]
                 directions = (rows @ X).reshape(-1, n_e, m)

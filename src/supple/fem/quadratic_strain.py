@@ -79,11 +79,7 @@ def energy(block: QuadraticStrain, q: Array) -> Array:
 
 def energies(block: QuadraticStrain, Q: Array) -> Array:
     """Strain energies U (E, t) of each element, for t sets of element freedoms Q (E, n, t)."""
-    a = _directions(block.G, Q)
-    # N(a, a) with the sets before the strains, so that each is one small matrix product.
-    Na = _contract(block.N, a.swapaxes(2, 3))
-    quadratic = (Na @ a.swapaxes(2, 3)[..., None])[..., 0].swapaxes(2, 3)
-    eps = _directions(block.B, Q) + 0.5 * quadratic
+    eps = _directions(block.B, Q) + _half_square(block.N, _directions(block.G, Q))
     U = 0.5 * (eps * (block.weighted_D @ eps)).sum(axis=(1, 2))
     if block.linear_stiffness is not None:
         U = U + 0.5 * (Q * (block.linear_stiffness @ Q)).sum(axis=1)
@@ -162,20 +158,22 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
     -------
     float array (E, n, m(m+1)/2)    pairs j <= k in the order of numpy.triu_indices(m)
     """
-    n_elements, n_points, d, _ = block.G.shape
-    s, m = block.B.shape[2], X.shape[2]
-    j, k = np.triu_indices(m)
+    m = X.shape[2]
     a = _directions(block.G, X)
     stress = block.weighted_D @ _directions(block.B, X)
-    # N(a_j) as rows (s, j) by gradient columns, so that all pairs are one small matrix product a point.
-    Na = _contract(block.N, a.swapaxes(2, 3)).swapaxes(2, 3)
-    second_strain = (Na.reshape(n_elements, n_points, s * m, d) @ a).reshape(n_elements, n_points, s, m, m)
-    second_stress = block.weighted_D @ second_strain[..., j, k]
-    gradient_force = (Na.transpose(0, 1, 4, 3, 2).reshape(n_elements, n_points, d * m, s) @ stress).reshape(
-        n_elements, n_points, d, m, m
-    )
-    gradient_force = gradient_force[..., j, k] + gradient_force[..., k, j]
-    return _gather_directions(block.B, second_stress) + _gather_directions(block.G, gradient_force)
+    stiff_B = block.weighted_D @ block.B
+    forces = np.empty((*block.dofs.shape, m * (m + 1) // 2))
+    # One direction with all that follow it: its arrays stay small, those of all pairs would not.
+    start = 0
+    for j in range(m):
+        pairs = slice(start, start + m - j)
+        Na = _contract(block.N, a[..., j])
+        gradient_force = _stress_form(block.N, stress[..., j]) @ a[..., j:]
+        gradient_force += Na.swapaxes(2, 3) @ stress[..., j:]
+        second = _gather_directions(block.G, gradient_force)
+        forces[..., pairs] = second + _gather_directions(stiff_B, Na @ a[..., j:])
+        start = pairs.stop
+    return forces
 
 
 def _apply(operator: Array, vector: Array) -> Array:
@@ -191,13 +189,17 @@ def _times(matrix: Array, vector: Array) -> Array:
 
 
 def _contract(form: FloatArray, a: Array) -> Array:
-    """N(a, .) as matrices (E, g, ..., s, d) from a (E, g, ..., d)."""
+    """N(a, .) as matrices (E, g, s, d) from a (E, g, d)."""
     if form.ndim == 3:
-        return np.tensordot(a, form, axes=(a.ndim - 1, 1))
-    n_strains, d, _ = form.shape[2:]
-    flat = form.reshape(*form.shape[:2], n_strains * d, d)
-    rows = a.reshape(*a.shape[:2], -1, d)
-    return (rows @ flat.swapaxes(2, 3)).reshape(*a.shape[:-1], n_strains, d)
+        return np.tensordot(a, form, axes=(2, 1))
+    return (form @ a[:, :, None, :, None])[..., 0]
+
+
+def _half_square(form: FloatArray, a: Array) -> Array:
+    """1/2 N(a, a), (E, g, s, t), from a (E, g, d, t): from the products that the form has, and no others."""
+    i, j = np.nonzero(np.triu(form.any(axis=tuple(range(form.ndim - 2)))))
+    coefficients = form[..., i, j] * np.where(i == j, 0.5, 1.0)
+    return coefficients @ (a[:, :, i] * a[:, :, j])
 
 
 def _stress_form(form: FloatArray, stress: Array) -> Array:
