@@ -52,7 +52,7 @@ class BodyInterface:
 
     position : (3,) in the mesh axes
     motion   : csr (6, n), q_v = (u_v, theta_v) = motion @ q
-    node_ids : (k,) nodes it is made of
+    node_ids : (k,) numbers of the nodes it is made of
     cubic_turn : c of the rotation vector theta_v (1 + c theta_v.theta_v) by which a joint there has turned
 
     A rigid interface stands as the elements beside it, turned by phi, want it where |theta_v| = tan(phi), for
