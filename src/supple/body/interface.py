@@ -55,9 +55,9 @@ class BodyInterface:
     node_ids : (k,) numbers of the nodes it is made of
     cubic_turn : c of the rotation vector theta_v (1 + c theta_v.theta_v) by which a joint there has turned
 
-    A rigid interface with |theta_v| = tan(phi) stands as the elements beside it, turned by phi, want it, for
-    their strains are cut back to quadratic ones (`second_order_tie`): c = -1/3. An averaging one sees sin(phi)
-    of nodes that have turned by phi: c = 1/6. Where theta_v is that of the nodes themselves, c = 0.
+    A rigid interface stands as the elements beside it, turned by phi, want it where |theta_v| = tan(phi), for
+    their strains are cut back to quadratic ones (`second_order_tie`): c = -1/3. Where nodes turn by phi, an
+    averaging one sees sin(phi): c = 1/6. Where theta_v is that of the nodes themselves, c = 0.
     """
 
     name: str

@@ -10,8 +10,8 @@ polynomial and the energy a sum of squares:
 
     eps = B T q + 1/2 [ N(GTq, GTq) + B Q(q, q) ]
 
-Where the interface turns, the elements beside it keep a strain of order theta^3, an energy of order theta^6. It
-is least where they have turned by arctan |theta|, to third order: the angle of a joint at the interface
+Where the interface turns, the elements beside it keep a strain of order theta^3, an energy of order theta^6.
+It is least where they have turned by arctan |theta|, to third order: the angle of a joint at the interface
 (`BodyInterface.cubic_turn`).
 """
 

@@ -167,13 +167,12 @@ def _apply(operator: Array, vector: Array) -> Array:
 
 
 def _contract(form: FloatArray, a: Array) -> Array:
-    """N(a, .) as matrices (E, g, ..., s, d) from a (E, g, ..., d)."""
+    """N(a, .) as matrices (E, g, .., s, d) from a (E, g, .., d)."""
     if form.ndim == 3:
         return np.tensordot(a, form, axes=(a.ndim - 1, 1))
     n_strains, d, _ = form.shape[2:]
-    flat = form.reshape(*form.shape[:2], n_strains * d, d)
-    rows = a.reshape(*a.shape[:2], -1, d)
-    return (rows @ flat.swapaxes(2, 3)).reshape(*a.shape[:-1], n_strains, d)
+    rows = form.reshape(*form.shape[:2], n_strains * d, d)
+    return (a.reshape(*a.shape[:2], -1, d) @ rows.swapaxes(2, 3)).reshape(*a.shape[:-1], n_strains, d)
 
 
 def _half_square(form: FloatArray, a: Array) -> Array:

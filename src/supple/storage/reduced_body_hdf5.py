@@ -10,7 +10,7 @@ Format "supple-reduced-body", version 1 (any HDF5 reader opens it):
     gram, stiffness, damping, frequencies, nodes, nodal_basis
                  the arrays of ReducedBody; cubic, quartic, rotation_basis, damping_cubic and damping_quartic
                  where the body has them
-    interfaces/<i>      i = 0, 1, ...: attribute name, datasets position (3,) and motion (6, r)
+    interfaces/<i>      i = 0, 1, ...: attributes name, cubic_turn; datasets position (3,), motion (6, r)
     report              the fields of ReductionReport, as in hdf5_record
 
 Numbers are stored as they are, so that reading gives back the very bits. Arrays carry a checksum, and the
