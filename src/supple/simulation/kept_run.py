@@ -8,7 +8,10 @@ from pathlib import Path
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
 from supple.simulation.kept_bodies import keep_bodies, with_kept_bodies
-from supple.simulation.recorded_run import begin_recorded, continue_recorded
+from supple.simulation.recorded_columns import columns_of
+from supple.simulation.recorded_run import continue_recorded, recorded
+from supple.storage import ResultFile, read_header
+from supple.storage.run_inputs import Inputs
 
 
 def simulate_kept(
@@ -18,15 +21,17 @@ def simulate_kept(
     kept: Collection[str],
     *,
     case: str,
+    inputs: Inputs,
     title: str = "",
     resume: bool = False,
+    overwrite: bool = False,
     progress: Progress | None = None,
 ) -> tuple[System, Solution]:
     """Simulate a system and keep its motion with the reduced bodies it means, `NAME-reduced.h5` beside it.
 
     Parameters
     ----------
-    system, run, path, case, progress : as for `begin_recorded`
+    system, run, path, case, inputs, overwrite, progress : as for `begin_recorded`
     kept : names of the bodies to keep, as far as they are reduced; others have files of their own
     title : kept in the file, for the record
     resume : continue the run that was cut off, with the bodies that it began with
@@ -40,8 +45,16 @@ def simulate_kept(
     ResultFileError     a file that cannot be written, or not be continued
     errors of `simulate`; what was computed until then is kept in the file
     """
-    if resume:
+    if resume and read_header(path).n_times:
         system = with_kept_bodies(system, kept, path.parent)
-        return system, continue_recorded(system, run, path, case=case, progress=progress)
-    keep_bodies(system, kept, path.parent)
-    return system, begin_recorded(system, run, path, case=case, metadata={"title": title}, progress=progress)
+        return system, continue_recorded(system, run, path, case=case, inputs=inputs, progress=progress)
+    if resume:
+        # Nothing was computed yet. The bodies that lie there may be those of a run before.
+        ResultFile.resume(path, case=case, inputs=inputs).close()
+    metadata = {"title": title, **columns_of(system)}
+    # The old motion goes before its bodies do: they are never seen with bodies that are not theirs.
+    with ResultFile.create(
+        path, case=case, metadata=metadata, inputs=inputs, overwrite=overwrite
+    ) as file:
+        keep_bodies(system, kept, path.parent)
+        return system, recorded(system, run, file, progress=progress)
