@@ -79,9 +79,7 @@ def test_a_run_begun_anew_replaces_the_one_that_is_there(tmp_path, pendulum):
     with pytest.raises(ResultFileError, match="it holds a finished run; say overwrite=True to replace it"):
         begin_recorded(pendulum, shorter, path, case="short")
     assert read_header(path).case == "long"
-    short = begin_recorded(
-        pendulum, shorter, path, case="short", metadata={"title": "b"}, overwrite=True
-    )
+    short = begin_recorded(pendulum, shorter, path, case="short", metadata={"title": "b"}, overwrite=True)
     np.testing.assert_allclose(short.times, [0.0, 0.1, 0.2])
     header = read_header(path)
     assert (header.case, header.metadata, header.n_times) == ("short", {"title": "b"}, 3)

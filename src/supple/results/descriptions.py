@@ -10,6 +10,7 @@ import numpy as np
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody
 from supple.reduction.reduced_body import ReductionReport
+from supple.simulation import recorded_columns
 from supple.storage import read_header, read_solution
 
 Row = tuple[str, str]
@@ -64,7 +65,8 @@ def describe_result(path: Path) -> Iterator[Row]:
     header, unfinished = read_header(path), "cut off, or still running; supple run CASE --resume continues it"
     yield "what", "complete" if header.complete else unfinished
     for name, value in header.metadata.items():
-        yield name, str(value)
+        if name != recorded_columns.KEY:  # numbers that say nothing to anybody
+            yield name, str(value)
     if header.n_times:
         solution = read_solution(path)
         yield "times", f"{header.n_times}, from {solution.times[0]:g} to {solution.times[-1]:g} s"

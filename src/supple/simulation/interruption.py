@@ -27,7 +27,7 @@ INTERRUPTIONS = (KeyboardInterrupt, Terminated)
 
 @contextmanager
 def raising_terminated() -> Iterator[bool]:
-    """Within the block SIGTERM raises Terminated, unless the program has a way of its own; whether it does."""
+    """Within the block SIGTERM raises Terminated, if the program has no way of its own; whether it does."""
     handles = (
         threading.current_thread() is threading.main_thread()
         and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
@@ -60,7 +60,10 @@ def noted_interruption(file: ResultFile) -> Iterator[None]:
 def _kept(file: ResultFile) -> str:
     if file.last_time == -float("inf"):
         return f"the run was stopped before its first output time; {file.path} holds nothing yet"
-    return f"the run up to t = {file.last_time:g} is kept in {file.path}; the same call goes on from there"
+    return (
+        f"the run up to t = {file.last_time:g} is kept in {file.path}; the same call goes on from there "
+        "(supple run: with --resume)"
+    )
 
 
 def _raise_terminated(_number: int, _frame: FrameType | None) -> None:

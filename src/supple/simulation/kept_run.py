@@ -53,8 +53,6 @@ def simulate_kept(
         ResultFile.resume(path, case=case, inputs=inputs).close()
     metadata = {"title": title, **columns_of(system)}
     # The old motion goes before its bodies do: they are never seen with bodies that are not theirs.
-    with ResultFile.create(
-        path, case=case, metadata=metadata, inputs=inputs, overwrite=overwrite
-    ) as file:
+    with ResultFile.create(path, case=case, metadata=metadata, inputs=inputs, overwrite=overwrite) as file:
         keep_bodies(system, kept, path.parent)
         return system, recorded(system, run, file, progress=progress)

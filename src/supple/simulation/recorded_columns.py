@@ -57,8 +57,8 @@ def _other(path: Path | str, placed: Placed, name: str, size: int) -> str:
     if name == "nodal_basis":
         return (
             f"{path} holds a motion of body '{body.name}' on {size} columns that are not those of "
-            f"the body given, which has {body.n_coordinates}. Reducing again can change their signs: keep the "
-            "reduced body beside its motion (write_reduced_body) and continue with it, or start anew"
+            f"the body given, which has {body.n_coordinates}. Reducing again can change their signs: keep "
+            "the reduced body beside its motion (write_reduced_body) and continue with it, or start anew"
         )
     return (
         f"{path} holds a motion of body '{body.name}' with another {name.replace('_', ' ')} than that of the "

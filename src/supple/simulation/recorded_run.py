@@ -43,7 +43,7 @@ def begin_recorded(
 
     Raises
     ------
-    ResultFileError     a result is there; the file cannot be written (a full disk, say), or another run writes it
+    ResultFileError     a result is there, or another run writes it; the file cannot be written (a full disk)
     errors of `simulate`; what was computed until then is kept in the file
     """
     file = ResultFile.create(
@@ -108,8 +108,8 @@ def simulate_recorded(
 
     Raises
     ------
-    ResultFileError     the file holds another run, or motions of bodies other than those given; another run is
-                        writing it; it cannot be read or written (a full disk, say)
+    ResultFileError     the file holds another run, or motions of bodies other than those given; another run
+                        is writing it; it cannot be read or written (a full disk, say)
     errors of `simulate`; what was computed until then is kept in the file
     """
     path = Path(path)
@@ -144,9 +144,7 @@ def recorded(
     # Cut off between its last output time and its end, a run has nothing left to do but to say so.
     if start is None or _is_something_left(run, start):
         with noted_interruption(file):
-            done = watched_run(
-                system, run, resume=start, record=file.append, progress=progress, check=check
-            )
+            done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)
         stopped = done.stopped
     # From the open file, under its lock: nobody else's motion is taken for this one.
     whole = file.solution()

@@ -9,13 +9,13 @@ from supple.storage.reduced_body_hdf5 import (
     read_reduced_body,
     write_reduced_body,
 )
-from supple.storage.result_file import (
-    ResultFile,
-    write_solution,
-)
 from supple.storage.result_content import (
     DamagedResultError,
     ResultHeader,
+)
+from supple.storage.result_file import (
+    ResultFile,
+    write_solution,
 )
 from supple.storage.result_reader import (
     read_header,

@@ -1,6 +1,6 @@
 """Exclusive lock: one writer at a time for a file, or for a folder.
 
-The lock is the operating system's, on an empty neighbour `.NAME.lock`. It ends with the process that holds it,
+The lock is the operating system's, on a neighbour `.NAME.lock`. It ends with the process that holds it,
 however that ends, so that a neighbour which a killed run left behind is in nobody's way.
 """
 

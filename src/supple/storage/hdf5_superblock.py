@@ -1,8 +1,8 @@
-"""Superblock: the first bytes of an HDF5 file, by which it is opened without trusting, or waiting for, anybody.
+"""Superblock: the first bytes of an HDF5 file, by which it is opened without waiting for anybody.
 
-A run that goes on, or was killed, leaves its file marked as being written. HDF5 opens such a file in a mode in
-which it reads what is damaged again and again, for minutes. Here the mark is taken off what HDF5 sees, never
-off the file, and damage is reported at once.
+A run that goes on, or was killed, leaves its file marked as being written. HDF5 opens such a file in a mode
+in which it reads what is damaged again and again, for minutes. Here the mark is taken off what HDF5 sees,
+never off the file, and damage is reported at once.
 
 Version 3 (HDF5 File Format Specification, II.A): signature (8), version, sizes of addresses and lengths,
 mark; then base, extension, end of file and root group (8 each), and a checksum (4, Jenkins' lookup3) of all.
@@ -89,7 +89,7 @@ class _SettledFile(io.RawIOBase):
     def tell(self) -> int:
         return self._file.tell()
 
-    def readinto(self, buffer: memoryview, /) -> int:
+    def readinto(self, buffer: Any, /) -> int:
         begin, wanted = self._file.tell(), len(buffer)
         content = self._file.read(wanted)
         if len(content) < wanted:

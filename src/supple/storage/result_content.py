@@ -1,4 +1,4 @@
-"""What an open result file holds; `result_file` describes the format. Nothing is given that its seal denies."""
+"""What an open result file holds, as far as its seals agree; `result_file` describes the format."""
 
 from __future__ import annotations
 
@@ -191,7 +191,9 @@ class ResultContent:
         self._check_content(number, arrays)
         if last_only:
             arrays = {path: array[-1:].copy() for path, array in arrays.items()}
-        statistics = statistics_from_rows(self._rows[: number + 1, 2:] if last_only else self._rows[[number], 2:])
+        statistics = statistics_from_rows(
+            self._rows[: number + 1, 2:] if last_only else self._rows[[number], 2:]
+        )
         return from_arrays(arrays, statistics, self._layout.kinds, self._state(number))
 
     def _broken(self) -> Iterator[tuple[int, str]]:

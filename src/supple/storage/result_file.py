@@ -7,14 +7,14 @@ Format "supple-result", version 2, an HDF5 file (any HDF5 reader opens it):
     case         text          of the case that was run, for the record
     metadata     text          JSON object of further names and values
     inputs       text          JSON object of all that the motion depends on, by name: values, or digests
-    layout       text          JSON object of what follows: row shapes of the arrays and of the engine's state,
-                               kinds of the bodies' motions
+    layout       text          JSON object of what follows: row shapes of the arrays and of the engine's
+                               state, kinds of the bodies' motions
     complete     scalar        1 once the run has ended, 0 while it runs or where it was cut off
     times        (t,)          output times
     bodies/<name>/<field>      (t, ...) the arrays of the body's motion: position, rotation, ...
     joint_forces/<name>        (t, m) Lagrange multipliers of each joint
-    commits      (k, 7)        one row per chunk written: its first row and its number of times, then its steps,
-                               iterations, rejected steps, seconds and seconds of compilation
+    commits      (k, 7)        one row per chunk written: its first row and its number of times, then its
+                               steps, iterations, rejected steps, seconds and seconds of compilation
     engine_state/<key>         (k, ...) what the engine needs to go on exactly, one row per chunk, or absent
     seals/header, chunks, end  (32,), (k, 64), (32,) digests of all that is above, see `result_seals`
 
@@ -29,46 +29,36 @@ a time (`exclusive_lock`).
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import Any, Self
+from typing import Self
 
 import h5py
 import numpy as np
 
 from supple.errors import ResultFileError
 from supple.integrate.solution import Solution, Statistics
-from supple.storage.atomic_write import replacing
 from supple.storage.disk_space import reserve_space
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
 from supple.storage.hdf5_superblock import written_size
-from supple.storage.result_content import (
-    FORMAT,
-    N_COLUMNS,
-    TEXTS,
-    VERSION,
-    Layout,
-    Metadata,
-    ResultContent,
-    ResultHeader,
-    dataset,
+from supple.storage.result_chunks import (
+    Ledger,
+    append_chunk,
+    layout_of_chunk,
+    mark_complete,
+    most_growth,
+    open_single_writer,
+    write_whole,
 )
+from supple.storage.result_content import Metadata, ResultContent, ResultHeader
 from supple.storage.result_reader import read_header, read_solution
-from supple.storage.result_seals import NO_END, SIZE, content_seal, end_seal, header_seal, row_seal
 from supple.storage.run_inputs import Inputs, changes
-from supple.storage.solution_arrays import Array, motion_kinds, statistics_row, to_arrays
-
-# HDF5 stores and caches a dataset in blocks of this many bytes, or one row where a row is longer.
-_BLOCK_BYTES = 16384
-
-# Room for the indices of blocks, which grow by pages.
-_INDEX_BYTES = 2**20
+from supple.storage.solution_arrays import Array, to_arrays
 
 
 class ResultFile:
@@ -91,7 +81,7 @@ class ResultFile:
         self._file: h5py.File | None = None
         self._place: os.stat_result | None = None
         self._closed = False
-        self._ledger: _Ledger | None = None
+        self._ledger: Ledger | None = None
         self._last_time = -np.inf
         if written is not None:
             self._start(written)
@@ -122,7 +112,7 @@ class ResultFile:
         try:
             if not overwrite:
                 check_nothing_lost(Path(path))
-            _write_whole(Path(path), header, None)
+            write_whole(Path(path), header, None)
             return cls(Path(path), header, lock, None)
         except BaseException:
             lock.release()
@@ -184,8 +174,8 @@ class ResultFile:
         self._check_in_place()
         kept = f" (the run up to t = {self._last_time:g} is kept and can be continued)"
         with file_errors("write", self.path, note=kept):
-            reserve_space(self.path, written_size(self.path) + _most_growth(arrays))
-            _extend(self._file, self._ledger, arrays, chunk)
+            reserve_space(self.path, written_size(self.path) + most_growth(arrays))
+            append_chunk(self._file, self._ledger, arrays, chunk)
         self._last_time = float(chunk.times[-1])
 
     def solution(self) -> Solution:
@@ -212,10 +202,10 @@ class ResultFile:
         if self._file is not None and self._ledger is not None:
             self._check_in_place()
             with file_errors("write", self.path):
-                _mark_complete(self._file, self._ledger)
+                mark_complete(self._file, self._ledger)
                 self._file.flush()
         else:
-            _write_whole(self.path, replace(self._header, complete=True), None)
+            write_whole(self.path, replace(self._header, complete=True), None)
         self.close()
 
     def close(self) -> None:
@@ -241,9 +231,9 @@ class ResultFile:
 
     def _start(self, written: Solution) -> None:
         # The datasets must exist before the single-writer mode begins, so they come with the first chunk.
-        self._ledger = _write_whole(self.path, self._header, written)
+        self._ledger = write_whole(self.path, self._header, written)
         with file_errors("open", self.path):
-            self._file = _open_single_writer(self.path)
+            self._file = open_single_writer(self.path)
             self._place = self.path.stat()
         self._last_time = float(written.times[-1])
 
@@ -255,8 +245,8 @@ class ResultFile:
         """What nobody finds under its name any more is not worth hours of computing."""
         if not self._is_in_place():
             raise ResultFileError(
-                f"{self.path} was removed or replaced while the run that writes it went on: run the case again, "
-                "in a folder that is left alone"
+                f"{self.path} was removed or replaced while the run that writes it went on: run the case "
+                "again, in a folder that is left alone"
             )
 
     def _check(self, arrays: Mapping[str, Array], chunk: Solution) -> None:
@@ -268,10 +258,12 @@ class ResultFile:
                 f"({seen}) do not rise from there"
             )
         if self._ledger is not None:
-            begun, given = self._ledger.layout, _layout(arrays, chunk)
+            begun, given = self._ledger.layout, layout_of_chunk(arrays, chunk)
             # A run may have begun by an engine that did not keep its state; the other way round it may not.
-            there = begun.arrays | {f"engine_state/{key}": shape for key, shape in begun.engine_state.items()}
-            here = given.arrays | {
+            there = dict(begun.arrays) | {
+                f"engine_state/{key}": shape for key, shape in begun.engine_state.items()
+            }
+            here = dict(given.arrays) | {
                 f"engine_state/{key}": shape
                 for key, shape in given.engine_state.items()
                 if key in begun.engine_state
@@ -301,7 +293,9 @@ def check_nothing_lost(path: Path) -> None:
         if not header.n_times and not header.complete:
             return
         seen = "it holds a finished run" if header.complete else "it holds a run that was cut off"
-    raise ResultFileError(f"cannot write {path}: {seen}; say overwrite=True to replace it, or write elsewhere")
+    raise ResultFileError(
+        f"cannot write {path}: {seen}; say overwrite=True to replace it, or write elsewhere"
+    )
 
 
 def check_same_run(path: Path, header: ResultHeader, case: str, inputs: Inputs) -> None:
@@ -335,138 +329,14 @@ def write_solution(
         case, dict(metadata), True, len(solution.times), solution.statistics, inputs=dict(inputs)
     )
     with _locked(Path(path)):
-        _write_whole(Path(path), header, solution)
+        write_whole(Path(path), header, solution)
     return Path(path)
-
-
-@dataclass
-class _Ledger:
-    """The seals of what is written.
-
-    header : seal           of the header
-    layout : Layout         of the chunks
-    rows : list of seals    of the chunks
-    n_times : int           written
-    """
-
-    header: bytes
-    layout: Layout
-    rows: list[bytes]
-    n_times: int = 0
 
 
 def _locked(path: Path) -> ExclusiveLock:
     with file_errors("write", path):
         path.parent.mkdir(parents=True, exist_ok=True)
     return ExclusiveLock(path)
-
-
-def _layout(arrays: Mapping[str, Array], chunk: Solution) -> Layout:
-    return Layout(
-        arrays={path: array.shape[1:] for path, array in arrays.items()},
-        kinds=motion_kinds(chunk),
-        engine_state={key: np.shape(value) for key, value in chunk.engine_state.items()},
-    )
-
-
-def _write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> _Ledger:
-    arrays = {} if solution is None else to_arrays(solution)
-    layout = Layout({}, {}, {}) if solution is None else _layout(arrays, solution)
-    # Values as JSON gives them back, for what is sealed is read.
-    words = (header.case, *map(json.dumps, (dict(header.metadata), dict(header.inputs), asdict(layout))))
-    texts = dict(zip(TEXTS, words, strict=True))
-    ledger = _Ledger(header_seal(texts), layout, [])
-    # Built in memory, because HDF5 does not survive a write that fails: see disk_space.
-    with h5py.File("image", "w", driver="core", backing_store=False, libver="latest") as file:
-        file.attrs["format"] = np.bytes_(FORMAT)
-        file.attrs["version"] = VERSION
-        for name, text in texts.items():
-            # Of fixed length: HDF5 keeps others on a heap of its own, whose damage it does not see.
-            content = text.encode()
-            file.create_dataset(name, data=np.array(content, dtype=f"S{max(1, len(content))}"))
-        file.create_dataset("complete", data=np.int64(0))
-        _create_growing(file, "commits", np.empty((0, N_COLUMNS)))
-        _create_growing(file, "seals/chunks", np.empty((0, 2 * SIZE), np.uint8))
-        file.create_dataset("seals/header", data=np.frombuffer(ledger.header, np.uint8))
-        file.create_dataset("seals/end", data=np.frombuffer(NO_END, np.uint8))
-        if solution is not None:
-            for name, array in arrays.items():
-                _create_growing(file, name, array)
-            for key, value in solution.engine_state.items():
-                _create_growing(file, f"engine_state/{key}", np.asarray(value, dtype=float)[None])
-            _commit(file, ledger, arrays, solution)
-        if header.complete:
-            _mark_complete(file, ledger)
-        file.flush()
-        image = file.id.get_file_image()
-    with replacing(path) as temporary:
-        temporary.write_bytes(image)
-    return ledger
-
-
-def _create_growing(file: h5py.File, name: str, array: np.ndarray) -> None:
-    width = array.shape[1:]
-    row_bytes = array.itemsize * max(1, int(np.prod(width)))
-    # A block has no side of length zero, not even for a rigid body's zero coordinates.
-    blocks = (max(1, _BLOCK_BYTES // row_bytes), *(max(1, n) for n in width))
-    file.create_dataset(name, data=array, maxshape=(None,) * array.ndim, chunks=blocks)
-
-
-def _most_growth(arrays: Mapping[str, Array]) -> int:
-    """Bytes by which the file grows at most: the rows, a begun block at either end, and their index."""
-    rows = sum(array.nbytes + 2 * max(_BLOCK_BYTES, array[:1].nbytes) for array in arrays.values())
-    return rows + rows // 8 + _INDEX_BYTES
-
-
-def _extend(file: h5py.File, ledger: _Ledger, arrays: Mapping[str, Array], chunk: Solution) -> None:
-    for name, array in arrays.items():
-        target = dataset(file, name)
-        target.resize(ledger.n_times + len(array), axis=0)
-        if array.size:
-            target[ledger.n_times :] = array
-    for key in ledger.layout.engine_state:
-        _set_row(dataset(file, f"engine_state/{key}"), len(ledger.rows), chunk.engine_state[key])
-    file.flush()
-    _commit(file, ledger, arrays, chunk)
-
-
-def _commit(file: h5py.File, ledger: _Ledger, arrays: Mapping[str, Array], chunk: Solution) -> None:
-    number, n_times = len(ledger.rows), len(arrays["times"])
-    state = {
-        key: np.asarray(chunk.engine_state[key], dtype=np.float64) for key in ledger.layout.engine_state
-    }
-    row = np.concatenate([[ledger.n_times, n_times], statistics_row(chunk.statistics)])
-    content = content_seal(arrays, state)
-    sealed = row_seal(ledger.header, number, row, content)
-    # A chunk counts once its row is there, and is then sealed.
-    _set_row(dataset(file, "seals/chunks"), number, np.frombuffer(content + sealed, np.uint8))
-    file.flush()
-    _set_row(dataset(file, "commits"), number, row)
-    file.flush()
-    ledger.rows.append(sealed)
-    ledger.n_times += n_times
-
-
-def _set_row(rows: h5py.Dataset, number: int, value: Any) -> None:
-    rows.resize(number + 1, axis=0)
-    if rows.size:
-        rows[number] = value
-
-
-def _mark_complete(file: h5py.File, ledger: _Ledger) -> None:
-    dataset(file, "seals/end")[...] = np.frombuffer(end_seal(ledger.header, ledger.rows), np.uint8)
-    file.flush()
-    dataset(file, "complete")[()] = 1
-
-
-def _open_single_writer(path: Path) -> h5py.File:
-    # The high-level constructor opens for writing first and switches then; killed in between, it leaves a
-    # file that only a repair tool opens. The low-level call enters the mode in one step.
-    access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
-    access.set_libver_bounds(h5py.h5f.LIBVER_LATEST, h5py.h5f.LIBVER_LATEST)
-    access.set_fclose_degree(h5py.h5f.CLOSE_STRONG)
-    flags = h5py.h5f.ACC_RDWR | h5py.h5f.ACC_SWMR_WRITE
-    return h5py.File(h5py.h5f.open(str(path).encode(), flags, access))
 
 
 def _first_difference(stored: str, given: str) -> str:

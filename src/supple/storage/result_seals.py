@@ -47,7 +47,7 @@ def end_seal(header: bytes, rows: Iterable[bytes]) -> bytes:
 
 
 def _bytes(array: Array) -> memoryview:
-    return memoryview(np.ascontiguousarray(array).reshape(-1).view(np.uint8))
+    return np.ascontiguousarray(array).reshape(-1).view(np.uint8).data
 
 
 def _digest(parts: Iterable[tuple[str, bytes | memoryview]]) -> bytes:
