@@ -51,7 +51,7 @@ def check_plain(path, kind, seed, whole):
     reported = kill_after(started(PLAIN, path, kind), draw.randrange(1, 20), draw.uniform(0.0, 0.01))
     kept = read_solution(path)
     # Every leg that was reported is there, in the bits of the uninterrupted run.
-    assert kept.times[-1] >= float(reported[-1]) - 1e-9
+    assert len(kept.times) >= round(float(reported[-1]) * len(RUNS[kind].times))
     for name, content in bits(kept).items():
         assert whole[name].startswith(content)
     assert bits(simulate(pendulum(), RUNS[kind], file=path)) == whole
@@ -91,7 +91,7 @@ def check_correcting(path, seed, whole, n_reports):
     draw = random.Random(seed)
     kill_after(started(CORRECTING, path), draw.randrange(1, n_reports), draw.uniform(0.0, 0.01))
     system, run = turned_strip(), RUNS["self-correcting"]
-    with pytest.raises(ResultFileError, match="holds the rounds of a run that was cut off|a finished run"):
+    with pytest.raises(ResultFileError, match=r"holds the rounds of a run that was cut off|a finished run"):
         correct_recorded(system, run, STARTS, path, case="strip")
     if path.exists():  # killed behind its last line
         assert bits(read_solution(path)) == whole
