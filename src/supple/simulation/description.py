@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from supple.body import RigidBody
+from supple.body import FullBody, RigidBody
 from supple.integrate import Run
 from supple.machine import Placed, System
 from supple.storage.run_inputs import Inputs, digest_of
@@ -32,7 +32,7 @@ def description(system: System, run: Run) -> str:
 def inputs_of(system: System, run: Run, case: str) -> Inputs:
     """What a motion depends on: the run in words; digests of bodies, joints, loads and gravity.
 
-    Of elastic bodies only where they stand and how they move at first, for reducing again moves the last
+    Of elastic bodies only their form, where they stand and how they move at first, for reducing again moves the last
     digits and signs of their numbers: result files know these otherwise (`recorded_columns`). A function of
     time counts by its code, the numbers it has from around it, and the functions it calls.
     """
@@ -61,8 +61,13 @@ def _of_body(placed: Placed) -> Iterator[bytes]:
     yield f"{body.kind} {body.n_coordinates}".encode()
     for item in ("position", "rotation", "velocity", "angular_velocity"):
         yield from _of(getattr(placed, item))
-    if isinstance(body, RigidBody):
-        yield from _of((body.mass, body.centre, body.inertia, body.points))
+    match body:
+        case RigidBody():
+            yield from _of((body.mass, body.centre, body.inertia, body.points))
+        case FullBody():
+            yield from _of((body.frame, body.damping, body.body.is_linear))
+        case _:
+            yield from _of((body.frame, body.is_linear))
 
 
 def _of(value: Any, depth: int = 0) -> Iterator[bytes]:

@@ -19,7 +19,16 @@ KEY = "columns"
 # Of the largest measure: round-off moves columns by far less, another sign or order by far more.
 SAME = 1e-5
 
-_ARRAYS = ("nodal_basis", "gram", "stiffness", "damping", "cubic", "quartic")
+_ARRAYS = (
+    "nodal_basis",
+    "gram",
+    "stiffness",
+    "damping",
+    "cubic",
+    "quartic",
+    "damping_cubic",
+    "damping_quartic",
+)
 
 
 def columns_of(system: System) -> Metadata:
@@ -79,8 +88,6 @@ def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
             for name in ("stiffness", "mass"):
                 matrix = getattr(body.body, name)
                 yield name, np.array([probe @ (matrix @ probe), probe @ (matrix @ other)])
-            if body.damping is not None:
-                yield "damping", np.array([body.damping.alpha, body.damping.beta])
         case _:
             return
     for name in ("coordinates", "coordinate_rates"):
