@@ -33,8 +33,8 @@ def inputs_of(system: System, run: Run, case: str) -> Inputs:
     """What a motion depends on: the run in words; digests of bodies, joints, loads and gravity.
 
     Of elastic bodies only their form, where they stand and how they move at first, for reducing again moves
-    the last digits and signs of their numbers: result files know these otherwise (`recorded_columns`). A function
-    of time counts by its code, the numbers it has from around it, and the functions it calls.
+    the last digits and signs of their numbers: result files know these otherwise (`recorded_columns`). A
+    function of time counts by its code, the numbers it has from around it, and the functions it calls.
     """
     found = {"the case": case, "the run": _words(run)}
     found["the order of the bodies"] = ", ".join(placed.body.name for placed in system.bodies)
