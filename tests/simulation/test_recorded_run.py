@@ -82,7 +82,8 @@ def test_a_run_begun_anew_replaces_the_one_that_is_there(tmp_path, pendulum):
     short = begin_recorded(pendulum, shorter, path, case="short", metadata={"title": "b"}, overwrite=True)
     np.testing.assert_allclose(short.times, [0.0, 0.1, 0.2])
     header = read_header(path)
-    assert (header.case, header.metadata, header.n_times) == ("short", {"title": "b"}, 3)
+    metadata = {"title": "b", "pin: second end": "bar.pin"}
+    assert (header.case, header.metadata, header.n_times) == ("short", metadata, 3)
 
 
 def test_only_what_was_cut_off_can_be_continued(tmp_path, pendulum):

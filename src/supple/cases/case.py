@@ -27,6 +27,7 @@ from supple.integrate import Run
 from supple.machine import SplitBody, System
 from supple.mesh import Mesh
 from supple.storage.run_inputs import Inputs
+from supple.units import UnitSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +51,11 @@ class Case:
     def title(self) -> str:
         """One line for tables and pictures."""
         return self.tables.title
+
+    @property
+    def units(self) -> UnitSystem:
+        """What its numbers are in, as far as it says so."""
+        return UnitSystem.stated(self.tables.units)
 
     @property
     def folder(self) -> Path:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from supple.cases.case import Case
+from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import Progress, silent
 from supple.cases.remains import check_remains, result_path
 from supple.correction import Round, SelfCorrectionError, correct_recorded, correction_numbers
@@ -78,27 +79,35 @@ def run_case(
 def _run_case(
     case: Case, folder: Path, *, resume: bool, force: bool, strict: bool, progress: Progress
 ) -> CaseResult:
+    warn_of_units(case)
     inputs = case.inputs
     _ = case.system
     if changed := changes(inputs, case.inputs):
         raise CaseError(f"{case.path} was changed while it was read ({changed}): run it again")
     for body in reduced_bodies(case.system, case.flexible):
-        warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body)
+        warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body, case.units)
     rounds: list[Round] = []
     try:
         system, solution = _simulated(
             case,
             folder,
             rounds,
-            {"case": case.text, "inputs": inputs, "title": case.title, "resume": resume, "overwrite": force},
+            {
+                "case": case.text,
+                "inputs": inputs,
+                "metadata": _metadata(case),
+                "resume": resume,
+                "overwrite": force,
+            },
             validity=Validity(strict=strict),
             progress=progress,
         )
     except SelfCorrectionError:
         _write_report(case, folder, correction_numbers(rounds), {})
         raise
+    warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
     tracked = tracked_places(system, solution, {name: case.place(name) for name in case.parts.output.track})
-    numbers = summarize(system, solution, tracked)
+    numbers = summarize(system, solution, tracked, units=case.units)
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_report(case, folder, result.rounds, result.numbers)
     _draw(case, result, folder, progress)
@@ -130,6 +139,10 @@ def _simulated(
     return simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
 
 
+def _metadata(case: Case) -> dict[str, str]:
+    return {"title": case.title} | ({"units": str(case.units)} if str(case.units) else {})
+
+
 def _write_report(
     case: Case, folder: Path, rounds: Sequence[Mapping[str, Any]], numbers: Mapping[str, Any]
 ) -> None:
@@ -140,7 +153,7 @@ def _write_report(
         # Imported here: a run without pictures does not wait for the drawing library.
         from supple.viz import plot_rounds
 
-        plot_rounds(folder / "self_correction.png", rounds)
+        plot_rounds(folder / "self_correction.png", rounds, units=case.units)
 
 
 def _draw(case: Case, result: CaseResult, folder: Path, progress: Progress) -> None:
@@ -153,11 +166,12 @@ def _draw(case: Case, result: CaseResult, folder: Path, progress: Progress) -> N
     elements = case.elements if output.colour == "von-mises" else None
     if output.pictures:
         case.notify("drawing pictures")
-        draw_run(folder, *run, tracked=result.tracked, elements=elements)
+        draw_run(folder, *run, tracked=result.tracked, elements=elements, units=case.units)
     if output.animation:
         animate_run(
             folder / "motion.gif",
             *run,
             elements=elements,
+            units=case.units,
             progress=lambda share: progress("drawing the animation", share),
         )

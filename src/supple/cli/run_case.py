@@ -11,7 +11,14 @@ from rich.markup import escape
 from supple import cases
 from supple.cases.remains import kept_so_far
 from supple.correction import SelfCorrectionError, correction_numbers
-from supple.results.run_tables import body_table, correction_table, cost_line, joint_table, place_table
+from supple.results.run_tables import (
+    body_table,
+    correction_table,
+    cost_line,
+    joint_table,
+    motion_table,
+    place_table,
+)
 from supple.simulation.interruption import INTERRUPTIONS, Terminated, raising_terminated
 from supple.terminal import Steps, console, error_console, print_table, progress_bars
 
@@ -46,16 +53,19 @@ def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool) -
                 case, folder, resume=resume, force=force, strict=strict, progress=steps.share
             )
         except SelfCorrectionError as error:
-            print_table(*correction_table(correction_numbers(error.rounds)))
+            print_table(*correction_table(correction_numbers(error.rounds), case.units))
             raise
         steps.finish()
     numbers = result.numbers
     if result.rounds:
-        print_table(*correction_table(result.rounds))
+        print_table(*correction_table(result.rounds, case.units))
     print_table(*body_table(numbers))
     print_table(*joint_table(numbers))
     if numbers["tracked"]:
-        print_table(*place_table(numbers))
+        print_table(*motion_table(numbers))
+        deflections = place_table(numbers)
+        if deflections.rows:
+            print_table(*deflections)
     for name, body in numbers["bodies"].items():
         if "eigenvalues" in body:
             console.print(f"{name}: {body['eigenvalues']}", highlight=False)

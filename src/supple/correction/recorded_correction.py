@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 from supple.correction.correction_folder import CorrectionFolder
 from supple.correction.correction_rounds import CorrectedSystem, ReductionStart, Round, SelfCorrectionError
@@ -19,9 +20,11 @@ from supple.machine import System
 from supple.multibody.checks.validity import watch
 from supple.simulation import keep_bodies
 from supple.simulation.recorded_columns import columns_of
+from supple.simulation.recorded_run import joint_ends
 from supple.storage import ResultFile, write_solution
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
+from supple.storage.result_content import Metadata
 from supple.storage.result_file import check_nothing_lost
 from supple.storage.run_inputs import Inputs
 
@@ -36,7 +39,7 @@ def correct_recorded(
     *,
     case: str,
     inputs: Inputs | None = None,
-    title: str = "",
+    metadata: Metadata = MappingProxyType({}),
     resume: bool = False,
     overwrite: bool = False,
     announce: Announce | None = None,
@@ -49,7 +52,7 @@ def correct_recorded(
     system, run, starts, announce, progress : as for `self_correct`; the validity of the run is that of the
         run that is accepted alone, for a basis that is too small may well leave it
     path : result file to write; `self_correction/` and `NAME-reduced.h5` lie beside it
-    case, title     kept in the file, for the record
+    case, metadata  kept in the file, for the record
     inputs : what the motion depends on, kept to continue it, as for `CorrectionFolder.create`
     resume : go on with the rounds that a run left behind which was cut off
     overwrite : begin anew, whatever is there
@@ -69,7 +72,8 @@ def correct_recorded(
         archive = _opened(path, folder, case, inputs, resume=resume, overwrite=overwrite)
         corrected, rounds = _corrected(system, run, starts, archive, announce, progress)
         metadata = {
-            "title": title,
+            **metadata,
+            **joint_ends(system),
             "self_correction": json.dumps(correction_numbers(rounds)),
             **columns_of(corrected.system),
         }

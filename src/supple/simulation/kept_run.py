@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from pathlib import Path
+from types import MappingProxyType
 
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
 from supple.simulation.kept_bodies import keep_bodies, with_kept_bodies
 from supple.simulation.recorded_columns import columns_of
-from supple.simulation.recorded_run import continue_recorded, recorded
+from supple.simulation.recorded_run import continue_recorded, joint_ends, recorded
 from supple.storage import ResultFile, read_header
+from supple.storage.result_content import Metadata
 from supple.storage.run_inputs import Inputs
 
 
@@ -22,7 +24,7 @@ def simulate_kept(
     *,
     case: str,
     inputs: Inputs,
-    title: str = "",
+    metadata: Metadata = MappingProxyType({}),
     resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
@@ -31,9 +33,8 @@ def simulate_kept(
 
     Parameters
     ----------
-    system, run, path, case, inputs, overwrite, progress : as for `begin_recorded`
+    system, run, path, case, metadata, inputs, overwrite, progress : as for `begin_recorded`
     kept : names of the bodies to keep, as far as they are reduced; others have files of their own
-    title : kept in the file, for the record
     resume : continue the run that was cut off, with the bodies that it began with
 
     Returns
@@ -51,7 +52,7 @@ def simulate_kept(
     if resume:
         # Nothing was computed yet. The bodies that lie there may be those of a run before.
         ResultFile.resume(path, case=case, inputs=inputs).close()
-    metadata = {"title": title, **columns_of(system)}
+    metadata = {**metadata, **joint_ends(system), **columns_of(system)}
     # The old motion goes before its bodies do: they are never seen with bodies that are not theirs.
     with ResultFile.create(path, case=case, metadata=metadata, inputs=inputs, overwrite=overwrite) as file:
         keep_bodies(system, kept, path.parent)

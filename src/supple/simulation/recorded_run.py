@@ -14,6 +14,7 @@ from supple.simulation.interruption import noted_interruption
 from supple.simulation.recorded_columns import check_columns, columns_of
 from supple.simulation.watched_run import watched_run
 from supple.storage import ResultFile, read_header, read_solution
+from supple.storage.dataset_labels import second_end_key
 from supple.storage.result_content import Metadata, ResultHeader
 from supple.storage.run_inputs import Inputs, changes
 
@@ -36,7 +37,8 @@ def begin_recorded(
     ----------
     system, run, progress, check : as for `simulate`
     path : file to write; its folder is made
-    case, metadata : kept in the file, for the record
+    case, metadata : kept in the file, for the record; "units", `str` of a UnitSystem, name the units of its
+        arrays
     inputs : what the motion depends on, kept in the file to continue it; by default what the system, the run
         and the case tell (`inputs_of`)
     overwrite : replace what is there; otherwise only a run without any output is replaced
@@ -49,12 +51,17 @@ def begin_recorded(
     file = ResultFile.create(
         path,
         case=case,
-        metadata={**metadata, **columns_of(system)},
+        metadata={**metadata, **joint_ends(system), **columns_of(system)},
         inputs=inputs_of(system, run, case) if inputs is None else inputs,
         overwrite=overwrite,
     )
     with file:
         return recorded(system, run, file, progress=progress, check=check)
+
+
+def joint_ends(system: System) -> Metadata:
+    """Metadata that say which end the forces of each joint act on."""
+    return {second_end_key(joint.name): str(joint.second) for joint in system.joints}
 
 
 def continue_recorded(

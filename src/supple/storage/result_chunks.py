@@ -13,6 +13,7 @@ import numpy as np
 
 from supple.integrate.solution import Solution
 from supple.storage.atomic_write import replacing
+from supple.storage.dataset_labels import dataset_labels
 from supple.storage.result_content import FORMAT, N_COLUMNS, TEXTS, VERSION, Layout, ResultHeader, dataset
 from supple.storage.result_seals import NO_END, SIZE, content_seal, end_seal, header_seal, row_seal
 from supple.storage.solution_arrays import Array, motion_kinds, statistics_row, to_arrays
@@ -73,6 +74,8 @@ def write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> 
         if solution is not None:
             for name, array in arrays.items():
                 _create_growing(file, name, array)
+                for key, value in dataset_labels(name, header.metadata).items():
+                    file[name].attrs[key] = value
             for key, value in solution.engine_state.items():
                 _create_growing(file, f"engine_state/{key}", np.asarray(value, dtype=float)[None])
             _commit(file, ledger, arrays, solution)

@@ -20,7 +20,7 @@ from supple.storage.run_inputs import Inputs
 from supple.storage.solution_arrays import Array, from_arrays, statistics_from_rows, statistics_row
 
 FORMAT = "supple-result"
-VERSION = 2
+VERSION = 3
 
 TEXTS = ("case", "metadata", "inputs", "layout")
 """Of the header, in the order of its seal."""

@@ -1,9 +1,9 @@
 """Result files: simulations on disk, kept as they run.
 
-Format "supple-result", version 2, an HDF5 file (any HDF5 reader opens it):
+Format "supple-result", version 3, an HDF5 file (any HDF5 reader opens it):
 
     attributes   format        "supple-result"
-                 version       2
+                 version       3
     case         text          of the case that was run, for the record
     metadata     text          JSON object of further names and values
     inputs       text          JSON object of all that the motion depends on, by name: values, or digests
@@ -12,7 +12,9 @@ Format "supple-result", version 2, an HDF5 file (any HDF5 reader opens it):
     complete     scalar        1 once the run has ended, 0 while it runs or where it was cut off
     times        (t,)          output times
     bodies/<name>/<field>      (t, ...) the arrays of the body's motion: position, rotation, ...
-    joint_forces/<name>        (t, m) Lagrange multipliers of each joint
+    joint_forces/<name>        (t, 6) force and moment of each joint; its attributes `columns`, `acts_on`,
+                               `axes` and `unit` say which component, on which end, along which axes
+    multipliers/<name>         (t, m) Lagrange multipliers of each joint, to continue the run
     commits      (k, 7)        one row per chunk written: its first row and its number of times, then its
                                steps, iterations, rejected steps, seconds and seconds of compilation
     engine_state/<key>         (k, ...) what the engine needs to go on exactly, one row per chunk, or absent
