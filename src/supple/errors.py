@@ -81,6 +81,10 @@ class RedundantConstraintWarning(SuppleWarning):
     """Joints that constrain the same motion twice; the redundant rows are named and left out."""
 
 
+class UnlockedWarning(SuppleWarning):
+    """A result on a file system that cannot keep other runs from writing it too."""
+
+
 class StepCutWarning(SuppleWarning):
     """Time steps that had to be cut before Newton's method converged."""
 

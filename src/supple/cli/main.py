@@ -55,6 +55,7 @@ def run(
     ] = None,
     strict: Annotated[bool, typer.Option("--strict", help="Stop where a model leaves its validity.")] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Continue a run that was cut off.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace the result that is there.")] = False,
     debug: Debug = False,
 ) -> None:
     """Simulate a case file; write results (HDF5, JSON), pictures (PNG) and an animation (GIF)."""
@@ -64,7 +65,7 @@ def run(
 
     keep_compiled_programs()
     with reported_errors(debug=debug), reported_warnings():
-        run_case(case, output or Path("results") / case.stem, resume=resume, strict=strict)
+        run_case(case, output or Path("results") / case.stem, resume=resume, force=force, strict=strict)
 
 
 @app.command()
