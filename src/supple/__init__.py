@@ -76,10 +76,12 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.mesh import strip as strip
     from supple.reduction import AttachmentModes as AttachmentModes
     from supple.reduction import CompressedDerivatives as CompressedDerivatives
+    from supple.reduction import CondensedQuartic as CondensedQuartic
     from supple.reduction import CraigBampton as CraigBampton
     from supple.reduction import ErrorControlled as ErrorControlled
     from supple.reduction import NoDerivatives as NoDerivatives
     from supple.reduction import PickedDerivatives as PickedDerivatives
+    from supple.reduction import PlainQuartic as PlainQuartic
     from supple.reduction import Rubin as Rubin
     from supple.reduction import reduce as reduce
     from supple.results import node_positions as node_positions
@@ -109,7 +111,8 @@ _NAMES = {
     ),
     "supple.reduction": (
         "reduce CraigBampton Rubin AttachmentModes ErrorControlled "
-        "CompressedDerivatives PickedDerivatives NoDerivatives"
+        "CompressedDerivatives PickedDerivatives NoDerivatives "
+        "CondensedQuartic PlainQuartic"
     ),
     "supple.machine": (
         "System Placed At GROUND "

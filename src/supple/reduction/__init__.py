@@ -41,6 +41,8 @@ from supple.reduction.components.free_interface_component import (
     rubin_component,
 )
 from supple.reduction.components.free_vibration import FreeVibrations, free_vibrations
+from supple.reduction.condensation import Condensation
+from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.derivatives.compression import CompressedDerivatives, compress
 from supple.reduction.derivatives.derivative_columns import DerivativeChoice, DerivativeColumns, NoDerivatives
 from supple.reduction.derivatives.leading_directions import LeadingDirections, leading_directions
@@ -69,7 +71,9 @@ from supple.reduction.eigenvalues.eigenvalue_error import (
 )
 from supple.reduction.eigenvalues.mode_search import Bisection, ModeSearch, OneByOne, SearchStep
 from supple.reduction.enrichment import Enrichment, enrich
+from supple.reduction.locking import Locking
 from supple.reduction.projection import project
+from supple.reduction.quartic_choice import CondensedQuartic, PlainQuartic, QuarticChoice
 from supple.reduction.reduce import reduce
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface, ReductionReport
 from supple.reduction.reduction_basis import ReductionBasis, reduction_basis
@@ -84,6 +88,9 @@ __all__ = [
     "CompleteBasis",
     "ComponentModel",
     "CompressedDerivatives",
+    "Condensation",
+    "CondensedMotion",
+    "CondensedQuartic",
     "CountedGroup",
     "CouplingMoment",
     "CraigBampton",
@@ -112,6 +119,7 @@ __all__ = [
     "LeadingDirections",
     "LinearBasis",
     "LinearBasisRecipe",
+    "Locking",
     "LowestFrequency",
     "MacNealComponent",
     "ModalAmplitudes",
@@ -124,6 +132,8 @@ __all__ = [
     "OneByOne",
     "PairCriterion",
     "PickedDerivatives",
+    "PlainQuartic",
+    "QuarticChoice",
     "ReducedBody",
     "ReducedInterface",
     "ReducedMatrices",

@@ -8,6 +8,9 @@ import numpy as np
 
 from supple.body import FlexibleBody, ModalDamping, RayleighDamping, inertia_gram
 from supple.errors import AccuracyError
+from supple.reduction.condensation import Condensation
+from supple.reduction.locking import locking, warn_of_locking
+from supple.reduction.quartic_choice import CondensedQuartic, QuarticChoice
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface
 from supple.reduction.reduction_basis import ReductionBasis
 from supple.reduction.stopwatch import timed
@@ -17,14 +20,20 @@ LARGEST_GRAM_ERROR = 1e-8
 
 
 def project(
-    body: FlexibleBody, basis: ReductionBasis, *, damping: RayleighDamping | ModalDamping | None = None
+    body: FlexibleBody,
+    basis: ReductionBasis,
+    *,
+    damping: RayleighDamping | ModalDamping | None = None,
+    quartic: QuarticChoice = CondensedQuartic(),  # noqa: B008 (it is immutable)
 ) -> ReducedBody:
-    """The reduced body of a basis: q = V gamma in the kinetic and strain energies, exactly.
+    """The reduced body of a basis: q = V gamma in the kinetic energy, and in the strain energy by `quartic`.
 
     body : FlexibleBody
     basis : ReductionBasis      of that body
     damping : RayleighDamping(...) or ModalDamping(...); None: undamped
+    quartic : CondensedQuartic() lets motion outside the columns follow; PlainQuartic() leaves it out
     Raises AccuracyError when the Gram matrix misses its own identity.
+    Warns LockingWarning when the body answers too little because its columns lack stiff motion.
     """
     V, r = basis.vectors, basis.r
     seconds = dict(basis.report.seconds)
@@ -33,6 +42,15 @@ def project(
         _check_gram(body, gram, r)
     with timed(seconds, "tensors"):
         tensors = internal_force_tensors(body, V)
+    motion, found = None, None
+    if not body.is_linear:
+        left_out = Condensation(body, basis)
+        with timed(seconds, "condensation"):
+            plain, tensors = tensors, quartic.tensors(tensors, left_out)
+            motion = quartic.motion(left_out)
+        with timed(seconds, "locking"):
+            found = locking(left_out, plain, tensors)
+        warn_of_locking(body.name, found, motion is not None)
 
     nodal_basis = body.expansion @ V
     rotations = body.rotation_operator
@@ -50,7 +68,8 @@ def project(
         rotation_basis=None if rotations is None else (rotations @ nodal_basis).reshape(-1, 3, r),
         rotation_limit=body.rotation_limit,
         frequencies=np.sqrt(np.linalg.eigvalsh(tensors.stiffness)),
-        report=replace(basis.report, seconds=seconds),
+        report=replace(basis.report, seconds=seconds, locking=found),
+        condensed=motion,
     )
 
 
