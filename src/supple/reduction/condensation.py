@@ -71,7 +71,7 @@ class Condensation:
         scale = np.sum(self._vectors * (self.body.stiffness @ self._vectors), axis=0) ** -0.5
         unit = scale[first] * scale[second]  # of pairs of columns of unit energy
         largest = np.max(unit**2 * np.diag(self._energy_of_all))
-        pivoted_cholesky = linalg.get_lapack_funcs("pstrf", (self.energy,))
+        (pivoted_cholesky,) = linalg.get_lapack_funcs(("pstrf",), (self.energy,))
         factor, order, rank, _ = pivoted_cholesky(
             unit[:, None] * self.energy * unit, tol=SMALLEST_SHARE * largest, lower=1
         )
