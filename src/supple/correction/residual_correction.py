@@ -1,8 +1,9 @@
 """What a basis misses: the full-order residual along a finished reduced run, and the motion that balances it.
 
 At an instant of the run the motion is expanded to all coordinates of the body, `q = V gamma + z(gamma)` with
-its rates and accelerations, z the motion that condensed tensors let follow the columns, and the full-order equations are evaluated with the run's joint forces. Along V the
-residual r vanishes; what is left is answered by one Newton step of the whole system,
+its rates and accelerations, z the motion that condensed tensors let follow the columns, and the full-order
+equations are evaluated with the run's joint forces. Along V the residual r vanishes; what is left is answered
+by one Newton step of the whole system,
 
     [ K_t(q) + M / p   D^T   G^T ] [ delta  ]     [ r ]
     [ D                          ] [ mu     ] = - [ 0 ]

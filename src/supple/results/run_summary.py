@@ -11,7 +11,7 @@ import numpy as np
 from supple.body import FullBody, RigidBody
 from supple.integrate import Solution, Statistics
 from supple.machine import System
-from supple.reduction import ReducedBody, clamped_modes
+from supple.reduction import Locking, ReducedBody, clamped_modes
 from supple.results.joint_loads import joint_loads
 from supple.results.tracked_motion import TrackedMotion
 
@@ -54,7 +54,7 @@ def _numbers_of_reduced(body: ReducedBody) -> dict[str, Any]:
         i.name: _hertz(clamped_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies)
         for i in body.interfaces
     }
-    proven = body.report.certificate
+    proven, locking = body.report.certificate, body.report.locking
     return {
         "mass": body.mass,
         "nodes": len(body.nodes),
@@ -67,7 +67,16 @@ def _numbers_of_reduced(body: ReducedBody) -> dict[str, Any]:
         "frequencies in the frame, Hz": _hertz(body.frequencies[:N_FREQUENCIES]),
         "frequencies held, Hz": held,
         **({} if proven is None else {"eigenvalues": str(proven)}),
+        **({} if locking is None else {"locking": _locking_numbers(locking)}),
         "seconds": dict(body.report.seconds),
+    }
+
+
+def _locking_numbers(locking: Locking) -> dict[str, Any]:
+    return {
+        "largest": locking.largest_remaining,
+        "largest without condensation": locking.largest_plain,
+        "without condensation": dict(zip(locking.loads, locking.plain.tolist(), strict=True)),
     }
 
 

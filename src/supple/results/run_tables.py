@@ -20,7 +20,7 @@ class TextTable(NamedTuple):
 
 def body_table(numbers: Mapping[str, Any]) -> TextTable:
     """Size and lowest frequencies, a row per body and place it is held at; numbers as of `summarize`."""
-    heads = ("body", "kind", "mass", "nodes", "coordinates", "held at", "lowest frequencies, Hz")
+    heads = ("body", "kind", "mass", "nodes", "coordinates", "locks", "held at", "lowest frequencies, Hz")
     return TextTable(
         "Bodies", heads, [row for each in numbers["bodies"].items() for row in _body_rows(*each)]
     )
@@ -31,11 +31,13 @@ def _body_rows(name: str, body: Mapping[str, Any]) -> Iterable[list[str]]:
     coordinates = _count(body.get("coordinates"))
     if body["kind"] == "reduced":
         coordinates = f"{coordinates} of {body['freedoms']}"
+    locks = body.get("locking")
+    cells = [*cells, coordinates, "" if locks is None else f"{100 * locks['largest']:.2g} %"]
     held = {"(its frame)": body.get("frequencies in the frame, Hz", ())} | body.get(
         "frequencies held, Hz", {}
     )
     for row, (place, frequencies) in enumerate(held.items()):
-        head = [*cells, coordinates] if row == 0 else [""] * 5
+        head = cells if row == 0 else [""] * len(cells)
         if len(frequencies) or row == 0:
             yield [*head, place if len(frequencies) else "", _vector(frequencies, digits=4)]
 
