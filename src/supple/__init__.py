@@ -19,6 +19,7 @@ from supple import errors as errors
 if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.body import AveragingInterface as AveragingInterface
     from supple.body import FullBody as FullBody
+    from supple.body import LinearRayleighDamping as LinearRayleighDamping
     from supple.body import MeanAxisFrame as MeanAxisFrame
     from supple.body import ModalDamping as ModalDamping
     from supple.body import NodalFixedFrame as NodalFixedFrame
@@ -69,6 +70,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.machine import TorsionSpringDamper as TorsionSpringDamper
     from supple.machine import Turning as Turning
     from supple.machine import Universal as Universal
+    from supple.machine import split_body as split_body
     from supple.mesh import CellType as CellType
     from supple.mesh import Mesh as Mesh
     from supple.mesh import block as block
@@ -76,12 +78,10 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.mesh import strip as strip
     from supple.reduction import AttachmentModes as AttachmentModes
     from supple.reduction import CompressedDerivatives as CompressedDerivatives
-    from supple.reduction import CondensedQuartic as CondensedQuartic
     from supple.reduction import CraigBampton as CraigBampton
     from supple.reduction import ErrorControlled as ErrorControlled
     from supple.reduction import NoDerivatives as NoDerivatives
     from supple.reduction import PickedDerivatives as PickedDerivatives
-    from supple.reduction import PlainQuartic as PlainQuartic
     from supple.reduction import Rubin as Rubin
     from supple.reduction import SteadyLoads as SteadyLoads
     from supple.reduction import reduce as reduce
@@ -108,18 +108,17 @@ _NAMES = {
     "supple.fem": "Isotropic HomogeneousSection shell_model solid_model",
     "supple.body": (
         "RigidInterface AveragingInterface flexible_body RigidBody FullBody "
-        "MeanAxisFrame NodalFixedFrame RayleighDamping ModalDamping"
+        "MeanAxisFrame NodalFixedFrame RayleighDamping LinearRayleighDamping ModalDamping"
     ),
     "supple.reduction": (
         "reduce CraigBampton Rubin AttachmentModes SteadyLoads ErrorControlled "
-        "CompressedDerivatives PickedDerivatives NoDerivatives "
-        "CondensedQuartic PlainQuartic"
+        "CompressedDerivatives PickedDerivatives NoDerivatives"
     ),
     "supple.machine": (
         "System Placed At GROUND "
         "Fixed Ball Revolute Universal Cylindrical Prismatic PrescribedRotation PrescribedTranslation "
         "SpringDamper TorsionSpringDamper DeadForce DeadTorque FollowerForce FollowerTorque "
-        "FollowerPressure BaseAcceleration "
+        "FollowerPressure BaseAcceleration split_body "
         "Table Spline Ramp Sine SpinUp Turning"
     ),
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",

@@ -111,8 +111,8 @@ class Sized(CheckedTable):
     condensed: bool | None = _CONDENSED
     steady: bool = Field(
         True,
-        description="false leaves out of a fixed size the static answers to steady motion: up to nine columns "
-        "besides the modes",
+        description="false leaves out of a fixed size the static answers to steady motion: "
+        "up to nine columns besides the modes",
     )
 
     @property

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from supple.body import FlexibleBody, ModalDamping, RayleighDamping, inertia_gram
+from supple.body import Damping, FlexibleBody, inertia_gram
 from supple.errors import AccuracyError
 from supple.reduction.condensation import Condensation
 from supple.reduction.locking import locking, warn_of_locking
@@ -14,7 +14,7 @@ from supple.reduction.quartic_choice import CondensedQuartic, QuarticChoice
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface
 from supple.reduction.reduction_basis import ReductionBasis
 from supple.reduction.stopwatch import timed
-from supple.reduction.tensors import internal_force_tensors
+from supple.reduction.tensors import strain_products
 
 LARGEST_GRAM_ERROR = 1e-8
 
@@ -23,14 +23,14 @@ def project(
     body: FlexibleBody,
     basis: ReductionBasis,
     *,
-    damping: RayleighDamping | ModalDamping | None = None,
+    damping: Damping | None = None,
     quartic: QuarticChoice = CondensedQuartic(),  # noqa: B008 (it is immutable)
 ) -> ReducedBody:
     """The reduced body of a basis: q = V gamma in the kinetic energy, and in the strain energy by `quartic`.
 
     body : FlexibleBody
     basis : ReductionBasis      of that body
-    damping : RayleighDamping(...) or ModalDamping(...); None: undamped
+    damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
     quartic : CondensedQuartic() lets motion outside the columns follow; PlainQuartic() leaves it out
     Raises AccuracyError when the Gram matrix misses its own identity.
     Warns LockingWarning when the body answers too little because its columns lack stiff motion.
@@ -41,12 +41,15 @@ def project(
         gram = inertia_gram(body, V)
         _check_gram(body, gram, r)
     with timed(seconds, "tensors"):
-        tensors = internal_force_tensors(body, V)
+        products = strain_products(body, V)
+        tensors = plain = products.internal_force()
+        time = 0.0 if damping is None else damping.retardation_time
+        material = products.material(plain) if time else None
     motion, found = None, None
     if not body.is_linear:
         left_out = Condensation(body, basis)
         with timed(seconds, "condensation"):
-            plain, tensors = tensors, quartic.tensors(tensors, left_out)
+            tensors = quartic.tensors(plain, left_out)
             motion = quartic.motion(left_out)
         with timed(seconds, "locking"):
             found = locking(left_out, plain, tensors)
@@ -62,6 +65,8 @@ def project(
         cubic=tensors.cubic,
         quartic=tensors.quartic,
         damping=np.zeros((r, r)) if damping is None else damping.matrix(tensors.stiffness, np.eye(r)),
+        damping_cubic=None if material is None else time * material.cubic,
+        damping_quartic=None if material is None else time * material.quartic,
         interfaces=tuple(ReducedInterface(i.name, i.position, i.motion @ V) for i in body.interfaces),
         nodes=body.nodes,
         nodal_basis=nodal_basis,

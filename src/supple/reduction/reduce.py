@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from supple.body import FlexibleBody, Frame, ModalDamping, RayleighDamping
+from supple.body import Damping, FlexibleBody, Frame
 from supple.reduction.bases.linear_basis import LinearBasisRecipe
 from supple.reduction.derivatives.compression import CompressedDerivatives
 from supple.reduction.derivatives.derivative_columns import DerivativeChoice
@@ -18,7 +18,7 @@ def reduce(
     basis: LinearBasisRecipe,
     *,
     derivatives: DerivativeChoice = CompressedDerivatives(10),  # noqa: B008 (it is immutable)
-    damping: RayleighDamping | ModalDamping | None = None,
+    damping: Damping | None = None,
     quartic: QuarticChoice = CondensedQuartic(),  # noqa: B008 (it is immutable)
 ) -> ReducedBody:
     """Reduce a body to the coordinates of a linear basis enriched with modal derivatives.
@@ -32,7 +32,7 @@ def reduce(
     basis : Rubin(...), CraigBampton(...), CraigBamptonResidual(...), Herting(...), NormalModes(...), Guyan()
             or CompleteBasis()
     derivatives : CompressedDerivatives(n), PickedDerivatives(n) or NoDerivatives()
-    damping : RayleighDamping(...) or ModalDamping(...); None: undamped
+    damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
     quartic : CondensedQuartic(): stiff motion that the columns lack follows them, so that they do not lock;
         PlainQuartic(): they do, as in published work
     Raises

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,8 +32,7 @@ class TensorModes:
     nodes : (N,)                        node numbers
     linear : (N, l, 6, r + m)           l layers, components xx yy zz yz xz xy in the body's frame; of the
                                         columns, then of the m fields of the condensed motion
-    quadratic : (N, l', 6, n2) or None  n2 = r(r+1)/2; l' = 1 where all layers share it (a shell's membrane
-                                        alone is nonlinear); None for a linear body
+    quadratic : (N, l, 6, n2) or None   n2 = r(r+1)/2; None for a linear body
     amplitudes : (m, n2)                of the fields of the condensed motion; m = 0 where there is none
     """
 
@@ -55,7 +54,7 @@ class TensorModes:
     def at(self, coordinates: ArrayLike) -> Array:
         """The field (..., N, l, 6) of coordinates (..., r); ModelError where they are of another number."""
         gamma = self._checked(coordinates)
-        field = self._field(self.linear, gamma.reshape(-1, self.r))
+        field = self._field(gamma.reshape(-1, self.r))
         return field.reshape(*gamma.shape[:-1], *self.linear.shape[:3])
 
     def largest(self, coordinates: ArrayLike, measure: Callable[[Array], Array]) -> Array:
@@ -67,18 +66,28 @@ class TensorModes:
         gamma = self._checked(coordinates)
         rows = gamma.reshape(-1, self.r)
         found = np.empty((len(rows), len(self.nodes)))
-        faces = np.ascontiguousarray(self.linear[:, :: max(1, self.linear.shape[1] - 1)])
-        n_rows = max(1, _FIELD_NUMBERS // max(1, faces[..., 0].size))
+        faces = self._faces()
+        n_rows = max(1, _FIELD_NUMBERS // max(1, faces.linear[..., 0].size))
         for start in range(0, len(rows), n_rows):
             block = slice(start, start + n_rows)
-            found[block] = measure(self._field(faces, rows[block])).max(axis=2)
+            found[block] = measure(faces._field(rows[block])).max(axis=2)
         return found.reshape(*gamma.shape[:-1], -1)
 
-    def _field(self, layers: Array, gamma: Array) -> Array:
-        """(t, N, l, 6) of (t, r), by the linear modes (N, l, 6, r + m) of some layers."""
+    def _faces(self) -> TensorModes:
+        """The outer layers alone."""
+        step = max(1, self.linear.shape[1] - 1)
+        if step == 1:
+            return self
+        quadratic = None if self.quadratic is None else np.ascontiguousarray(self.quadratic[:, ::step])
+        return TensorModes(
+            self.nodes, np.ascontiguousarray(self.linear[:, ::step]), quadratic, self.amplitudes
+        )
+
+    def _field(self, gamma: Array) -> Array:
+        """(t, N, l, 6) of (t, r)."""
         j, k = np.triu_indices(self.r)
         products = gamma[:, j] * gamma[:, k]
-        field = _times(layers, np.hstack([gamma, products @ self.amplitudes.T]))
+        field = _times(self.linear, np.hstack([gamma, products @ self.amplitudes.T]))
         if self.quadratic is not None:
             field += _times(self.quadratic, products)
         return field
@@ -112,19 +121,21 @@ def tensor_modes(body: ReducedBody, recovery: StressRecovery, nodes: ArrayLike |
     rows = (chosen[:, None] * n_layers + np.arange(n_layers)).ravel()
     follows = body.condensed
     amplitudes = np.zeros((0, r * (r + 1) // 2)) if follows is None else follows.amplitudes
-    columns = body.nodal_basis if follows is None else np.hstack([body.nodal_basis, follows.fields])
-    linear = np.zeros((len(rows), 6, columns.shape[1]))
-    quadratic = None if body.is_linear else np.zeros((len(chosen), 6, r * (r + 1) // 2))
+    fields = body.nodal_basis if follows is None else np.hstack([body.nodal_basis, follows.fields])
+    linear = np.zeros((len(rows), 6, fields.shape[1]))
+    quadratic = None if body.is_linear else np.zeros((len(rows), 6, r * (r + 1) // 2))
     for section, averaging in zip(recovery.sections, recovery.averaging, strict=True):
-        shares = averaging.tocsr()[rows]
-        for part in _parts(section, shares, columns.shape[1]):
-            part.add_to(linear, part.arrays.B @ columns[part.arrays.dofs][:, None])
-        if quadratic is not None:
-            _add_pairs(quadratic, *_nonlinear_points(section, shares), body.nodal_basis)
+        for part in _parts(section, averaging.tocsr()[rows], fields.shape[1]):
+            columns = fields[part.arrays.dofs][:, None]
+            part.add_to(linear, part.arrays.B @ columns)
+            if quadratic is not None:
+                for pairs, strains in _pair_strains(part.arrays.N, part.arrays.G @ columns[..., :r]):
+                    part.add_to(quadratic[..., pairs], strains)
+    layered = (len(chosen), n_layers, 6, -1)
     return TensorModes(
         nodes=chosen,
-        linear=linear.reshape(len(chosen), n_layers, 6, -1),
-        quadratic=None if quadratic is None else quadratic[:, None],
+        linear=linear.reshape(layered),
+        quadratic=None if quadratic is None else quadratic.reshape(layered),
         amplitudes=amplitudes,
     )
 
@@ -134,9 +145,9 @@ class _Part:
     """Some cells of a section and the nodes that they share in.
 
     rows : (R,)                     places in the field
-    share : csr (R, E g)            what each point gives to them
+    share : csr (R, E g l')         what the tensors of each point give to them
     arrays : QuadraticStrain        of the E cells
-    to_field : (E, 1, 6, s)         tensor of a strain
+    to_field : (E, 6 l', s)         tensors of a strain
     """
 
     rows: IntArray
@@ -147,40 +158,22 @@ class _Part:
     def add_to(self, field: Array, strains: Array) -> None:
         """Add the mean of strains (E, g, s, m) to a field (rows, 6, m)."""
         m = strains.shape[-1]
-        tensors = (self.to_field @ strains).reshape(-1, 6 * m)
+        tensors = (self.to_field[:, None] @ strains).reshape(-1, 6 * m)
         field[self.rows] += (self.share @ tensors).reshape(-1, 6, m)
 
 
 def _parts(section: SectionStress, shares: csr_array, r: int) -> Iterator[_Part]:
     """The cells that give to any row of `shares`, in parts whose tensors fit in memory."""
-    n_points = section.arrays.B.shape[1]
-    cells = np.unique(shares.indices // n_points)
-    size = max(1, _FIELD_NUMBERS // (n_points * 6 * r))
-    by_point = shares.tocsc()
+    n_tensors = section.to_nodes.shape[2]
+    cells = np.unique(shares.indices // n_tensors)
+    size = max(1, _FIELD_NUMBERS // (n_tensors * 6 * r))
+    by_tensor = shares.tocsc()
     for start in range(0, len(cells), size):
         some = cells[start : start + size]
-        share = by_point[:, (some[:, None] * n_points + np.arange(n_points)).ravel()].tocsr()
+        share = by_tensor[:, (some[:, None] * n_tensors + np.arange(n_tensors)).ravel()].tocsr()
         rows = np.flatnonzero(np.diff(share.indptr))
-        to_field = section.to_global[some] @ section.arrays.D
-        yield _Part(rows, share[rows], section.arrays.of(some), to_field[:, None])
-
-
-def _nonlinear_points(section: SectionStress, shares: csr_array) -> tuple[SectionStress, csr_array]:
-    """One layer for all: the gradients of a shell do not vary through its thickness."""
-    n_layers = section.to_nodes.shape[1]
-    if n_layers == 1:
-        return section, shares
-    arrays = section.arrays
-    one = replace(arrays, B=arrays.B[:, :1], G=arrays.G[:, :1], w=arrays.w[:, :1])
-    return replace(section, arrays=one), shares[::n_layers, :: arrays.B.shape[1]]
-
-
-def _add_pairs(quadratic: Array, section: SectionStress, shares: csr_array, basis: Array) -> None:
-    """Add what the pairs of columns give at the points of a section to `quadratic` (N, 6, n2)."""
-    for part in _parts(section, shares, basis.shape[1]):
-        gradients = part.arrays.G @ basis[part.arrays.dofs][:, None]
-        for pairs, strains in _pair_strains(part.arrays.N, gradients):
-            part.add_to(quadratic[..., pairs], strains)
+        to_field = section.of_strain[some].reshape(len(some), -1, section.of_strain.shape[3])
+        yield _Part(rows, share[rows], section.arrays.of(some), to_field)
 
 
 def _pair_strains(form: Array, gradients: Array) -> Iterator[tuple[slice, Array]]:

@@ -138,15 +138,18 @@ def rigid_gram(body: RigidBody) -> np.ndarray:
     return np.block([[mass * np.eye(3), -mass * cross], [mass * cross, inertia]])
 
 
+_ELASTIC = ("stiffness", "cubic", "quartic", "damping", "damping_cubic", "damping_quartic")
+
+
 def _arrays(body: Any, length: float) -> dict[str, Any]:
     """Inertia and elasticity of a rigid or reduced body."""
     scale = length * np.sqrt(body.mass)
     if isinstance(body, RigidBody):
         empty, gram = np.zeros((0, 0)), rigid_gram(body)
-        elastic = {"stiffness": empty, "cubic": None, "quartic": None, "damping": empty}
+        elastic = dict.fromkeys(_ELASTIC) | {"stiffness": empty, "damping": empty}
     else:
         gram = body.gram
-        elastic = {name: getattr(body, name) for name in ("stiffness", "cubic", "quartic", "damping")}
+        elastic = {name: getattr(body, name) for name in _ELASTIC}
     return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": scale, **elastic}
 
 
@@ -309,4 +312,14 @@ def system_length(system: System) -> float:
     points = [placed.position[None] for placed in system.bodies]
     points += [placed.position + placed.body.nodes @ placed.rotation.T for placed in system.bodies]
     extent = np.ptp(np.concatenate(points), axis=0)
-    return float(np.linalg.norm(extent)) or 1.0
+    return float(np.linalg.norm(extent)) or _largest_gyration(system)
+
+
+def _largest_gyration(system: System) -> float:
+    """Of rigid bodies in one point: a length of theirs, so that nothing depends on the unit of length."""
+    inertias = [
+        (placed.body.inertia, placed.body.mass)
+        for placed in system.bodies
+        if isinstance(placed.body, RigidBody)
+    ]
+    return max((float(np.sqrt(np.trace(inertia) / mass)) for inertia, mass in inertias), default=1.0)
