@@ -82,6 +82,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.reduction import NoDerivatives as NoDerivatives
     from supple.reduction import PickedDerivatives as PickedDerivatives
     from supple.reduction import Rubin as Rubin
+    from supple.reduction import SteadyLoads as SteadyLoads
     from supple.reduction import reduce as reduce
     from supple.results import node_positions as node_positions
     from supple.results import rms_error as rms_error
@@ -109,7 +110,7 @@ _NAMES = {
         "MeanAxisFrame NodalFixedFrame RayleighDamping ModalDamping"
     ),
     "supple.reduction": (
-        "reduce CraigBampton Rubin AttachmentModes ErrorControlled "
+        "reduce CraigBampton Rubin AttachmentModes SteadyLoads ErrorControlled "
         "CompressedDerivatives PickedDerivatives NoDerivatives"
     ),
     "supple.machine": (

@@ -69,6 +69,10 @@ class ValidityWarning(SuppleWarning):
     """A motion near or beyond what the chosen kinematics can describe."""
 
 
+class LockingWarning(SuppleWarning):
+    """A reduced body answers too little, because its basis lacks stiff motion that bending needs."""
+
+
 class LoadSpectrumWarning(SuppleWarning):
     """Loads that excite modes which a reduced body lacks."""
 

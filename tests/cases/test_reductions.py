@@ -19,6 +19,7 @@ from supple.reduction import (
     NormalModes,
     Rubin,
     SearchStep,
+    SteadyLoads,
 )
 from supple.reduction.bases.error_controlled import SMALLEST_TOLERANCE
 
@@ -56,7 +57,11 @@ def reduction_table(case_folder, keys):
     ],
 )
 def test_a_table_means_a_recipe(case_folder, keys, recipe):
-    assert reduction_table(case_folder, keys).recipe() == recipe
+    """With the static answers to steady motion besides, where modes are counted."""
+    expected = SteadyLoads(recipe) if "modes = " in keys and "error-controlled" not in keys else recipe
+    assert reduction_table(case_folder, keys).recipe() == expected
+    if expected != recipe:
+        assert reduction_table(case_folder, f"{keys}, steady = false").recipe() == recipe
 
 
 def test_a_search_tells_how_far_it_has_come(case_folder):

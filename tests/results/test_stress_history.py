@@ -1,5 +1,7 @@
 """Von Mises histories are the same by stress modes and by the recovery of full vectors."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -29,7 +31,7 @@ def bodies(request, model):
 @pytest.mark.parametrize("history", [von_mises_history, von_mises_strain_history])
 @pytest.mark.parametrize("nodes", [None, [11, 3]])
 def test_full_and_reduced_bodies_agree(bodies, model, history, nodes):
-    full, reduced = bodies
+    full, reduced = bodies[0], replace(bodies[1], condensed=None)  # the full body moves in the columns alone
     gamma = np.random.default_rng(0).normal(size=(4, 5)) / reduced.frequencies
     gamma *= 0.2 / np.abs(reduced.expand(gamma)).max()
     found = history(reduced, model, gamma, nodes)

@@ -10,7 +10,7 @@ from supple.body import Frame, MeanAxisFrame, RayleighDamping, flexible_body
 from supple.errors import ModelError, ResultFileError
 from supple.integrate import Run
 from supple.machine import Placed, System
-from supple.reduction import NoDerivatives, NormalModes, ReductionReport, reduce
+from supple.reduction import AttachmentModes, NoDerivatives, NormalModes, ReductionReport, reduce
 from supple.simulation import simulate
 from supple.storage import (
     holds_reduced_body,
@@ -27,7 +27,8 @@ def body(request, flexible, model):
         return reduce(free, MeanAxisFrame(), NormalModes(2), derivatives=NoDerivatives())
     if request.param == "damped":
         damping = RayleighDamping(0.3, 1e-4)
-        return reduce(flexible, MeanAxisFrame(), NormalModes(2), derivatives=NoDerivatives(), damping=damping)
+        basis = AttachmentModes(NormalModes(2))
+        return reduce(flexible, MeanAxisFrame(), basis, derivatives=NoDerivatives(), damping=damping)
     return request.getfixturevalue(request.param)
 
 

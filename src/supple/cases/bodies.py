@@ -35,7 +35,7 @@ from supple.cases.body_kinds import (
 from supple.cases.damping import Damping
 from supple.cases.interfaces import Interface
 from supple.cases.notify import Notify
-from supple.cases.reductions import FullOrder, Reduction, derivative_choice
+from supple.cases.reductions import FullOrder, Reduction, derivative_choice, quartic_choice
 from supple.cases.shared_rules import usable_names
 from supple.cases.split import Split
 from supple.cases.table import Made
@@ -53,7 +53,7 @@ from supple.importers.toml import (
     unknown,
 )
 from supple.machine import Placed
-from supple.reduction import ReducedBody, reduce
+from supple.reduction import CondensedQuartic, ReducedBody, reduce
 from supple.reduction.eigenvalues.mode_search import search_words
 from supple.storage import read_reduced_body
 
@@ -178,6 +178,7 @@ class Body(CheckedTable):
             self.reduction.recipe(lambda detail: notify(step, detail)),
             derivatives=derivative_choice(self.reduction.derivatives),
             damping=damped,
+            quartic=quartic_choice(self.reduction.condensed, CondensedQuartic()),
         )
         proven = body.report.certificate
         if proven is not None:  # the numbers tried last are not those that were kept

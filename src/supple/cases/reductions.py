@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import Field
@@ -14,7 +15,7 @@ from supple.cases.damping import is_modal
 from supple.cases.table import Made
 from supple.correction import ReductionStart, SelfCorrection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, names, table
-from supple.reduction import DerivativeChoice, LinearBasisRecipe
+from supple.reduction import DerivativeChoice, LinearBasisRecipe, QuarticChoice
 from supple.reduction.eigenvalues.mode_search import search_words
 
 DEFAULT_ACCURACY = 1e-3
@@ -57,6 +58,20 @@ class NoDerivatives(Made):
 Derivatives = Annotated[AllPairsCompressed | Picked | NoDerivatives, Field(discriminator="kind")]
 
 
+_CONDENSED = Field(
+    None,
+    description="false: plain tensors, as in published work, which lock where stiff motion is missing; "
+    "left out: condensed ones for a fixed size, plain ones where the rounds add what is missing",
+)
+
+
+def quartic_choice(condensed: bool | None, default: QuarticChoice) -> QuarticChoice:
+    """Condensed or plain tensors, as a case file asks for them."""
+    if condensed is None:
+        return default
+    return reduction.CondensedQuartic() if condensed else reduction.PlainQuartic()
+
+
 def derivative_choice(table: Derivatives | None) -> DerivativeChoice:
     """The choice of modal derivatives; none unless they are asked for."""
     return table.build() if table else reduction.NoDerivatives()
@@ -93,6 +108,12 @@ class Sized(CheckedTable):
     modes: int | None = None
     derivatives: Derivatives | None = None
     accuracy: Accuracy | None = None
+    condensed: bool | None = _CONDENSED
+    steady: bool = Field(
+        True,
+        description="false leaves out of a fixed size the static answers to steady motion: "
+        "up to nine columns besides the modes",
+    )
 
     @property
     def corrects_itself(self) -> bool:
@@ -106,6 +127,10 @@ class Sized(CheckedTable):
 
     def recipe(self, _tell: Tell | None = None) -> LinearBasisRecipe:
         """The linear columns; of those to start with, where no number is given."""
+        columns = self._columns()
+        return columns if self.corrects_itself or not self.steady else reduction.SteadyLoads(columns)
+
+    def _columns(self) -> LinearBasisRecipe:
         return type(self).made(self.n_modes)
 
 
@@ -130,8 +155,7 @@ class CraigBampton(Sized):
         None, ge=1, description="lowest modes to select among; five times as many as are kept if left out"
     )
 
-    def recipe(self, _tell: Tell | None = None) -> LinearBasisRecipe:
-        """The linear columns; of those to start with, where no number is given."""
+    def _columns(self) -> LinearBasisRecipe:
         candidates = self.candidates or max(CANDIDATES_PER_MODE * self.n_modes, 1)
         selection = {
             "lowest-frequency": reduction.LowestFrequency,
@@ -181,6 +205,7 @@ class Guyan(CheckedTable):
     basis: Literal["guyan"]
     derivatives: Derivatives | None = None
     accuracy: Accuracy | None = None
+    condensed: bool | None = _CONDENSED
 
     @property
     def corrects_itself(self) -> bool:
@@ -208,6 +233,7 @@ class ErrorControlled(CheckedTable):
         True, description="false leaves out the static answers to forces at the interfaces"
     )
     derivatives: Derivatives | None = None
+    condensed: bool | None = _CONDENSED
 
     def recipe(self, tell: Tell | None = None) -> LinearBasisRecipe:
         """The linear columns, whose number a search finds."""
@@ -247,7 +273,8 @@ def reduction_start(given: Reduction | None, body: FlexibleBody) -> ReductionSta
     if given.derivatives is None and not body.is_linear:
         derivatives = reduction.CompressedDerivatives(FIRST_DERIVATIVES)
     accuracy = given.accuracy or Accuracy.model_validate({})
-    return ReductionStart(accuracy.target(), given.recipe(), derivatives)
+    start = ReductionStart(accuracy.target(), given.recipe(), derivatives)
+    return replace(start, quartic=quartic_choice(given.condensed, start.quartic))
 
 
 def _bases_have_interfaces(path: KeyPath, body: Raw) -> Mistakes:

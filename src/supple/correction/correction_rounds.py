@@ -16,6 +16,8 @@ from supple.reduction import (
     CraigBampton,
     DerivativeChoice,
     LinearBasisRecipe,
+    PlainQuartic,
+    QuarticChoice,
     ReducedBody,
 )
 
@@ -72,12 +74,14 @@ class ReductionStart:
     """Where the reduction of a body starts, and the error at which it may stop.
 
     target : SelfCorrection
-    basis, derivatives : as for `reduce`
+    basis, derivatives, quartic : as for `reduce`; plain tensors, as the rounds add the directions that bodies
+        lack, and those of the run are then all that may move: loads act on every motion that takes part
     """
 
     target: SelfCorrection = field(default_factory=lambda: SelfCorrection(relative=1e-3))
     basis: LinearBasisRecipe = field(default_factory=lambda: CraigBampton(n_modes=5))
     derivatives: DerivativeChoice = field(default_factory=lambda: CompressedDerivatives(5))
+    quartic: QuarticChoice = field(default_factory=PlainQuartic)
 
 
 @dataclass(frozen=True, eq=False)

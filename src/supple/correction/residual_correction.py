@@ -1,8 +1,9 @@
 """What a basis misses: the full-order residual along a finished reduced run, and the motion that balances it.
 
-At an instant of the run the motion is expanded to all coordinates of the body, `q = V gamma` with its rates
-and accelerations, and the full-order equations are evaluated with the run's joint forces. Along V the
-residual r vanishes; what is left is answered by one Newton step of the whole system,
+At an instant of the run the motion is expanded to all coordinates of the body, `q = V gamma + z(gamma)` with
+its rates and accelerations, z the motion that condensed tensors let follow the columns, and the full-order
+equations are evaluated with the run's joint forces. Along V the residual r vanishes; what is left is answered
+by one Newton step of the whole system,
 
     [ K_t(q) + M / p   D^T   G^T ] [ delta  ]     [ r ]
     [ D                          ] [ mu     ] = - [ 0 ]
@@ -12,7 +13,8 @@ K_t is the tangent of the deformed body and of the inertia forces at given accel
 softens, the tension it raises stiffens). The frame rows D and the joint rows G hold, while the frame, the
 other bodies and the joint forces are free to follow: one clamped interface, closed loops and free flight are
 all of one kind. The inertia M / p says what a static equilibrium cannot, how a rigid motion resists. delta
-is the missing motion, to first order and quasi-statically.
+is the missing motion, to first order and quasi-statically; z, which no displacement of the run shows, belongs
+to it.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,11 +31,12 @@ from supple.body import BodyForm, MeanAxisFrame, frame_projector, in_space
 from supple.body.full_body import FullBody
 from supple.errors import ModelError, RedundantConstraintWarning
 from supple.integrate import Progress, Solution, StepFactors
+from supple.integrate.motion import FloatingMotion
 from supple.machine.system import System
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.equations.configuration import Configuration
 from supple.multibody.full.full_system import FullState, FullSystem
-from supple.reduction import ReductionBasis
+from supple.reduction import Condensation, ReducedBody, ReductionBasis
 
 __all__ = ["ResidualCorrections", "residual_corrections", "system_corrections"]
 
@@ -110,13 +114,18 @@ def system_corrections(
         active = compiled_start(system, float(solution.times[0])).model.active
     prepared = FullSystem(replace(system, bodies=placed), active)
     position = (_SLOWNESS / min(body.lowest_frequency() for body in reduced)) ** 2
-    vectors = {full.name: bases[full.name].vectors for full in fulls}
+    expanded = {
+        full.name: _expanded_motion(full, body, bases[full.name], solution.bodies[full.name], instants)
+        for full, body in zip(fulls, reduced, strict=True)
+    }
     states, steps = [], np.empty((len(instants), prepared.n))
     for row, instant in enumerate(instants):
-        states.append(_expanded(prepared, solution, vectors, instant))
+        states.append(_expanded(prepared, solution, expanded, row, instant))
         steps[row] = _newton_step(prepared, states[-1], position)
         if progress is not None:
             progress((row + 1) / len(instants))
+    for index, full in zip(indices, fulls, strict=True):
+        steps[:, prepared.slices[index]][:, 6:] += expanded[full.name].following
     coordinates = np.array([state.configuration.coordinates for state in states])
     rotations = np.array([state.configuration.rotations for state in states])
     determined = len(active) >= 6 * len(placed)
@@ -163,14 +172,46 @@ def _of_body(
     )
 
 
+class _ExpandedMotion(NamedTuple):
+    """Coordinates (k, n) of one body at the instants, and of them what follows its columns."""
+
+    coordinates: np.ndarray
+    coordinate_rates: np.ndarray
+    coordinate_accelerations: np.ndarray
+    following: np.ndarray
+
+
+def _expanded_motion(
+    full: FullBody, reduced: BodyForm, basis: ReductionBasis, motion: FloatingMotion, instants: np.ndarray
+) -> _ExpandedMotion:
+    gamma, rate, acceleration = (
+        getattr(motion, item)[instants]
+        for item in ("coordinates", "coordinate_rates", "coordinate_accelerations")
+    )
+    moved = [each @ basis.vectors.T for each in (gamma, rate, acceleration)]
+    following = np.zeros(moved[0].shape)
+    if isinstance(reduced, ReducedBody) and reduced.condensed is not None:
+        z = Condensation(full.body, basis).bilinear  # z(gamma) = z(gamma, gamma), so its derivatives:
+        following = z(gamma, gamma).T
+        moved[0] = moved[0] + following
+        moved[1] = moved[1] + 2 * z(gamma, rate).T
+        moved[2] = moved[2] + 2 * (z(rate, rate) + z(gamma, acceleration)).T
+    return _ExpandedMotion(moved[0], moved[1], moved[2], following)
+
+
 def _expanded(
-    prepared: FullSystem, solution: Solution, vectors: Mapping[str, np.ndarray], instant: int
+    prepared: FullSystem,
+    solution: Solution,
+    expanded: Mapping[str, _ExpandedMotion],
+    row: int,
+    instant: int,
 ) -> FullState:
-    """State of the run at one output time, with all coordinates of the bodies whose basis is given."""
+    """State of the run at one output time, with all coordinates of the bodies that were expanded."""
 
     def now(item: str, body: str) -> np.ndarray:
-        value = getattr(solution.bodies[body], item)[instant]
-        return vectors[body] @ value if body in vectors and item.startswith("coordinate") else value
+        if body in expanded and item.startswith("coordinate"):
+            return getattr(expanded[body], item)[row]
+        return getattr(solution.bodies[body], item)[instant]
 
     def joined(*items: str) -> np.ndarray:
         return np.concatenate([now(item, body) for body in names for item in items])

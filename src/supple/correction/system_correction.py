@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from time import perf_counter
@@ -20,7 +21,7 @@ from supple.correction.correction_rounds import (
 from supple.correction.residual_correction import system_corrections
 from supple.correction.round_archive import MissedMotion, RoundArchive, RoundBases
 from supple.correction.run_distance import largest_displacement, largest_distance
-from supple.errors import ConvergenceError
+from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import Run, Solution
 from supple.machine.system import Placed, System
 from supple.multibody.checks.load_spectrum import warn_of_missing_modes
@@ -148,10 +149,15 @@ def _first_bases(problem: Problem) -> RoundBases:
 def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
     began = perf_counter()
     problem.archive.keep_bases(number, bases)
-    bodies = {
-        name: project(full.body, bases.bases[name], damping=full.damping)
-        for name, full in problem.fulls.items()
-    }
+    with warnings.catch_warnings():
+        # What locks is missed motion like any other: the rounds find it and say what is left.
+        warnings.simplefilter("ignore", LockingWarning)
+        bodies = {
+            name: project(
+                full.body, bases.bases[name], damping=full.damping, quartic=problem.starts[name].quartic
+            )
+            for name, full in problem.fulls.items()
+        }
     system = _with_reduced(problem.system, bodies, bases)
     return _Model(number, bases, bodies, system, perf_counter() - began)
 

@@ -115,7 +115,35 @@ class Assembly:
                 rows = gather[elements.start * n_e : elements.stop * n_e]
                 directions = (rows @ X).reshape(-1, n_e, m)
                 pairs = quadratic_strain.pair_forces(block.of(elements), directions)
-                forces += rows.T @ pairs.reshape(-1, forces.shape[1])
+                own = np.unique(rows.indices)  # a portion reaches few of the freedoms
+                forces[own] += rows[:, own].T @ pairs.reshape(-1, forces.shape[1])
+        return forces
+
+    def strain_pair_forces(self, X: FloatArray, first: IntArray, second: IntArray) -> FloatArray:
+        """Forces that balance the quadratic strain of pairs of columns of X by linear strains alone.
+
+            f_p = sum w B^T D N(G x_first(p), G x_second(p))
+
+        Parameters
+        ----------
+        X : (n, m)
+        first, second : (p,)    columns of X
+
+        Returns
+        -------
+        float array (n, p)      self-equilibrated: a rigid motion has no linear strain
+        """
+        m, n_pairs = X.shape[1], len(first)
+        forces = np.zeros((self.n, n_pairs))
+        for block, gather in zip(self.model.blocks, self.gathers, strict=True):
+            n_elements, n_points, s, n_e = block.B.shape
+            each = n_points * (s + 1) * block.G.shape[2] * n_pairs + n_e * (n_pairs + m)
+            for elements in _ranges(n_elements, each):
+                rows = gather[elements.start * n_e : elements.stop * n_e]
+                directions = (rows @ X).reshape(-1, n_e, m)
+                pairs = quadratic_strain.strain_pair_forces(block.of(elements), directions, first, second)
+                own = np.unique(rows.indices)  # a portion reaches few of the freedoms
+                forces[own] += rows[:, own].T @ pairs.reshape(-1, n_pairs)
         return forces
 
     def pattern_data(self, matrix: SparseArray) -> Array:

@@ -159,6 +159,33 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
     return forces
 
 
+def strain_pair_forces(
+    block: QuadraticStrain, X: FloatArray, first: NDArray[np.integer], second: NDArray[np.integer]
+) -> FloatArray:
+    """Forces of the quadratic strain of chosen pairs of directions, through the linear strains alone.
+
+        f_p = sum_g w B^T D N(G x_first(p), G x_second(p))
+
+    It is the first of the three terms of `pair_forces`: what balances the stress of N(x, y) without strain
+    that x, y and the answer have together.
+
+    Parameters
+    ----------
+    X : float array (E, n, m)           m directions
+    first, second : int arrays (p,)     columns of X
+    Returns
+    -------
+    float array (E, n, p)
+    """
+    a = _directions(block.G, X)
+    Na = np.tensordot(a, block.N, axes=(2, 1)).transpose(0, 1, 4, 3, 2)  # (E, g, d, s, m)
+    picked, other = Na[..., first], a[:, :, :, None, second]
+    second_strain = np.zeros((*picked.shape[:2], *picked.shape[3:]))
+    for i in range(picked.shape[2]):  # over the few gradients, so that no product of all of them is held
+        second_strain += picked[:, :, i] * other[:, :, i]
+    return _gather_directions(block.B, block.weighted_D @ second_strain)
+
+
 def _apply(operator: Array, vector: Array) -> Array:
     """(E, g, a, b) on (E, b) or (E, g, b) -> (E, g, a)."""
     if vector.ndim == 2:

@@ -24,6 +24,7 @@ from supple.reduction.bases.mode_selection import ChosenModes, LowestFrequency, 
 from supple.reduction.bases.normal_modes import CompleteBasis, NormalModes
 from supple.reduction.bases.rubin import Rubin
 from supple.reduction.bases.static_correction import StaticCorrection
+from supple.reduction.bases.steady_loads import SteadyLoads
 from supple.reduction.clamped_modes import ClampedModes, clamped_modes
 from supple.reduction.components.component_model import ComponentModel, ReducedMatrices, RitzComponent
 from supple.reduction.components.fixed_interface_component import (
@@ -41,6 +42,8 @@ from supple.reduction.components.free_interface_component import (
     rubin_component,
 )
 from supple.reduction.components.free_vibration import FreeVibrations, free_vibrations
+from supple.reduction.condensation import Condensation
+from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.derivatives.compression import CompressedDerivatives, compress
 from supple.reduction.derivatives.derivative_columns import DerivativeChoice, DerivativeColumns, NoDerivatives
 from supple.reduction.derivatives.leading_directions import LeadingDirections, leading_directions
@@ -69,7 +72,9 @@ from supple.reduction.eigenvalues.eigenvalue_error import (
 )
 from supple.reduction.eigenvalues.mode_search import Bisection, ModeSearch, OneByOne, SearchStep
 from supple.reduction.enrichment import Enrichment, enrich
+from supple.reduction.locking import Locking
 from supple.reduction.projection import project
+from supple.reduction.quartic_choice import CondensedQuartic, PlainQuartic, QuarticChoice
 from supple.reduction.reduce import reduce
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface, ReductionReport
 from supple.reduction.reduction_basis import ReductionBasis, reduction_basis
@@ -84,6 +89,9 @@ __all__ = [
     "CompleteBasis",
     "ComponentModel",
     "CompressedDerivatives",
+    "Condensation",
+    "CondensedMotion",
+    "CondensedQuartic",
     "CountedGroup",
     "CouplingMoment",
     "CraigBampton",
@@ -112,6 +120,7 @@ __all__ = [
     "LeadingDirections",
     "LinearBasis",
     "LinearBasisRecipe",
+    "Locking",
     "LowestFrequency",
     "MacNealComponent",
     "ModalAmplitudes",
@@ -124,6 +133,8 @@ __all__ = [
     "OneByOne",
     "PairCriterion",
     "PickedDerivatives",
+    "PlainQuartic",
+    "QuarticChoice",
     "ReducedBody",
     "ReducedInterface",
     "ReducedMatrices",
@@ -135,6 +146,7 @@ __all__ = [
     "SharperBound",
     "StaticCorrection",
     "StaticLoad",
+    "SteadyLoads",
     "TwoTermEstimate",
     "UnitLoad",
     "clamped_modes",

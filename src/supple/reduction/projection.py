@@ -8,6 +8,9 @@ import numpy as np
 
 from supple.body import Damping, FlexibleBody, inertia_gram
 from supple.errors import AccuracyError
+from supple.reduction.condensation import Condensation
+from supple.reduction.locking import locking, warn_of_locking
+from supple.reduction.quartic_choice import CondensedQuartic, QuarticChoice
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface
 from supple.reduction.reduction_basis import ReductionBasis
 from supple.reduction.stopwatch import timed
@@ -16,13 +19,21 @@ from supple.reduction.tensors import strain_products
 LARGEST_GRAM_ERROR = 1e-8
 
 
-def project(body: FlexibleBody, basis: ReductionBasis, *, damping: Damping | None = None) -> ReducedBody:
-    """The reduced body of a basis: q = V gamma in the kinetic and strain energies, exactly.
+def project(
+    body: FlexibleBody,
+    basis: ReductionBasis,
+    *,
+    damping: Damping | None = None,
+    quartic: QuarticChoice = CondensedQuartic(),  # noqa: B008 (it is immutable)
+) -> ReducedBody:
+    """The reduced body of a basis: q = V gamma in the kinetic energy, and in the strain energy by `quartic`.
 
     body : FlexibleBody
     basis : ReductionBasis      of that body
     damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
+    quartic : CondensedQuartic() lets motion outside the columns follow; PlainQuartic() leaves it out
     Raises AccuracyError when the Gram matrix misses its own identity.
+    Warns LockingWarning when the body answers too little because its columns lack stiff motion.
     """
     V, r = basis.vectors, basis.r
     seconds = dict(basis.report.seconds)
@@ -31,9 +42,18 @@ def project(body: FlexibleBody, basis: ReductionBasis, *, damping: Damping | Non
         _check_gram(body, gram, r)
     with timed(seconds, "tensors"):
         products = strain_products(body, V)
-        tensors = products.internal_force()
+        tensors = plain = products.internal_force()
         time = 0.0 if damping is None else damping.retardation_time
-        material = products.material(tensors) if time else None
+        material = products.material(plain) if time else None
+    motion, found = None, None
+    if not body.is_linear:
+        left_out = Condensation(body, basis)
+        with timed(seconds, "condensation"):
+            tensors = quartic.tensors(plain, left_out)
+            motion = quartic.motion(left_out)
+        with timed(seconds, "locking"):
+            found = locking(left_out, plain, tensors)
+        warn_of_locking(body.name, found, motion is not None)
 
     nodal_basis = body.expansion @ V
     rotations = body.rotation_operator
@@ -55,7 +75,8 @@ def project(body: FlexibleBody, basis: ReductionBasis, *, damping: Damping | Non
         rotation_basis=None if rotations is None else (rotations @ nodal_basis).reshape(-1, 3, r),
         rotation_limit=body.rotation_limit,
         frequencies=np.sqrt(np.linalg.eigvalsh(tensors.stiffness)),
-        report=replace(basis.report, seconds=seconds),
+        report=replace(basis.report, seconds=seconds, locking=found),
+        condensed=motion,
     )
 
 

@@ -7,6 +7,7 @@ from supple.reduction.bases.linear_basis import LinearBasisRecipe
 from supple.reduction.derivatives.compression import CompressedDerivatives
 from supple.reduction.derivatives.derivative_columns import DerivativeChoice
 from supple.reduction.projection import project
+from supple.reduction.quartic_choice import CondensedQuartic, QuarticChoice
 from supple.reduction.reduced_body import ReducedBody
 from supple.reduction.reduction_basis import reduction_basis
 
@@ -18,6 +19,7 @@ def reduce(
     *,
     derivatives: DerivativeChoice = CompressedDerivatives(10),  # noqa: B008 (it is immutable)
     damping: Damping | None = None,
+    quartic: QuarticChoice = CondensedQuartic(),  # noqa: B008 (it is immutable)
 ) -> ReducedBody:
     """Reduce a body to the coordinates of a linear basis enriched with modal derivatives.
 
@@ -31,10 +33,14 @@ def reduce(
             or CompleteBasis()
     derivatives : CompressedDerivatives(n), PickedDerivatives(n) or NoDerivatives()
     damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
+    quartic : CondensedQuartic(): stiff motion that the columns lack follows them, so that they do not lock;
+        PlainQuartic(): they do, as in published work
     Raises
     ------
     ModelError      too many modes or derivatives; a basis that needs interfaces; derivatives of a linear body
     AccuracyError   the basis or the Gram matrix misses its own identities
+    Warns LockingWarning when the body answers too little because its columns lack stiff motion.
     Source: [Wu2019] section 5.
     """
-    return project(body, reduction_basis(body, frame, basis, derivatives=derivatives), damping=damping)
+    columns = reduction_basis(body, frame, basis, derivatives=derivatives)
+    return project(body, columns, damping=damping, quartic=quartic)

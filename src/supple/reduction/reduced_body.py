@@ -16,7 +16,9 @@ from supple.body.floating_kinematics import floating_positions
 from supple.body.interface import interface_named
 from supple.errors import ModelError
 from supple.integrate.motion import FloatingMotion
+from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
+from supple.reduction.locking import Locking
 from supple.reduction.tensors import InternalForceTensors
 
 if TYPE_CHECKING:
@@ -54,6 +56,7 @@ class ReductionReport:
         (both empty unless the derivatives were compressed)
     seconds : wall time of each offline step
     certificate : what is proven of the body's eigenvalues, by a basis that proves it (ErrorControlled)
+    locking : what stiff motion outside the columns would withhold, and does; None of a linear body
     """
 
     linear: tuple[str, ...]
@@ -64,6 +67,7 @@ class ReductionReport:
     singular_values_dropped: np.ndarray = field(default_factory=lambda: np.empty(0))
     seconds: Mapping[str, float] = field(default_factory=dict)
     certificate: EigenvalueCertificate | None = None
+    locking: Locking | None = None
 
     def __post_init__(self):
         _set_read_only(self)
@@ -94,6 +98,8 @@ class ReducedBody:
     rotation_limit : float      rad; largest rotation against the frame that the kinematics describe
     frequencies : (r,)          rad/s, ascending, of the reduced body fixed in its frame
     report : ReductionReport
+    condensed : the motion outside the columns that the quartic tensor lets follow them; it adds to stress,
+                not to displacement; None where it lets none
     Raises ModelError when the shapes disagree or a value is not finite.
     """
 
@@ -113,6 +119,7 @@ class ReducedBody:
     report: ReductionReport
     damping_cubic: np.ndarray | None = None
     damping_quartic: np.ndarray | None = None
+    condensed: CondensedMotion | None = None
 
     def __post_init__(self):
         _set_read_only(self)
@@ -222,6 +229,11 @@ def _check_shapes(body: ReducedBody) -> None:
         )
     if body.cubic is not None:
         expected |= {"cubic": (n2, r), "quartic": (n2, n2)}
+    if body.condensed is not None and body.condensed.shape != (body.nodal_basis.shape[0], n2):
+        raise ModelError(
+            f"reduced body '{body.name}': condensed motion of shape {body.condensed.shape}, "
+            f"but {r} coordinates need {(body.nodal_basis.shape[0], n2)}"
+        )
     if body.damping_cubic is not None:
         expected |= {"damping_cubic": (n2, r), "damping_quartic": (n2, n2)}
     for name, shape in expected.items():

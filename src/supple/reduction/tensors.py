@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -67,6 +67,15 @@ class InternalForceTensors:
         """Tangent stiffness (..., r, r), the gradient of the force."""
         _, A3, A4 = self._force_matrices(gamma)
         return self.stiffness + A3 + A4
+
+    def condensed(self, energy: np.ndarray) -> InternalForceTensors:
+        """Less the energy (1/8) s^T R s, s_(jk) = mult_jk gamma_j gamma_k, that motion outside releases.
+
+        energy : (n2, n2)   R of `Condensation`
+        """
+        if self.quartic is None:
+            return self
+        return replace(self, quartic=self.quartic - _fold_quartic(energy, self.r))
 
     def _force_matrices(self, gamma: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         gamma = np.asarray(gamma)

@@ -56,6 +56,8 @@ def describe_reduction(report: ReductionReport) -> Iterator[Row]:
         yield "largest singular value dropped", f"{report.singular_values_dropped.max():.2g}"
     if report.certificate is not None:
         yield "eigenvalues", str(report.certificate)
+    if report.locking is not None:
+        yield "locking", str(report.locking)
     yield "seconds", ", ".join(f"{step} {time:.2f}" for step, time in report.seconds.items())
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from supple.body import FullBody, RigidBody
 from supple.integrate import Solution, Statistics
 from supple.machine import System
-from supple.reduction import ReducedBody, clamped_modes
+from supple.reduction import Locking, ReducedBody, clamped_modes
 from supple.results.joint_loads import joint_loads, joint_meanings
 from supple.results.tracked_motion import TrackedMotion
 from supple.units import UNNAMED, UnitSystem, headed
@@ -70,6 +70,7 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem) -> dict[str, Any]:
         for i in body.interfaces
     }
     proven, hertz = body.report.certificate, units.frequency_shown.unit
+    locking = body.report.locking
     return {
         "mass": body.mass,
         "nodes": len(body.nodes),
@@ -82,7 +83,16 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem) -> dict[str, Any]:
         headed("frequencies in the frame", hertz): _shown(body.frequencies[:N_FREQUENCIES], units),
         headed("frequencies held", hertz): held,
         **({} if proven is None else {"eigenvalues": str(proven)}),
+        **({} if locking is None else {"locking": _locking_numbers(locking)}),
         "seconds": dict(body.report.seconds),
+    }
+
+
+def _locking_numbers(locking: Locking) -> dict[str, Any]:
+    return {
+        "largest": locking.largest_remaining,
+        "largest without condensation": locking.largest_plain,
+        "without condensation": dict(zip(locking.loads, locking.plain.tolist(), strict=True)),
     }
 
 

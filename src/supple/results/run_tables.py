@@ -25,7 +25,7 @@ def body_table(numbers: Mapping[str, Any]) -> TextTable:
     units = numbers["units"]
     hertz = units.get("frequency", "")
     heads = (
-        *("body", "kind", headed("mass", units.get("mass", "")), "nodes", "coordinates", "held at"),
+        *("body", "kind", headed("mass", units.get("mass", "")), "nodes", "coordinates", "locks", "held at"),
         headed("lowest frequencies", hertz),
     )
     rows = [row for name, body in numbers["bodies"].items() for row in _body_rows(name, body, hertz)]
@@ -37,10 +37,12 @@ def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[
     coordinates = _count(body.get("coordinates"))
     if body["kind"] == "reduced":
         coordinates = f"{coordinates} of {body['freedoms']}"
+    locks = body.get("locking")
+    cells = [*cells, coordinates, "" if locks is None else f"{100 * locks['largest']:.2g} %"]
     held = {"(its frame)": body.get(headed("frequencies in the frame", hertz), ())}
     held |= body.get(headed("frequencies held", hertz), {})
     for row, (place, frequencies) in enumerate(held.items()):
-        head = [*cells, coordinates] if row == 0 else [""] * 5
+        head = cells if row == 0 else [""] * len(cells)
         if len(frequencies) or row == 0:
             yield [*head, place if len(frequencies) else "", _vector(frequencies, digits=4)]
 

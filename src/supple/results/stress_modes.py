@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class StressModes:
-    """Second Piola-Kirchhoff stress at nodes of a reduced body, Pa; exactly `fem.stress_recovery`'s.
+    """Second Piola-Kirchhoff stress at nodes of a reduced body, Pa: `fem.stress_recovery`'s of its motion.
 
     modes : TensorModes     of N nodes; l = 1 layer (solids) or 3 (shells: bottom, middle, top)
     """
@@ -46,7 +46,7 @@ class StressModes:
 
 @dataclass(frozen=True, eq=False)
 class StrainModes:
-    """Green-Lagrange strain at nodes of a reduced body; exactly `fem.strain_recovery`'s.
+    """Green-Lagrange strain at nodes of a reduced body: `fem.strain_recovery`'s of its motion.
 
     modes : TensorModes     as in StressModes; engineering shears
     """
@@ -70,12 +70,13 @@ class StrainModes:
 def stress_modes(body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike | None = None) -> StressModes:
     """Stress modes of a reduced body: computed once, then a small matrix product per instant.
 
-        sigma(gamma) = S1 gamma + S2 (gamma gamma)
+        sigma(gamma) = S1 gamma + S2 (gamma gamma) + S3 z(gamma)
 
     S1 holds the stress of each column, S2 that of each pair of columns by the quadratic part of the strain,
     without which a body that turns far against its frame, as a bent blade does, shows stress that it does
-    not have. A linear body has S1 alone, the stress that belongs to its K gamma. Memory: N l 6 r numbers,
-    and N 6 r(r+1)/2 for a nonlinear body; choose nodes where that is much.
+    not have. S3 holds that of the condensed motion z, which takes back the stress of stiff motion that the
+    columns lack. A linear body has S1 alone, the stress that belongs to its K gamma. Memory: N l 6 r numbers,
+    and N 6 r(r+1)/2 and N l 6 m (m fields of z) for a nonlinear body; choose nodes where that is much.
 
     Parameters
     ----------

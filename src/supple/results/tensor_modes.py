@@ -26,26 +26,30 @@ _FIELD_NUMBERS = 2**22
 class TensorModes:
     """What unit coordinates, and unit products of two of them, give at nodes.
 
-        field(gamma) = linear gamma + quadratic m2,   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
+        field(gamma) = linear (gamma, amplitudes m2) + quadratic m2
+        m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
 
     nodes : (N,)                        node numbers
-    linear : (N, l, 6, r)               l layers, components xx yy zz yz xz xy in the body's frame
+    linear : (N, l, 6, r + m)           l layers, components xx yy zz yz xz xy in the body's frame; of the
+                                        columns, then of the m fields of the condensed motion
     quadratic : (N, l, 6, n2) or None   n2 = r(r+1)/2; None for a linear body
+    amplitudes : (m, n2)                of the fields of the condensed motion; m = 0 where there is none
     """
 
     nodes: IntArray
     linear: Array
     quadratic: Array | None
+    amplitudes: Array
 
     def __post_init__(self) -> None:
-        for array in (self.nodes, self.linear, self.quadratic):
+        for array in (self.nodes, self.linear, self.quadratic, self.amplitudes):
             if array is not None:
                 array.setflags(write=False)
 
     @property
     def r(self) -> int:
         """Number of coordinates."""
-        return self.linear.shape[-1]
+        return self.linear.shape[-1] - len(self.amplitudes)
 
     def at(self, coordinates: ArrayLike) -> Array:
         """The field (..., N, l, 6) of coordinates (..., r); ModelError where they are of another number."""
@@ -75,14 +79,17 @@ class TensorModes:
         if step == 1:
             return self
         quadratic = None if self.quadratic is None else np.ascontiguousarray(self.quadratic[:, ::step])
-        return TensorModes(self.nodes, np.ascontiguousarray(self.linear[:, ::step]), quadratic)
+        return TensorModes(
+            self.nodes, np.ascontiguousarray(self.linear[:, ::step]), quadratic, self.amplitudes
+        )
 
     def _field(self, gamma: Array) -> Array:
         """(t, N, l, 6) of (t, r)."""
-        field = _times(self.linear, gamma)
+        j, k = np.triu_indices(self.r)
+        products = gamma[:, j] * gamma[:, k]
+        field = _times(self.linear, np.hstack([gamma, products @ self.amplitudes.T]))
         if self.quadratic is not None:
-            j, k = np.triu_indices(self.r)
-            field += _times(self.quadratic, gamma[:, j] * gamma[:, k])
+            field += _times(self.quadratic, products)
         return field
 
     def _checked(self, coordinates: ArrayLike) -> Array:
@@ -102,7 +109,8 @@ def tensor_modes(body: ReducedBody, recovery: StressRecovery, nodes: ArrayLike |
 
         eps = e gamma + 1/2 sum_jk N(a_j, a_k) gamma_j gamma_k
 
-    without remainder, and stress and its mean at the nodes are linear in it.
+    without remainder, and stress and its mean at the nodes are linear in it. The motion z that the body's
+    tensors let follow its columns adds B z to it, as it does to the energy.
 
     Raises
     ------
@@ -111,20 +119,24 @@ def tensor_modes(body: ReducedBody, recovery: StressRecovery, nodes: ArrayLike |
     chosen = _chosen(nodes, recovery.n_nodes)
     n_layers, r = recovery.n_layers, body.r
     rows = (chosen[:, None] * n_layers + np.arange(n_layers)).ravel()
-    linear = np.zeros((len(rows), 6, r))
+    follows = body.condensed
+    amplitudes = np.zeros((0, r * (r + 1) // 2)) if follows is None else follows.amplitudes
+    fields = body.nodal_basis if follows is None else np.hstack([body.nodal_basis, follows.fields])
+    linear = np.zeros((len(rows), 6, fields.shape[1]))
     quadratic = None if body.is_linear else np.zeros((len(rows), 6, r * (r + 1) // 2))
     for section, averaging in zip(recovery.sections, recovery.averaging, strict=True):
-        for part in _parts(section, averaging.tocsr()[rows], r):
-            columns = body.nodal_basis[part.arrays.dofs][:, None]
+        for part in _parts(section, averaging.tocsr()[rows], fields.shape[1]):
+            columns = fields[part.arrays.dofs][:, None]
             part.add_to(linear, part.arrays.B @ columns)
             if quadratic is not None:
-                for pairs, strains in _pair_strains(part.arrays.N, part.arrays.G @ columns):
+                for pairs, strains in _pair_strains(part.arrays.N, part.arrays.G @ columns[..., :r]):
                     part.add_to(quadratic[..., pairs], strains)
     layered = (len(chosen), n_layers, 6, -1)
     return TensorModes(
         nodes=chosen,
         linear=linear.reshape(layered),
         quadratic=None if quadratic is None else quadratic.reshape(layered),
+        amplitudes=amplitudes,
     )
 
 

@@ -11,6 +11,7 @@ Format "supple-reduced-body", version 1 (any HDF5 reader opens it):
                  the arrays of ReducedBody; cubic, quartic, rotation_basis, damping_cubic and damping_quartic
                  where the body has them
     interfaces/<i>      i = 0, 1, ...: attributes name, cubic_turn; datasets position (3,), motion (6, r)
+    condensed           datasets fields (n_nodal, m) and amplitudes (m, n2), where the body has them
     report              the fields of ReductionReport, as in hdf5_record
 
 Numbers are stored as they are, so that reading gives back the very bits. Arrays carry a checksum, and the
@@ -27,7 +28,7 @@ import numpy as np
 
 from supple.body import Frame, MeanAxisFrame, NodalFixedFrame
 from supple.errors import ModelError, ResultFileError
-from supple.reduction import ReducedBody, ReductionReport
+from supple.reduction import CondensedMotion, ReducedBody, ReductionReport
 from supple.reduction.reduced_body import ReducedInterface
 from supple.storage.atomic_write import replacing
 from supple.storage.file_errors import DAMAGE, file_errors
@@ -77,6 +78,8 @@ def write_reduced_body(path: Path | str, body: ReducedBody) -> Path:
                 store_array(file, name, getattr(body, name))
         for i, interface in enumerate(body.interfaces):
             store_record(file.create_group(f"interfaces/{i}"), interface)
+        if body.condensed is not None:
+            store_record(file.create_group("condensed"), body.condensed)
         store_record(file.create_group("report"), body.report)
         file.flush()
         image = file.id.get_file_image()
@@ -112,6 +115,7 @@ def read_reduced_body(path: Path | str) -> ReducedBody:
                 rotation_limit=read_number(file, "rotation_limit"),
                 frequencies=_finite(file, "frequencies"),
                 report=read_record(read_group(file, "report"), ReductionReport),
+                condensed=_condensed_or_none(file),
             )
         # A checksum that does not agree is an OSError of HDF5, a missing part a KeyError, and parts that do
         # not fit each other, or are not finite, the ModelError of the body itself.
@@ -197,6 +201,10 @@ def _interface(group: h5py.Group) -> ReducedInterface:
     for name in ("position", "motion"):
         _finite(group, name)
     return read_record(group, ReducedInterface)
+
+
+def _condensed_or_none(file: h5py.File) -> CondensedMotion | None:
+    return read_record(read_group(file, "condensed"), CondensedMotion) if "condensed" in file else None
 
 
 def _interface_groups(file: h5py.File) -> list[h5py.Group]:

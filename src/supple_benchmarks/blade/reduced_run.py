@@ -21,10 +21,10 @@ from supple.reduction import (
     Rubin,
     StaticCorrection,
     StaticLoad,
-    reduce,
 )
 from supple.results import MotionError, motion_error
 from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
+from supple_benchmarks.as_published import reduce_as_published
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES, FullRun
 from supple_benchmarks.nrel5mw_blade import BODY, FRAMES, Blade, BladeCase, TipMotion, tip_motion
 from supple_benchmarks.progress import Progress
@@ -97,7 +97,9 @@ def reduce_blade(
 ) -> tuple[ReducedBody, float]:
     """The reduced blade and the seconds it took."""
     began = perf_counter()
-    reduced = reduce(body, FRAMES[basis.frame], basis.recipe, derivatives=basis.derivatives, damping=damping)
+    reduced = reduce_as_published(
+        body, FRAMES[basis.frame], basis.recipe, derivatives=basis.derivatives, damping=damping
+    )
     return reduced, perf_counter() - began
 
 

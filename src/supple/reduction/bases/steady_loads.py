@@ -1,0 +1,66 @@
+"""Steady loads: a basis that also holds the static answers to the accelerations that a frame can have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import FlexibleBody, Frame
+from supple.body.rigid_motion import nodal_rigid_modes
+from supple.reduction.bases.interface_columns import fixed_interfaces
+from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe
+
+NAMES = (
+    *(f"acceleration {axis}" for axis in "xyz"),
+    *(f"angular acceleration {axis}" for axis in "xyz"),
+    *(f"spin about {axis}" for axis in "xyz"),
+)
+
+# A load whose answer is this much shorter than the longest does nothing: a line that spins about itself.
+SMALLEST_ANSWER = 1e-9
+
+
+@dataclass(frozen=True)
+class SteadyLoads:
+    """The columns of a recipe and, beside them, the static answers to steady motion of the frame.
+
+        K x + B^T mu = M a,   B x = 0,   a: e_i (3), e_i x x (3), and x - e_i (e_i . x) of a spin (3)
+
+    A disc that spins stretches in no mode that vibrates slowly, and a body that is accelerated bends in all
+    modes a little. The interface that the frame holds reacts (the first, where it holds none; the frame where
+    there is none). What other columns hold already is dropped, and reported: of a Rubin basis in a mean-axis
+    frame, all but the spins.
+
+    recipe : the basis to add to
+    Source: modal truncation augmentation with inertia loads, [Dickens1997]
+    """
+
+    recipe: LinearBasisRecipe
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """The recipe's columns, then up to nine answers; errors of the recipe."""
+        basis = self.recipe.build(body, frame)
+        held = fixed_interfaces(body, frame) or body.interfaces
+        solver = body.constrained(held[0].motion) if held else basis.static_solver
+        names = NAMES if held else NAMES[6:]  # a free body only follows when it is accelerated
+        answers = solver.solve(body.expansion.T @ _loads(body)[:, -len(names) :])
+        lengths = np.sqrt(np.sum(answers * (body.mass @ answers), axis=0))
+        kept = np.flatnonzero(lengths > SMALLEST_ANSWER * lengths.max())
+        return replace(
+            basis,
+            vectors=np.hstack([basis.vectors, answers[:, kept]]),
+            frequencies=np.append(basis.frequencies, np.full(len(kept), np.nan)),
+            labels=basis.labels + tuple(f"static answer to {names[i]}" for i in kept),
+        )
+
+
+def _loads(body: FlexibleBody) -> NDArray[np.float64]:
+    """Inertia loads (n_nodal, 9) on the nodal freedoms, in the order of NAMES, but for their sign."""
+    spins = np.zeros((len(body.nodes), body.dofs_per_node, 3))
+    for axis in range(3):
+        across = np.flatnonzero(np.arange(3) != axis)
+        spins[:, across, axis] = body.nodes[:, across]
+    rigid = nodal_rigid_modes(body.nodes, body.dofs_per_node)
+    return body.nodal_mass @ np.hstack([rigid, spins.reshape(-1, 3)])

@@ -1,0 +1,183 @@
+"""Condensation: the energy that motion outside the columns of a basis releases when it follows them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+from scipy.sparse import csc_array
+
+from supple.body import FlexibleBody, frame_projector
+from supple.reduction.bases.guyan import interface_shapes
+from supple.reduction.condensed_motion import CondensedMotion
+from supple.reduction.reduction_basis import ReductionBasis
+
+Array = NDArray[np.float64]
+
+# Numbers of the pairs' forces held at once (128 MiB); those of a larger body are evaluated in blocks.
+NUMBERS_AT_ONCE = 2**24
+FEWEST_AT_ONCE = 16
+
+# Shares of energy below which columns are dependent: those of a basis, and static shapes of interfaces on it.
+DEPENDENT = 1e-12
+DEPENDENT_ON_BASIS = 1e-8
+
+# Of the energy of the motion of all pairs: what is left out of the fields of z.
+SMALLEST_SHARE = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class Condensation:
+    """What the columns V of a basis leave out of a nonlinear body, and let follow them.
+
+    A body's strain energy is one square, U(q) = 1/2 |B q + 1/2 N(q, q)|^2. Its motion z outside span V,
+    K-orthogonal to it, takes part to leading order, N(q, z) and N(z, z) left out:
+
+        U_c(gamma) = min_z 1/2 |B (V gamma + z) + 1/2 N(V gamma, V gamma)|^2
+                   = U(V gamma) - 1/8 s^T R s >= 0,     s_(jk) = mult_jk gamma_j gamma_k
+        K t_jk = -sum w B^T D N(G V_j, G V_k),          R = Gram matrix of the t_jk outside V, in the K-norm
+        z(gamma) = 1/2 sum_jk gamma_j gamma_k (1 - P) t_jk
+
+    A stiff direction that is missing, such as the shortening of a bent beam, would otherwise block bending.
+    z moves no interface against another: joints and loads there see V gamma alone. So z is K-orthogonal to
+    their static shapes too, which most bases contain.
+
+    body : FlexibleBody         with quadratic strains
+    basis : ReductionBasis      of it
+    Source: this project's own; the static derivatives it condenses are those of [Idelsohn1985].
+    """
+
+    body: FlexibleBody
+    basis: ReductionBasis
+
+    @cached_property
+    def energy(self) -> Array:
+        """R (n2, n2): what the pairs' motions outside the columns release, symmetric, not negative."""
+        energy = self._energy_of_all - self._held.T @ self._held
+        return (energy + energy.T) / 2
+
+    @cached_property
+    def interface_energy(self) -> Array:
+        """What they would release besides, were the interfaces free to move, (n2, n2); mostly zero."""
+        return self._held_by_interfaces.T @ self._held_by_interfaces
+
+    def motion(self) -> CondensedMotion:
+        """Z at the nodes: the motions of the pairs that span the others, orthonormal in the strain energy."""
+        first, second = self._pairs
+        scale = np.sum(self._vectors * (self.body.stiffness @ self._vectors), axis=0) ** -0.5
+        unit = scale[first] * scale[second]  # of pairs of columns of unit energy
+        largest = np.max(unit**2 * np.diag(self._energy_of_all))
+        (pivoted_cholesky,) = linalg.get_lapack_funcs(("pstrf",), (self.energy,))
+        factor, order, rank, _ = pivoted_cholesky(
+            unit[:, None] * self.energy * unit, tol=SMALLEST_SHARE * largest, lower=1
+        )
+        factor, order = np.tril(factor)[:, :rank], order - 1
+        spanning = order[:rank]
+        forces = self._forces_of(spanning)
+        motions = linalg.solve_triangular(
+            factor[:rank], (self._outside(forces) * unit[spanning]).T, lower=True
+        )
+        amplitudes = np.empty((rank, len(order)))
+        amplitudes[:, order] = factor.T
+        return CondensedMotion(
+            self.body.expansion @ frame_projector(self.body, self.basis.frame)(motions.T),
+            amplitudes * (np.where(first == second, 0.5, 1.0) / unit),
+        )
+
+    def bilinear(self, a: Array, b: Array) -> Array:
+        """Z (n, k) of k pairs of coordinates a, b (k, r), bilinear and symmetric: z(gamma) where a = b.
+
+        One static solution each; nothing is kept by pairs.
+        """
+        numbers = np.arange(len(a))
+        moved = np.hstack([self._vectors @ a.T, self._vectors @ b.T])
+        forces = self.body.assembly.strain_pair_forces(moved, numbers, numbers + len(a))
+        return 0.5 * frame_projector(self.body, self.basis.frame)(self._outside(forces))
+
+    def _outside(self, forces: Array) -> Array:
+        """Motions that forces of pairs cause outside the columns and the interfaces' shapes."""
+        held = np.hstack([self._columns, self._interfaces])
+        return held @ (held.T @ forces) - self.body.grounded_stiffness.factor.solve(forces)
+
+    @property
+    def _vectors(self) -> Array:
+        return self.basis.vectors
+
+    @cached_property
+    def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        return np.triu_indices(self.basis.r)
+
+    @cached_property
+    def _blocks(self) -> tuple[slice, ...]:
+        size, n2 = max(FEWEST_AT_ONCE, NUMBERS_AT_ONCE // self.body.n), len(self._pairs[0])
+        return tuple(slice(start, min(start + size, n2)) for start in range(0, n2, size))
+
+    @cached_property
+    def _forces(self) -> Callable[[slice], Array]:
+        """Forces (n, size) of a block of pairs; the last ones are kept: all of them where one block does."""
+        first, second = self._pairs
+
+        @lru_cache(maxsize=1)
+        def between(start: int, stop: int) -> Array:
+            pairs = slice(start, stop)
+            return self.body.assembly.strain_pair_forces(self._vectors, first[pairs], second[pairs])
+
+        return lambda block: between(block.start, block.stop)
+
+    def _forces_of(self, spanning: NDArray[np.intp]) -> Array:
+        """Forces of some pairs, taken from the one block where there is one."""
+        first, second = self._pairs
+        if len(self._blocks) == 1:
+            return self._forces(self._blocks[0])[:, spanning]
+        return self.body.assembly.strain_pair_forces(self._vectors, first[spanning], second[spanning])
+
+    @cached_property
+    def _energy_of_all(self) -> Array:
+        """The same as R, of all motion: K t = -f, so that it is f K^-1 f."""
+        n2 = len(self._pairs[0])
+        energy = np.empty((n2, n2))
+        for i, block in enumerate(self._blocks):
+            answers = self.body.grounded_stiffness.factor.solve(self._forces(block))
+            for other in self._blocks[i:]:
+                energy[block, other] = answers.T @ self._forces(other)
+                energy[other, block] = energy[block, other].T
+        return energy
+
+    @cached_property
+    def _held(self) -> Array:
+        """(q, n2): shares of the pairs' forces in the motion of the columns and of the interfaces."""
+        shapes = np.hstack([self._columns, self._interfaces])
+        return np.hstack([shapes.T @ self._forces(block) for block in self._blocks])
+
+    @property
+    def _held_by_interfaces(self) -> Array:
+        return self._held[self._columns.shape[1] :]
+
+    @cached_property
+    def _columns(self) -> Array:
+        """The basis, K-orthonormal."""
+        return _orthonormalized(self._vectors, self.body.stiffness)
+
+    @cached_property
+    def _interfaces(self) -> Array:
+        """Static shapes of the interfaces outside the columns, K-orthonormal; the first interface rests."""
+        if len(self.body.interfaces) < 2:
+            return np.empty((self.body.n, 0))
+        return _orthonormalized(interface_shapes(self.body)[:, 6:], self.body.stiffness, self._columns)
+
+
+def _orthonormalized(shapes: Array, stiffness: csc_array, before: Array | None = None) -> Array:
+    """Columns of unit strain energy that span `shapes` outside the K-orthonormal columns `before`."""
+    scaled = shapes / np.sqrt(np.sum(shapes * (stiffness @ shapes), axis=0))
+    smallest = DEPENDENT
+    if before is not None:
+        smallest = DEPENDENT_ON_BASIS
+        for _ in range(2):  # the second time takes out the round-off of the first
+            scaled = scaled - before @ (before.T @ (stiffness @ scaled))
+    values, vectors = np.linalg.eigh(scaled.T @ (stiffness @ scaled))
+    kept = values > smallest
+    return scaled @ (vectors[:, kept] / np.sqrt(values[kept]))

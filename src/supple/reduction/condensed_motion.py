@@ -1,0 +1,43 @@
+"""Motion that follows the coordinates of a reduced body at rest, outside its columns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.algebra import read_only
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CondensedMotion:
+    """The motion z that the quartic tensor lets follow the coordinates, at the nodes.
+
+        z(gamma) = fields @ (amplitudes @ m2),   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
+
+    Its strain is the linear one alone.
+
+    fields : (n_nodal, m)       orthonormal in the strain energy
+    amplitudes : (m, n2)        n2 = r(r+1)/2
+    """
+
+    fields: Array
+    amplitudes: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "fields", read_only(self.fields))
+        object.__setattr__(self, "amplitudes", read_only(self.amplitudes))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of nodal freedoms and of pairs of coordinates."""
+        return self.fields.shape[0], self.amplitudes.shape[1]
+
+    def amplitudes_at(self, gamma: ArrayLike) -> Array:
+        """Amplitudes (..., m) of the fields at coordinates gamma (..., r)."""
+        gamma = np.asarray(gamma, dtype=np.float64)
+        first, second = np.triu_indices(gamma.shape[-1])
+        return (gamma[..., first] * gamma[..., second]) @ self.amplitudes.T

@@ -1,0 +1,195 @@
+"""Locking: how much too little a reduced body answers because stiff motion is missing from its columns."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from supple.algebra import read_only
+from supple.body import FlexibleBody
+from supple.body.rigid_motion import nodal_rigid_modes
+from supple.errors import LockingWarning
+from supple.reduction.tensors import InternalForceTensors
+
+if TYPE_CHECKING:
+    from supple.reduction.condensation import Condensation
+
+Array = NDArray[np.float64]
+
+ROTATION = 0.1
+"""rad, by which the softest of the loads turns the body against its held interface in linear theory."""
+TOLERATED = 0.02
+"""Share of the answer that may be withheld without a word."""
+
+_ACCELERATIONS = (
+    "acceleration x",
+    "acceleration y",
+    "acceleration z",
+    "angular acceleration x",
+    "angular acceleration y",
+    "angular acceleration z",
+)
+_INCREMENTS, _ITERATIONS, _HALVINGS, _TOLERANCE = 4, 40, 8, 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class Locking:
+    """Share of its static answer to plausible loads that a reduced body withholds.
+
+        1 - f.gamma / f.gamma_free,   gamma_free: with all motion outside the columns free to follow
+
+    loads : what acts, each with the same linear energy: that which turns the softest by 0.1 rad
+    plain : (k,)        of the tensors of the columns alone; nan where the body buckles under the load
+    remaining : (k,)    of the body as it is
+    """
+
+    loads: tuple[str, ...]
+    plain: Array
+    remaining: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "plain", read_only(self.plain))
+        object.__setattr__(self, "remaining", read_only(self.remaining))
+
+    @property
+    def largest_plain(self) -> float:
+        """The largest share that the columns alone would withhold."""
+        return _largest(self.plain)
+
+    @property
+    def largest_remaining(self) -> float:
+        """The largest share that the body withholds."""
+        return _largest(self.remaining)
+
+    def __str__(self) -> str:
+        if not self.loads:
+            return "not known: no load bends the body"
+        worst = self.loads[int(np.argmax(np.nan_to_num(self.plain, nan=-1.0)))]
+        return (
+            f"{_percent(self.largest_remaining)} of the answer at {ROTATION:g} rad; without condensation "
+            f"{_percent(self.largest_plain)}, under {worst}"
+        )
+
+
+def locking(left_out: Condensation, plain: InternalForceTensors, chosen: InternalForceTensors) -> Locking:
+    """The locking indicator of a reduced body, from its tensors: no load needs to be known.
+
+    The body is held at its first interface and accelerated in the six ways that a rigid body can be (without
+    an interface: pushed along its six lowest shapes), each load scaled to the energy that turns the softest
+    of them by 0.1 rad in linear theory. Two or three static solutions of r unknowns each.
+
+    plain, chosen : of the columns alone, and of the reduced body
+    """
+    body = left_out.body
+    free = left_out.energy + left_out.interface_energy
+    names, loads = _loads(body, left_out.basis.vectors, plain.stiffness)
+    if not names:
+        return Locking((), np.empty(0), np.empty(0))
+
+    def work(tensors: InternalForceTensors) -> Array:
+        return np.sum(loads * _static_answers(tensors, loads), axis=1)
+
+    whole, of_columns = work(plain.condensed(free)), work(plain)
+    done = of_columns
+    if chosen is not plain:
+        done = work(chosen) if left_out.interface_energy.any() else whole
+    return Locking(names, 1 - of_columns / whole, 1 - done / whole)
+
+
+def warn_of_locking(name: str, found: Locking, is_condensed: bool) -> None:
+    """LockingWarning when the body withholds more than 2 % of an answer."""
+    if found.largest_remaining <= TOLERATED:
+        return
+    worst = found.loads[int(np.nanargmax(found.remaining))]
+    remedy = (
+        "its basis lacks the static shapes of its interfaces: take Rubin, CraigBampton or AttachmentModes"
+        if is_condensed
+        else "its columns lack stiff motion: take quartic=CondensedQuartic(), the default, or add derivatives"
+    )
+    warnings.warn(
+        f"reduced body '{name}' locks: under {worst}, turned by about {ROTATION:g} rad, it answers "
+        f"{_percent(found.largest_remaining)} too little; {remedy}",
+        LockingWarning,
+        stacklevel=2,
+    )
+
+
+def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, ...], Array]:
+    """Names and generalised loads (k, r) of one linear energy."""
+    turns = None if body.rotation_operator is None else (body.rotation_operator @ (body.expansion @ V))
+    if body.interfaces:
+        held = body.interfaces[0].motion
+        nodal = nodal_rigid_modes(body.nodes - body.interfaces[0].position, body.dofs_per_node)
+        forces = body.expansion.T @ (body.nodal_mass @ nodal)
+        # The interface's reaction balances them: the six rigid motions do no work.
+        moves = held @ body.rigid_modes
+        forces = forces - held.T @ np.linalg.solve(moves.T, body.rigid_modes.T @ forces)
+        names, loads = _ACCELERATIONS, (V.T @ forces).T
+        relative = held[3:] @ V
+    else:
+        _, shapes = np.linalg.eigh(stiffness)
+        loads = (stiffness @ shapes[:, :6]).T
+        names = tuple(f"push along shape {i + 1}" for i in range(len(loads)))
+        relative = np.zeros((3, V.shape[1]))
+    answers = np.linalg.solve(stiffness, loads.T)
+    energies = 0.5 * np.sum(loads.T * answers, axis=0)
+    if turns is None or not np.any(energies > 0):
+        return (), np.empty((0, V.shape[1]))
+    bends = energies > 1e-14 * energies.max()
+    turned = (turns @ answers).reshape(-1, 3, len(loads)) - relative @ answers
+    largest = np.sqrt(np.max(np.sum(turned**2, axis=1), axis=0))
+    bends &= largest > 0
+    if not bends.any():
+        return (), np.empty((0, V.shape[1]))
+    reference = np.min(energies[bends] * (ROTATION / largest[bends]) ** 2)
+    kept = np.flatnonzero(bends)
+    return tuple(names[i] for i in kept), loads[kept] * np.sqrt(reference / energies[kept])[:, None]
+
+
+def _static_answers(tensors: InternalForceTensors, loads: Array) -> Array:
+    """Equilibria (k, r) under loads (k, r), all at once by Newton's method; nan where it finds none."""
+    with np.errstate(all="ignore"):  # what buckles may go far before it is given up
+        return _newton(tensors, loads)
+
+
+def _newton(tensors: InternalForceTensors, loads: Array) -> Array:
+    factor = linalg.cho_factor(tensors.stiffness)
+
+    def size(forces: Array) -> Array:
+        return np.sqrt(np.sum(forces * linalg.cho_solve(factor, forces.T).T, axis=1))
+
+    answers, alive = np.zeros(loads.shape), np.ones(len(loads), dtype=bool)
+    for share in np.linspace(0, 1, _INCREMENTS + 1)[1:]:
+        allowed = _TOLERANCE * share * size(loads)
+        for _ in range(_ITERATIONS):
+            residual = share * loads - tensors.internal_force(answers)
+            error = size(residual)
+            moving = np.flatnonzero(alive & (error > allowed))
+            if not moving.size:
+                break
+            at, before = answers[moving], error[moving]
+            step = np.linalg.solve(tensors.tangent(at), residual[moving, :, None])[..., 0]
+            length = np.ones((len(moving), 1))
+            for _ in range(_HALVINGS):
+                worse = size(share * loads[moving] - tensors.internal_force(at + length * step)) > 2 * before
+                if not worse.any():
+                    break
+                length[worse] /= 2
+            answers[moving] = at + length * step
+        else:
+            alive &= size(share * loads - tensors.internal_force(answers)) <= allowed
+    answers[~alive] = np.nan
+    return answers
+
+
+def _largest(shares: Array) -> float:
+    return float(np.max(np.nan_to_num(shares, nan=0.0), initial=0.0))
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %" if share >= 1e-4 else "none"
