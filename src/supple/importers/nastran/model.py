@@ -20,6 +20,7 @@ from supple.importers.nastran.grids import COORDINATE_CARDS, GridPoints, read_gr
 from supple.importers.nastran.properties import PROPERTY_CARDS, Property, read_property
 from supple.importers.nastran.sets import SET_CARDS, node_sets, retained_freedoms
 from supple.importers.node_table import NodeTable
+from supple.importers.plain_number import is_plain_digits
 from supple.mesh import CellType, Mesh
 
 IntArray = NDArray[np.int64]
@@ -182,7 +183,7 @@ def _refuse_unused(
         int(word)
         for card in file.named("CORD1R", "CORD1C", "CORD1S")
         for word in card.fields
-        if word.isdecimal()
+        if is_plain_digits(word)
     ]
     used = in_elements | np.isin(grids.ids, np.array([i for i in shown if i is not None], dtype=np.int64))
     used[[connection.reference for connection in connections]] = True
