@@ -16,6 +16,7 @@ from supple.multibody import warn_of_missing_modes
 from supple.results import TrackedMotion, summarize, tracked_places
 from supple.simulation import reduced_bodies, simulate_kept
 from supple.storage import write_json
+from supple.storage.file_errors import file_errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +53,8 @@ def run_case(
     ResultFileError         a result file that cannot be written or continued
     SuppleError             whatever the build and the simulation find wrong; what was computed is kept
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    with file_errors("make the folder", folder):
+        folder.mkdir(parents=True, exist_ok=True)
     for body in reduced_bodies(case.system, case.flexible):
         warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body)
     rounds: list[Round] = []

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from rich.markup import escape
 from rich.table import Table
 
 from supple.body import ModelCheck, Verdict, labelled_matrices_source, nastran_source
 from supple.cases import read_case
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES
-from supple.terminal import console
+from supple.terminal import console, words
 
 _VERDICTS = {
     Verdict.OK: "[green]OK[/green]",
@@ -42,10 +41,10 @@ def print_check(path: Path, *, n_frequencies: int) -> None:
 
 def check_table(name: str, check: ModelCheck) -> Table:
     """The findings of a check as a table."""
-    table = Table("", "what", "seen", title=escape(f"Check of {name}"))
+    table = Table("", "what", "seen", title=words(f"Check of {name}"))
     for finding in check.findings:
         seen = f"{finding.seen}\n-> {finding.remedy}" if finding.remedy else finding.seen
-        table.add_row(_VERDICTS[finding.verdict], finding.what, escape(seen))
+        table.add_row(_VERDICTS[finding.verdict], words(finding.what), words(seen))
     return table
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from supple import cases
 from supple.correction import SelfCorrectionError, correction_numbers
 from supple.results.run_tables import body_table, correction_table, cost_line, joint_table, place_table
-from supple.terminal import Steps, console, print_table, progress_bars
+from supple.terminal import Steps, print_table, progress_bars, say
 
 
 def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = False) -> None:
@@ -15,7 +15,7 @@ def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = F
     bars = progress_bars()
     steps = Steps(bars)
     case = cases.read_case(path, steps.show)
-    console.print(f"[bold]{case.title}[/bold]", highlight=False)
+    say(case.title, "bold")
     with bars:
         try:
             result = cases.run_case(case, folder, resume=resume, strict=strict, progress=steps.share)
@@ -32,6 +32,6 @@ def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = F
         print_table(*place_table(numbers))
     for name, body in numbers["bodies"].items():
         if "eigenvalues" in body:
-            console.print(f"{name}: {body['eigenvalues']}", highlight=False)
-    console.print(cost_line(result.solution.statistics), highlight=False)
-    console.print(f"Results are in {folder}/", highlight=False)
+            say(f"{name}: {body['eigenvalues']}")
+    say(cost_line(result.solution.statistics))
+    say(f"Results are in {folder}/")

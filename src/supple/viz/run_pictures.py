@@ -21,6 +21,7 @@ from supple.results import (
     node_positions,
     von_mises_history,
 )
+from supple.storage import file_name
 from supple.viz.animation import animate
 from supple.viz.camera import Camera
 from supple.viz.contour import plot_contour, stress_field
@@ -69,7 +70,7 @@ def draw_run(
         surface = skin_of(mesh)
 
         def path(what: str, name: str = body.name) -> Path:
-            return folder / f"{name}-{what}.png"
+            return folder / f"{file_name(name)}-{what}.png"
 
         pictures.append(plot_mesh(path("mesh"), mesh.nodes, surface, title=body.name))
         if body.name in reduced:
