@@ -145,8 +145,8 @@ def print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
 def reported_errors(*, debug: bool) -> Iterator[None]:
     """Print an error as a message and exit; with `debug`, as a traceback.
 
-    What supple raises on purpose, and what the system refuses, are mistakes of the input (`MISTAKE`); anything
-    else is a fault of supple, and its message says so (`FAULT`).
+    What supple raises on purpose, and what the system refuses, are mistakes of the input (`MISTAKE`);
+    anything else is a fault of supple, and its message says so (`FAULT`).
     """
     try:
         yield
@@ -176,7 +176,8 @@ def _told(error: Exception) -> tuple[str, int]:
             return f"{error}; check the paths given, and the disk", MISTAKE
         case _:
             return (
-                f"{type(error).__name__}: {error}\nThis is a fault of supple, not of what it was given to read. "
+                f"{type(error).__name__}: {error}\nThis is a fault of supple, not of what it was given to "
+                "read. "
                 "Run the command again with --debug and report the traceback with the input",
                 FAULT,
             )

@@ -17,6 +17,7 @@ from supple.cases.loads import Load
 from supple.cases.output import Output
 from supple.cases.simulation import Simulation
 from supple.cases.springs import Spring
+from supple.importers.text_file import is_file
 from supple.importers.toml import ZERO, CheckedTable, KeyPath, Mistakes, Raw, Rule, Vector, table, tables
 
 
@@ -61,7 +62,7 @@ def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
 
 def _files_exist(raw: Raw, folder: Path) -> Mistakes:
     for path, name in _files(raw):
-        if isinstance(name, str) and not (folder / name).is_file():
+        if isinstance(name, str) and not is_file(folder / name):
             yield path, f"there is no file {folder / name}; file names are relative to the case file"
 
 

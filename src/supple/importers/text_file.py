@@ -42,7 +42,7 @@ def file_text(path: Path | Traversable, remedy: str = "export it as text") -> st
     """The characters of a text file: in the encoding of its byte-order mark, else in UTF-8, else in Latin-1.
 
     Numbers and keywords read alike in the last two; names with accents may be of either.
-    ImportFormatError for a file that is missing, unreadable or binary; `remedy` says what to do about the last.
+    ImportFormatError for a file that is missing, unreadable or binary; `remedy` is that of the last.
     """
     content = file_content(path)
     for mark, encoding in _MARKS:

@@ -52,7 +52,8 @@ def _rows(path: Path) -> NDArray[np.float64]:
             ) from error
         if len(rows[-1]) != len(rows[0]):
             raise ImportFormatError(
-                f"{path}, line {number}: {len(rows[-1])} numbers, and {len(rows[0])} above; write rows of two "
+                f"{path}, line {number}: {len(rows[-1])} numbers, and {len(rows[0])} above; write rows of "
+                "two "
                 "numbers, time,value"
             )
     return np.array(rows, dtype=np.float64).reshape(len(rows), -1 if rows else 0)

@@ -28,6 +28,7 @@ from supple.viz.contour import plot_contour, stress_field
 from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
 from supple.viz.mesh_skin import Skin, skin_of
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
+from supple.viz.style import as_written
 from supple.viz.time_history import Panel, Series, plot_time_history
 
 ElasticBody = ReducedBody | FullBody
@@ -72,7 +73,7 @@ def draw_run(
         def path(what: str, name: str = body.name) -> Path:
             return folder / f"{file_name(name)}-{what}.png"
 
-        pictures.append(plot_mesh(path("mesh"), mesh.nodes, surface, title=body.name))
+        pictures.append(plot_mesh(path("mesh"), mesh.nodes, surface, title=as_written(body.name)))
         if body.name in reduced:
             pictures.append(_draw_modes(path("modes"), reduced[body.name], surface))
         pictures.append(_draw_deformed(path("deformed"), body, solution, surface))
@@ -179,7 +180,8 @@ def _draw_deformed(path: Path, body: ElasticBody, solution: Solution, surface: S
         surface,
         colour_by=displacement_magnitude(displaced[worst]),
         undeformed=body.nodes,
-        title=f"{body.name} at t = {solution.times[instants[worst]]:.4g} s, deflection {enlarged}",
+        title=f"{as_written(body.name)} at t = {solution.times[instants[worst]]:.4g} s, "
+        f"deflection {enlarged}",
     )
 
 
@@ -206,7 +208,8 @@ def _draw_stress(
         surface,
         stress_field(stress[worst]),
         undeformed=body.nodes,
-        title=f"{body.name} at t = {solution.times[instants[worst]]:.4g} s, deflection {enlarged}",
+        title=f"{as_written(body.name)} at t = {solution.times[instants[worst]]:.4g} s, "
+        f"deflection {enlarged}",
     )
 
 
@@ -214,7 +217,7 @@ def _draw_tracked(path: Path, tracked: Mapping[str, TrackedMotion], times: np.nd
     panels = [
         Panel(
             f"deflection {axis} (m)",
-            [Series(name, times, place.deflection[:, i]) for name, place in tracked.items()],
+            [Series(as_written(name), times, place.deflection[:, i]) for name, place in tracked.items()],
         )
         for i, axis in enumerate("xyz")
     ]
@@ -226,7 +229,7 @@ def _joint_panels(system: System, solution: Solution) -> list[Panel]:
     panels = []
     for what, unit in (("force", "N"), ("moment", "N m")):
         series = [
-            Series(name, solution.times, np.linalg.norm(parts[what], axis=1))
+            Series(as_written(name), solution.times, np.linalg.norm(parts[what], axis=1))
             for name, parts in loads.items()
             if what in parts
         ]

@@ -133,7 +133,7 @@ def _stored(rows: int, columns: int, symmetry: str) -> int:
 
 
 def _numbers(header: _Header, lines: list[str], width: int) -> FloatArray:
-    """All numbers (entries, width) below the size, whose lines are counted before anything is made of them."""
+    """All numbers (entries, width) below the size, whose lines are counted first."""
     below = [line for line in lines[header.line :] if line.strip() and not line.startswith("%")]
     if len(below) != header.entries:
         raise header.error(

@@ -52,7 +52,8 @@ class BulkCard:
             return plain_integer(word)
         except ValueError:
             raise self.error(
-                f"{what} (field {self._field(place)}) is '{word[:40]}', not a whole number of 64 bits; correct it"
+                f"{what} (field {self._field(place)}) is '{word[:40]}', not a whole number of 64 bits; "
+                "correct it"
             ) from None
 
     def real(self, place: int, what: str, default: float | None = None) -> float:

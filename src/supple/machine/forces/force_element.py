@@ -10,7 +10,7 @@ import numpy as np
 
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, At, as_end
-from supple.machine.laws.time_law import TimeLaw
+from supple.machine.laws.time_law import TimeLaw, check_law_kind
 from supple.machine.pose import Pose, Wrench
 
 __all__ = ["ForceElement", "check_not_negative"]
@@ -35,6 +35,7 @@ class ForceElement(ABC):
         object.__setattr__(self, "second", as_end(self.second))
         if GROUND == self.first == self.second:
             raise ModelError(f"{self.label} acts on the ground alone: name a body's interface")
+        check_law_kind(self.label, self)
 
     @property
     def label(self) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 from supple.algebra.rotation import unskew
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, At, as_end
-from supple.machine.laws.time_law import TimeLaw
+from supple.machine.laws.time_law import TimeLaw, check_law_kind
 from supple.machine.pose import Pose
 
 __all__ = ["Joint", "axes_along", "closing", "relative_turn", "stack", "tilt"]
@@ -75,6 +75,7 @@ class Joint(ABC):
             raise ModelError(f"joint '{self.name}' joins the ground to itself: name a body's interface")
         if self.first == self.second:
             raise ModelError(f"joint '{self.name}' joins '{self.first}' to itself: name another interface")
+        check_law_kind(f"joint '{self.name}'", self)
 
     @property
     def initial_axes(self) -> np.ndarray:
