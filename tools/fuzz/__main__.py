@@ -58,7 +58,8 @@ def main() -> int:
     seconds = time.perf_counter() - began
     for fault in faults:
         print(
-            f"FAULT {fault['kind']} {fault['number']}: {fault['outcome']}: {fault['message']} ({fault['where']})"
+            f"FAULT {fault['kind']} {fault['number']}: {fault['outcome']}: {fault['message']} "
+            f"({fault['where']})"
         )
     if not (given.quick or given.only):
         _write_report(counts, faults, seconds)

@@ -180,7 +180,9 @@ def _matrices(folder: Path) -> Iterator[Kind]:
     yield Kind(
         "CalculiX freedoms", lambda path: one(path.with_suffix(".sti")), (Seed("k.dof", dof, {"k.sti": sti}),)
     )
-    sparse = b"%%MatrixMarket matrix coordinate real symmetric\n% said\n3 3 4\n1 1 2\n2 1 -1\n2 2 2\n3 3 1e3\n"
+    sparse = (
+        b"%%MatrixMarket matrix coordinate real symmetric\n% said\n3 3 4\n1 1 2\n2 1 -1\n2 2 2\n3 3 1e3\n"
+    )
     dense = b"%%MatrixMarket matrix array real general\n2 3\n1\n2\n3\n4\n5\n6.5\n"
     yield Kind("Matrix Market", read_matrix, (Seed("m.mtx", sparse), Seed("m.mtx", dense)))
     path = folder / "matrices.h5"
