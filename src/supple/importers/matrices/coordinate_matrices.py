@@ -15,7 +15,7 @@ from supple.importers.matrices.labelled_matrix import (
     from_labelled_entries,
     printed_resolution,
 )
-from supple.importers.plain_number import is_plain, is_plain_digits, plain_number
+from supple.importers.plain_number import is_plain, is_plain_digits
 from supple.importers.text_file import file_lines
 
 FloatArray = NDArray[np.float64]
@@ -94,7 +94,11 @@ def _table(path: Path, width: int, form: str, delimiter: str | None) -> tuple[Fl
     except ValueError:
         table = np.empty((0, 0))
     if table.ndim != 2 or table.shape[1] != width:
-        number, text = next(line for line, row in zip(lines, rows, strict=True) if not _is_row(row, width))
+        number, text = next(
+            line
+            for line, row in zip(lines, rows, strict=True)
+            if not (is_plain(line[1]) and _is_row(row, width))
+        )
         raise ImportFormatError(
             f"{path}, line {number}: '{text.strip()[:60]}' is not {form}; is the file cut short, or of "
             "another format?"
@@ -104,7 +108,7 @@ def _table(path: Path, width: int, form: str, delimiter: str | None) -> tuple[Fl
 
 def _is_row(row: list[str], width: int) -> bool:
     try:
-        return len([plain_number(word) for word in row]) == width
+        return len([float(word) for word in row]) == width
     except ValueError:
         return False
 

@@ -130,7 +130,19 @@ class _WindioFile:
                 f"{self.path}: {'.'.join(keys)} has {grid.size} grid points and {values.size} values; give "
                 "as many of both, at least two, the grid ascending"
             )
-        return PchipInterpolator(grid, values, extrapolate=False)
+        return self._blended(grid, values, ".".join(keys), extrapolate=False)
+
+    def _blended(
+        self, grid: FloatArray, values: FloatArray, what: str, *, extrapolate: bool
+    ) -> PchipInterpolator:
+        """The curve through values; slopes of numbers near the largest there are may not be finite."""
+        try:
+            with np.errstate(all="ignore"):
+                return PchipInterpolator(grid, values, extrapolate=extrapolate)
+        except ValueError as error:
+            raise ImportFormatError(
+                f"{self.path}: no curve runs through {what} ({error}); check the size of its numbers"
+            ) from error
 
     def airfoil_positions(self, shape: tuple[str, ...], second: bool) -> tuple[list[str], FloatArray]:
         """Names of the airfoils along the blade and their positions 0 .. 1."""
@@ -167,7 +179,8 @@ class _WindioFile:
         places, first = np.unique(places, return_index=True)
         if places.size < 2:
             raise ImportFormatError(f"{self.path}: {'.'.join(shape)} has fewer than two different airfoils")
-        blended = PchipInterpolator(places, heights[first])(at.clip(places[0], places[-1]))
+        curve = self._blended(places, heights[first], "airfoils", extrapolate=True)
+        blended = curve(at.clip(places[0], places[-1]))
         outlines = np.concatenate([blended[:, 0, ::-1], blended[:, 1, 1:]], axis=1)
         x = np.concatenate([SHAPE_POINTS[::-1], SHAPE_POINTS[1:]])
         return tuple(
