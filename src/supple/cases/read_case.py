@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from supple.arguments import checked_arguments
 from supple.cases.case import Case
 from supple.cases.case_tables import CaseTables, broken_rules
 from supple.cases.notify import Notify, silent
@@ -19,6 +20,7 @@ DEEPEST = 20
 """Tables and lists within each other; those of a case nest six deep."""
 
 
+@checked_arguments
 def read_case(path: str | Path, notify: Notify = silent) -> Case:
     """Read and check a case file.
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
 from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
 from supple.importers.keyword_file import (
@@ -72,6 +73,7 @@ class _ElementBlock:
     lines: IntArray
 
 
+@checked_arguments
 def read_abaqus(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
 from supple.importers.file_mesh import FileMesh, UnusedNodes
 from supple.importers.gmsh_file import GmshFile, read_gmsh_file
@@ -36,6 +37,7 @@ class _Block:
     groups: dict[str, BoolArray]
 
 
+@checked_arguments
 def read_gmsh(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:

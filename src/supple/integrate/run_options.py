@@ -7,6 +7,7 @@ from math import isfinite
 
 import numpy as np
 
+from supple.arguments import check_fields
 from supple.integrate.generalized_alpha import GeneralizedAlpha, TimeIntegrator
 from supple.integrate.step_control import FixedStep, StepControl, Tolerances
 
@@ -29,6 +30,7 @@ class Validity:
     spin_ratio: float = 0.3
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if not (np.isfinite(self.spin_ratio) and self.spin_ratio > 0):
             raise ValueError(f"spin_ratio must be positive, got {self.spin_ratio}")
 
@@ -56,6 +58,7 @@ class Run:
     start: float = 0.0
 
     def __post_init__(self) -> None:
+        check_fields(self)
         for name in ("duration", "output_step"):
             value = getattr(self, name)
             if not (isfinite(value) and value > 0):

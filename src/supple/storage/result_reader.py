@@ -12,6 +12,7 @@ from typing import Self
 import h5py
 import numpy as np
 
+from supple.arguments import checked_arguments
 from supple.errors import ResultFileError
 from supple.integrate.solution import Solution, Statistics
 from supple.storage.file_errors import file_errors
@@ -46,6 +47,7 @@ def read_header(path: Path | str) -> ResultHeader:
         return reader.header
 
 
+@checked_arguments
 def read_solution(path: Path | str) -> Solution:
     """The simulation in a result file, as far as it was written.
 

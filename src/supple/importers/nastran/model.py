@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import checked_arguments
 from supple.importers.connection import Connection
 from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
 from supple.importers.nastran.beams import of_beams, orientation_grid
@@ -87,6 +88,7 @@ class NastranModel:
     connections: tuple[Connection, ...]
 
 
+@checked_arguments
 def read_nastran(path: str | Path, *, unused_nodes: UnusedNodes = UnusedNodes.REFUSE) -> NastranModel:
     """Model of a Nastran bulk data file: everything that makes its stiffness and mass.
 

@@ -44,10 +44,10 @@ class TimeLaw(Protocol):
 
 def as_time_law(value: Any) -> TimeLaw:
     """The law meant by a law, a function of time, a number or an array."""
+    if isinstance(value, type):  # which has the members of its objects
+        raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}")
     if isinstance(value, TimeLaw):
         return value
-    if isinstance(value, type):
-        raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}")
     if callable(value):
         return TimeFunction(value)
     try:
