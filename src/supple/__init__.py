@@ -19,6 +19,7 @@ from supple import errors as errors
 if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.body import AveragingInterface as AveragingInterface
     from supple.body import FullBody as FullBody
+    from supple.body import LinearRayleighDamping as LinearRayleighDamping
     from supple.body import MeanAxisFrame as MeanAxisFrame
     from supple.body import ModalDamping as ModalDamping
     from supple.body import NodalFixedFrame as NodalFixedFrame
@@ -69,6 +70,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.machine import TorsionSpringDamper as TorsionSpringDamper
     from supple.machine import Turning as Turning
     from supple.machine import Universal as Universal
+    from supple.machine import split_body as split_body
     from supple.mesh import CellType as CellType
     from supple.mesh import Mesh as Mesh
     from supple.mesh import block as block
@@ -105,7 +107,7 @@ _NAMES = {
     "supple.fem": "Isotropic HomogeneousSection shell_model solid_model",
     "supple.body": (
         "RigidInterface AveragingInterface flexible_body RigidBody FullBody "
-        "MeanAxisFrame NodalFixedFrame RayleighDamping ModalDamping"
+        "MeanAxisFrame NodalFixedFrame RayleighDamping LinearRayleighDamping ModalDamping"
     ),
     "supple.reduction": (
         "reduce CraigBampton Rubin AttachmentModes ErrorControlled "
@@ -115,7 +117,7 @@ _NAMES = {
         "System Placed At GROUND "
         "Fixed Ball Revolute Universal Cylindrical Prismatic PrescribedRotation PrescribedTranslation "
         "SpringDamper TorsionSpringDamper DeadForce DeadTorque FollowerForce FollowerTorque "
-        "FollowerPressure BaseAcceleration "
+        "FollowerPressure BaseAcceleration split_body "
         "Table Spline Ramp Sine SpinUp Turning"
     ),
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",

@@ -10,6 +10,7 @@ import pytest
 
 import supple as sp
 from supple.errors import ArgumentError, ModelError
+from supple.machine import Scaled
 
 HUB = sp.RigidBody("hub", 1.0, np.zeros(3), np.eye(3), {"centre": np.zeros(3)})
 
@@ -83,8 +84,6 @@ def test_what_is_no_law(law):
 @pytest.mark.parametrize("law", [switched, of_math, of_numpy])
 def test_laws_within_laws(law):
     with pytest.raises(ModelError, match=rf"\({law.__name__}\)"):
-        from supple.machine import Scaled
-
         Scaled((0.0, 0.0, 1.0), law)
     force = sp.DeadForce(at="hub.centre", force=sp.Turning((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), law))
     with pytest.raises(ModelError, match=rf"DeadForce on 'centre' of 'hub': .*\({law.__name__}\)"):

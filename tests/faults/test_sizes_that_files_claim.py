@@ -152,7 +152,9 @@ def test_output_times_are_counted_before_they_are_made(tmp_path):
         path.write_text(
             f'title = "t"\nbody = []\n[simulation]\nduration = {duration}\noutput_step = 1.0\nstep = 1.0\n'
         )
-        with pytest.raises(CaseError, match="simulation.output_step: .*more than the 10000000 output times"):
+        with pytest.raises(
+            CaseError, match=r"simulation\.output_step: .*more than the 10000000 output times"
+        ):
             sp.read_case(path)
 
 

@@ -11,7 +11,7 @@ from scipy.sparse import csr_array, vstack
 
 from supple.algebra import lowest_modes
 from supple.arguments import check_fields
-from supple.body.damping import RayleighDamping
+from supple.body.damping import LinearRayleighDamping, RayleighDamping
 from supple.body.flexible_body import FlexibleBody
 from supple.body.floating_kinematics import floating_positions
 from supple.body.frame import Frame
@@ -27,12 +27,12 @@ class FullBody:
 
     body : FlexibleBody    nonlinear where it has quadratic strains; `body.linearized()` otherwise
     frame : NodalFixedFrame | MeanAxisFrame
-    damping : RayleighDamping | None
+    damping : RayleighDamping | LinearRayleighDamping | None
     """
 
     body: FlexibleBody
     frame: Frame
-    damping: RayleighDamping | None = None
+    damping: RayleighDamping | LinearRayleighDamping | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,18 +16,18 @@ from supple.fem.beam2 import beam_mass, beam_strain
 from supple.fem.beam_section import BeamSection
 from supple.fem.hexa8 import HEXA8_ELEMENT
 from supple.fem.hexa20 import HEXA20_ELEMENT
-from supple.fem.kinematics import GREEN_LAGRANGE, MembraneKinematics
 from supple.fem.mass import CellMass, mass_matrix, shell_mass
 from supple.fem.material import Isotropic
 from supple.fem.node_sparsity import node_sparsity
 from supple.fem.quadratic_strain import QuadraticStrain, stiffness
 from supple.fem.section import Section, sections
+from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
-from supple.fem.shell_triangle import ROTATION_LIMIT, shell_triangle
+from supple.fem.shell_triangle import shell_triangle
 from supple.fem.solid_element import solid_mass, solid_strain
 from supple.fem.tetra4 import TETRA4_ELEMENT
 from supple.fem.tetra10 import TETRA10_ELEMENT
-from supple.mesh import CellType, Mesh
+from supple.mesh import CellType, Mesh, MeshPart
 
 SOLID_ELEMENTS = {
     element.cell_type: element for element in (TETRA4_ELEMENT, TETRA10_ELEMENT, HEXA8_ELEMENT, HEXA20_ELEMENT)
@@ -47,6 +47,7 @@ class FiniteElementModel:
     mass : csc_array (n, n)                 consistent mass, kg and kg m^2
     stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
     rotation_limit : float                  largest rotation, rad, against the frame; infinite for solids
+    kinematics : ShellKinematics            of shells; solids and beams have one kind only
     """
 
     mesh: Mesh
@@ -56,6 +57,7 @@ class FiniteElementModel:
     mass: csc_array
     stiffness: csc_array
     rotation_limit: float
+    kinematics: ShellKinematics = GREEN_LAGRANGE
 
     @property
     def n_dofs(self) -> int:
@@ -67,7 +69,7 @@ def shell_model(
     mesh: Mesh,
     section: ShellSection | BeamSection | Mapping[str, ShellSection | BeamSection],
     *,
-    kinematics: MembraneKinematics = GREEN_LAGRANGE,
+    kinematics: ShellKinematics = GREEN_LAGRANGE,
 ) -> FiniteElementModel:
     """Model of a mesh of triangles as a flat-faceted shell, and of its lines as beams.
 
@@ -75,7 +77,7 @@ def shell_model(
     ----------
     mesh : Mesh                         of TRIANGLE3 and LINE2 cells
     section : ShellSection (triangles) or BeamSection (lines), or {cell set: either}, every cell in one set
-    kinematics : MembraneKinematics     GREEN_LAGRANGE, or VON_KARMAN for flat structures
+    kinematics : ShellKinematics     GREEN_LAGRANGE, or VON_KARMAN for flat structures
 
     Raises
     ------
@@ -89,8 +91,7 @@ def shell_model(
     expected = "GREEN_LAGRANGE or VON_KARMAN of supple.fem"
     check_instance("shell_model, kinematics", kinematics, MembraneKinematics, expected)
     given = sections(mesh, section)
-    blocks = tuple(_shell_block(mesh, part, kinematics) for part in given)
-    return _model(mesh, 6, given, blocks, ROTATION_LIMIT)
+    return _shell_model(mesh, given, kinematics)
 
 
 def solid_model(mesh: Mesh, material: Isotropic | Mapping[str, Isotropic]) -> FiniteElementModel:
@@ -107,8 +108,22 @@ def solid_model(mesh: Mesh, material: Isotropic | Mapping[str, Isotropic]) -> Fi
     MeshError    unknown cell set; a curved cell that turns over
     """
     given = sections(mesh, material)
-    blocks = tuple(_solid_block(mesh, section) for section in given)
-    return _model(mesh, 3, given, blocks, float("inf"))
+    return _solid_model(mesh, given)
+
+
+def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementModel:
+    """The elements of a part of the model's mesh, with its own mass and stiffness.
+
+    part : of `model.mesh`; each of its cells keeps its property
+    """
+    given = tuple(
+        Section(section.cell_type, own, section.property)
+        for section in model.sections
+        if len(own := np.flatnonzero(np.isin(part.cells.get(section.cell_type, []), section.cells)))
+    )
+    if model.dofs_per_node == 3:
+        return _solid_model(part.mesh, given)
+    return _shell_model(part.mesh, given, model.kinematics)
 
 
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
@@ -117,12 +132,22 @@ def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
     return mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
 
 
-def _shell_block(mesh: Mesh, section: Section, kinematics: MembraneKinematics) -> QuadraticStrain:
+def _shell_model(mesh: Mesh, given: tuple[Section, ...], kinematics: ShellKinematics) -> FiniteElementModel:
+    blocks = tuple(_shell_block(mesh, part, kinematics) for part in given)
+    return replace(_model(mesh, 6, given, blocks, kinematics.rotation_limit), kinematics=kinematics)
+
+
+def _solid_model(mesh: Mesh, given: tuple[Section, ...]) -> FiniteElementModel:
+    blocks = tuple(_solid_block(mesh, section) for section in given)
+    return _model(mesh, 3, given, blocks, float("inf"))
+
+
+def _shell_block(mesh: Mesh, section: Section, kinematics: ShellKinematics) -> QuadraticStrain:
     given = section.property
     if section.cell_type is CellType.LINE2:
         if not isinstance(given, BeamSection):
             raise ModelError(f"lines need a BeamSection, not {type(given).__name__}; give their cell set one")
-        return beam_strain(section.corners(mesh), _dofs(section.nodes(mesh), 6), given)
+        return beam_strain(section.corners(mesh), _dofs(section.nodes(mesh), 6), given, kinematics)
     if section.cell_type is not CellType.TRIANGLE3:
         raise ModelError(
             f"a shell model takes TRIANGLE3 cells; the mesh has {section.cell_type.name}. "
