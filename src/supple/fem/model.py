@@ -89,7 +89,7 @@ def shell_model(
     SuppleWarning   a shell several times thicker than its elements are wide
     """
     expected = "GREEN_LAGRANGE or VON_KARMAN of supple.fem"
-    check_instance("shell_model, kinematics", kinematics, MembraneKinematics, expected)
+    check_instance("shell_model, kinematics", kinematics, ShellKinematics, expected)
     given = sections(mesh, section)
     return _shell_model(mesh, given, kinematics)
 
