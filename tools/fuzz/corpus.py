@@ -46,11 +46,15 @@ class Seed:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of file: its reader, and seeds."""
+    """A kind of file: its reader, and seeds.
+
+    is_hdf5 : read by the HDF5 library, which may hang over broken metadata: left out of the quick form
+    """
 
     label: str
     reader: Callable[[Path], object]
     seeds: tuple[Seed, ...]
+    is_hdf5: bool = False
 
 
 def kinds(folder: Path) -> Iterator[Kind]:
@@ -194,7 +198,7 @@ def _matrices(folder: Path) -> Iterator[Kind]:
             matrix = csc_array(np.diag([2.0, 3.0, 4.0]))
             for part in ("data", "indices", "indptr"):
                 file[f"{name}/{part}"] = getattr(matrix, part)
-    yield Kind("HDF5 matrices", hdf5, (Seed("m.h5", path.read_bytes()),))
+    yield Kind("HDF5 matrices", hdf5, (Seed("m.h5", path.read_bytes()),), is_hdf5=True)
     try:
         from pyyeti.nastran import op4
     except ImportError:
@@ -360,11 +364,11 @@ def _results(folder: Path) -> Iterator[Kind]:
     maker = mp.get_context("fork").Process(target=_make_results, args=(folder,))
     maker.start()
     maker.join()
-    yield Kind("result file", result, (Seed("run.h5", (folder / "run.h5").read_bytes()),))
+    yield Kind("result file", result, (Seed("run.h5", (folder / "run.h5").read_bytes()),), is_hdf5=True)
     sealed = (folder / "beam.h5").read_bytes()
     with h5py.File(folder / "beam.h5", "r", driver="core", backing_store=False) as file:
         bare = file.id.get_file_image()
-    yield Kind("reduced body", reduced, (Seed("beam.h5", sealed), Seed("beam.h5", bare)))
+    yield Kind("reduced body", reduced, (Seed("beam.h5", sealed), Seed("beam.h5", bare)), is_hdf5=True)
 
 
 def _make_results(folder: Path) -> None:
