@@ -35,6 +35,7 @@ class _Block:
     dimension: int
     cells: IntArray
     groups: dict[str, BoolArray]
+    ids: IntArray
 
 
 @checked_arguments
@@ -71,10 +72,11 @@ def read_gmsh(
     }
     asked = [block for block in blocks if only in block.groups] or blocks
     dimension = max(block.dimension for block in asked)
-    cells, cell_sets = _cells_by_type(path, read.positions, [b for b in blocks if b.dimension == dimension])
-    return FileMesh(path, read.positions, cells, node_sets, cell_sets).to_mesh(
-        only=only, unused_nodes=unused_nodes
-    )
+    chosen = [block for block in blocks if block.dimension == dimension]
+    cells, cell_sets, cell_ids = _cells_by_type(path, read.positions, chosen)
+    return FileMesh(
+        path, read.positions, cells, node_sets, cell_sets, node_ids=read.tags, cell_ids=cell_ids
+    ).to_mesh(only=only, unused_nodes=unused_nodes)
 
 
 def _whole_text(path: Path) -> str:
@@ -121,15 +123,14 @@ def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> li
         if lost.size:
             raise ImportFormatError(
                 f"{path}: {elements.type_name} cell {lost[0]} (of its block, from 0) names a node that the "
-                "file "
-                "does not define; save the mesh from Gmsh anew"
+                "file does not define; save the mesh from Gmsh anew"
             )
         groups: dict[str, BoolArray] = {}
         for tag, inside in elements.groups.items():
             name = names.get((elements.dimension, tag), f"{_ENTITIES[elements.dimension]} {tag}")
             groups[name] = inside
         if len(cells):
-            blocks.append(_Block(elements.type_name, elements.dimension, cells, groups))
+            blocks.append(_Block(elements.type_name, elements.dimension, cells, groups, elements.ids))
     if not blocks:
         raise ImportFormatError(f"{path}: no cells; mesh the geometry before saving it")
     return blocks
@@ -137,7 +138,7 @@ def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> li
 
 def _cells_by_type(
     path: Path, points: NDArray[np.float64], blocks: list[_Block]
-) -> tuple[dict[CellType, IntArray], dict[str, dict[CellType, IntArray]]]:
+) -> tuple[dict[CellType, IntArray], dict[str, dict[CellType, IntArray]], dict[CellType, IntArray]]:
     by_kind: dict[CellType, list[_Block]] = {}
     for block in blocks:
         if block.type_name == _QUADRILATERAL:
@@ -147,7 +148,8 @@ def _cells_by_type(
                 raise ImportFormatError(
                     f"{path}: quadrilateral {crossed[0]} (of its block, from 0): {CROSSED}"
                 )
-            split = _Block("triangle", 2, split_quadrilaterals(points, block.cells), groups)
+            halves = split_quadrilaterals(points, block.cells)
+            split = _Block("triangle", 2, halves, groups, np.repeat(block.ids, 2))
             by_kind.setdefault(CellType.TRIANGLE3, []).append(split)
         elif block.type_name in _CELL_TYPES:
             by_kind.setdefault(_CELL_TYPES[block.type_name], []).append(block)
@@ -159,16 +161,18 @@ def _cells_by_type(
             )
     cells: dict[CellType, IntArray] = {}
     cell_sets: dict[str, dict[CellType, IntArray]] = {}
+    cell_ids: dict[CellType, IntArray] = {}
     for kind, parts in by_kind.items():
         repeated = np.vstack([part.cells for part in parts])
         first, number = _first_of_each(repeated)
         cells[kind] = repeated[first]
+        cell_ids[kind] = np.concatenate([part.ids for part in parts])[first]
         for name in dict.fromkeys(name for part in parts for name in part.groups):
             inside = np.concatenate(
                 [part.groups.get(name, np.zeros(len(part.cells), bool)) for part in parts]
             )
             cell_sets.setdefault(name, {})[kind] = np.unique(number[inside])
-    return cells, cell_sets
+    return cells, cell_sets, cell_ids
 
 
 def _first_of_each(cells: IntArray) -> tuple[IntArray, IntArray]:

@@ -1,4 +1,4 @@
-"""The Gmsh format (.msh, 2 and 4.1, text or binary), before any meaning: nodes, elements and their groups.
+"""The Gmsh format (.msh; 2 and 4.1, in text 4.0 as well) before any meaning: nodes, elements, groups.
 
 Every count that a file states is held against what is left of it before anything is made of that size.
 Source: the Gmsh reference manual, chapter on file formats.
@@ -44,12 +44,13 @@ class GmshElements:
     """Elements of one type.
 
     type_name : as a `CellType` names its shape;  dimension : 0 to 3
-    nodes : (E, k) node tags
+    ids : (E,) element tags;  nodes : (E, k) node tags
     groups : {physical tag: (E,) which of them are in that group}
     """
 
     type_name: str
     dimension: int
+    ids: IntArray
     nodes: IntArray
     groups: dict[int, NDArray[np.bool_]]
 
@@ -75,9 +76,12 @@ def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
         tags, positions = _nodes_of_2(numbers("Nodes"))
         blocks = tuple(_elements_of_2(numbers("Elements")))
     else:
-        tags, positions = _nodes_of_4(numbers("Nodes"))
-        groups = _groups_of_4(numbers("Entities")) if b"$Entities" in content else {}
-        blocks = tuple(_elements_of_4(numbers("Elements"), groups))
+        tags, positions = (
+            _nodes_of_40(numbers("Nodes")) if version == "4.0" else _nodes_of_4(numbers("Nodes"))
+        )
+        old = version == "4.0"
+        groups = _groups_of_4(numbers("Entities"), old=old) if b"$Entities" in content else {}
+        blocks = tuple(_elements_of_4(numbers("Elements"), groups, old=old))
     second = first_repeated(tags)
     if second is not None:
         raise _unreadable(path, f"node {tags[second]} stands twice in $Nodes")
@@ -154,16 +158,20 @@ class _Section:
         except (ValueError, OverflowError) as error:
             raise self.error(str(error)[:100]) from error
 
+    def words(self, n: int) -> list[bytes]:
+        """The next `n` words of a text."""
+        if not 0 <= n <= len(self._words) - self._place:
+            raise self.error(f"{n} numbers are announced, and {len(self._words) - self._place} are left")
+        self._place += n
+        return self._words[self._place - n : self._place]
+
     def _taken(self, n: int, layout: str, dtype: type) -> NDArray:
         if not self._is_text:
             found = self._frombuffer(n, np.dtype(layout))
             if found.dtype.kind == "u" and (found > np.iinfo(np.int64).max).any():
                 raise self.error("a tag or count beyond 64 bits")
             return found.astype(dtype)
-        if not 0 <= n <= len(self._words) - self._place:
-            raise self.error(f"{n} numbers are announced, and {len(self._words) - self._place} are left")
-        self._place += n
-        return self.converted(self._words[self._place - n : self._place], dtype)
+        return self.converted(self.words(n), dtype)
 
     def _frombuffer(self, n: int, layout: np.dtype) -> NDArray:
         left = len(self._bytes) - self._place
@@ -177,15 +185,15 @@ class _Section:
 
 
 def _format(path: Path, content: bytes):
-    """The format, 2 or 4, and the sections in it by name."""
+    """The format (2, 4 or 4.0) and the sections in it by name."""
     header = re.search(
         rb"\$MeshFormat\s*?\n\s*([0-9.]{1,8})\s+([01])\s+(\d{1,2})[ \t]*\r?\n(.{4})", content, re.DOTALL
     )
     if header is None:
         raise _unreadable(path, "$MeshFormat: not a version, a file type and a size")
     version, is_text, size = header[1].decode(), header[2] == b"0", int(header[3])
-    known = {"2": "2", "2.0": "2", "2.1": "2", "2.2": "2", "4": "4", "4.1": "4"}.get(version)
-    if known is None or size not in (4, 8):
+    known = {"2": "2", "2.0": "2", "2.1": "2", "2.2": "2", "4": "4", "4.1": "4", "4.0": "4.0"}.get(version)
+    if known is None or (known == "4.0" and not is_text) or size not in (4, 8):
         raise _unreadable(path, f"its format is {version} with counts of {size} bytes")
     order = "<" if is_text or header[4] == b"\1\0\0\0" else ">"
     if not is_text and header[4] not in (b"\1\0\0\0", b"\0\0\0\1"):
@@ -204,10 +212,11 @@ def _type(section: _Section, number: int) -> tuple[str, int, int]:
 
 
 def _elements(
-    section: _Section, number: int, nodes: IntArray, groups: dict[int, NDArray[np.bool_]]
+    section: _Section, number: int, ids: IntArray, nodes: IntArray, groups: dict[int, NDArray[np.bool_]]
 ) -> GmshElements:
     name, dimension, _ = _type(section, number)
-    return GmshElements(name, dimension, nodes[:, _ORDER[name]] if name in _ORDER else nodes, groups)
+    ordered = nodes[:, _ORDER[name]] if name in _ORDER else nodes
+    return GmshElements(name, dimension, ids, ordered, groups)
 
 
 def _nodes_of_2(section: _Section) -> tuple[IntArray, FloatArray]:
@@ -250,7 +259,8 @@ def _elements_of_2(section: _Section) -> Iterator[GmshElements]:
             raise section.error(f"an element of type {number} without its {k} nodes")
         ends = starts[of_type] + counts[of_type]
         physical = np.where(n_tags[of_type] > 0, flat[np.minimum(starts[of_type] + 3, len(flat) - 1)], 0)
-        yield _elements(section, number, flat[ends[:, None] + np.arange(-k, 0)], _groups_of_tags(physical))
+        nodes = flat[ends[:, None] + np.arange(-k, 0)]
+        yield _elements(section, number, flat[starts[of_type]], nodes, _groups_of_tags(physical))
 
 
 def _binary_elements_of_2(section: _Section, n: int) -> Iterator[GmshElements]:
@@ -262,7 +272,7 @@ def _binary_elements_of_2(section: _Section, n: int) -> Iterator[GmshElements]:
             raise section.error(f"a block of {count} elements with {n_tags} tags each")
         rows = section.integers(count * (1 + n_tags + k)).reshape(count, -1)
         physical = rows[:, 1] if n_tags else np.zeros(count, dtype=np.int64)
-        yield _elements(section, number, rows[:, 1 + n_tags :], _groups_of_tags(physical))
+        yield _elements(section, number, rows[:, 0], rows[:, 1 + n_tags :], _groups_of_tags(physical))
         read += count
 
 
@@ -286,30 +296,52 @@ def _nodes_of_4(section: _Section) -> tuple[IntArray, FloatArray]:
     return found, np.concatenate([np.zeros((0, 3)), *positions])
 
 
-def _groups_of_4(section: _Section) -> dict[tuple[int, int], list[int]]:
+def _nodes_of_40(section: _Section) -> tuple[IntArray, FloatArray]:
+    """Nodes of format 4.0 in text: each row has a tag and three coordinates."""
+    n_blocks, n = section.integers(2).tolist()
+    tags, positions = [], []
+    for _ in range(n_blocks):
+        _, _, parametric, count = section.integers(4).tolist()
+        if parametric:
+            raise section.error("parametric nodes; save the mesh without them")
+        rows = section.words(4 * count)
+        tags.append(section.converted(rows[::4], np.int64))
+        words = [word for i, word in enumerate(rows) if i % 4]
+        positions.append(section.converted(words, np.float64).reshape(-1, 3))
+    found = np.concatenate([np.zeros(0, dtype=np.int64), *tags])
+    if len(found) != n:
+        raise section.error(f"{n} nodes are announced, and {len(found)} follow")
+    return found, np.concatenate([np.zeros((0, 3)), *positions])
+
+
+def _groups_of_4(section: _Section, *, old: bool) -> dict[tuple[int, int], list[int]]:
     """Physical tags of each entity, by its dimension and tag."""
     found: dict[tuple[int, int], list[int]] = {}
     for dimension, count in enumerate(section.integers(4, wide=True).tolist()):
         for _ in range(count):
             tag = section.integer()
-            section.reals(6 if dimension else 3)  # its box or place
+            section.reals(6 if dimension or old else 3)  # its box or place
             found[dimension, tag] = np.abs(section.integers(section.integer(wide=True))).tolist()
             if dimension:
                 section.integers(section.integer(wide=True))  # what bounds it
     return found
 
 
-def _elements_of_4(section: _Section, groups: dict[tuple[int, int], list[int]]) -> Iterator[GmshElements]:
-    n_blocks, n, _, _ = section.integers(4, wide=True).tolist()
+def _elements_of_4(
+    section: _Section, groups: dict[tuple[int, int], list[int]], *, old: bool
+) -> Iterator[GmshElements]:
+    n_blocks, n = section.integers(2 if old else 4, wide=True).tolist()[:2]
     read = 0
     for _ in range(n_blocks):
         dimension, entity, number = section.integers(3).tolist()
+        if old:  # which writes the entity first
+            dimension, entity = entity, dimension
         count, k = section.integer(wide=True), _type(section, number)[2]
         rows = section.integers(count * (1 + k), wide=True).reshape(-1, 1 + k)
         if groups and (dimension, entity) not in groups:
             raise section.error(f"entity {entity} of dimension {dimension} is not in $Entities")
         inside = {tag: np.ones(count, dtype=bool) for tag in groups.get((dimension, entity), []) if tag}
-        yield _elements(section, number, rows[:, 1:], inside)
+        yield _elements(section, number, rows[:, 0], rows[:, 1:], inside)
         read += count
     if read != n:
         raise section.error(f"{n} elements are announced, and {read} follow")
