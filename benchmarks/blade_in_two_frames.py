@@ -19,7 +19,8 @@ from supple.integrate import Run
 from supple.reduction import reduce
 from supple.simulation import simulate
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES
-from supple_benchmarks.blade.problem import (
+from supple_benchmarks.blade.reduced_run import FixedBasis, bases_of
+from supple_benchmarks.nrel5mw_blade import (
     FRAMES,
     RATED,
     Blade,
@@ -28,7 +29,6 @@ from supple_benchmarks.blade.problem import (
     root_held_frequencies,
     tip_motion,
 )
-from supple_benchmarks.blade.reduced_run import FixedBasis, bases_of
 
 SECONDS = 20.0
 

@@ -84,6 +84,28 @@ def reduce(
 
 
 @app.command()
+def export(
+    case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Deck to write, FILE.inp.")],
+    body: Annotated[
+        str | None, typer.Option(help="Which body; may be left out where one alone has elements.")
+    ] = None,
+    time: Annotated[
+        float | None, typer.Option(help="Instant of the loads, s; the end of the run if left out.")
+    ] = None,
+    abaqus: Annotated[
+        bool, typer.Option("--abaqus", help="Three-node shells, for Abaqus; CalculiX bends six-node ones.")
+    ] = False,
+    debug: Debug = False,
+) -> None:
+    """Write a body, clamped where joints hold it, under its loads, as an Abaqus or CalculiX deck."""
+    from supple.cli.export_case import export_case
+
+    with reported_errors(debug=debug), reported_warnings():
+        export_case(case, output, body=body, time=time, abaqus=abaqus)
+
+
+@app.command()
 def info(
     path: Annotated[Path, typer.Argument(help="Case (.toml), mesh (.inp, .msh, .bdf ..) or result (.h5).")],
     debug: Debug = False,
