@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -188,3 +189,12 @@ def test_quotes_that_do_not_close(tmp_path):
     path.write_text('alpha_deg,cl,cd\n-180,0,0\n"180,0,0\n')
     with pytest.raises(ImportFormatError, match=r"t\.csv, line 3: not a row of a CSV table"):
         read_polar(path, name="t")
+
+
+def test_hundreds_of_mistakes_are_told_at_once(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text('title = "t"\nbody = []\n' + 500 * "[[load]]\n")
+    began = time.process_time()
+    with pytest.raises(CaseError, match=r"case\.toml has 1502 mistakes"):
+        sp.read_case(path)
+    assert time.process_time() - began < 10.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import reprlib
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -47,12 +48,18 @@ def _spell(path: KeyPath) -> str:
     )
 
 
+@cache
+def _tree(root: type[CheckedTable]) -> _Schema:
+    """The schema of a file, which takes longer to make than a mistake to tell."""
+    return root.model_json_schema()
+
+
 def _schema_mistake(root: type[CheckedTable], item: ErrorDetails) -> tuple[KeyPath, str]:
     """One schema error as the path of its key in the file, and a sentence with the remedy.
 
     root : the table of the whole file, whose check found the error
     """
-    tree = root.model_json_schema()
+    tree = _tree(root)
     place, schema = _follow(tree, item["loc"])
     kind, seen, context = item["type"], item["input"], item.get("ctx", {})
     unit = f" ({schema['description']})" if "description" in schema else ""
