@@ -10,6 +10,10 @@ class SuppleError(Exception):
     """Base of every error that supple raises on purpose."""
 
 
+class ArgumentError(SuppleError, ValueError, TypeError):
+    """An argument of another kind than a function or constructor takes."""
+
+
 class MeshError(SuppleError, ValueError):
     """A mesh that no method can use: NaN, inverted or degenerate cells, orphan nodes, empty sets."""
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import os
+import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
+import click
 import typer
 from rich.console import Console
-from rich.markup import escape
 from rich.progress import (
     BarColumn,
     Progress,
@@ -19,12 +21,16 @@ from rich.progress import (
     TextColumn,
     TimeElapsedColumn,
 )
-from rich.table import Table
+from rich.table import Column, Table
+from rich.text import Text
 
 from supple.errors import SuppleError, SuppleWarning
 
 MISTAKE = 2
 """Exit code of a command that was given something it cannot use."""
+
+FAULT = 1
+"""Exit code of a command that failed for a reason of supple's own."""
 
 WIDTH_OF_FILES = 140
 """Columns of what is not printed on a terminal but kept: the widest table of a report."""
@@ -45,7 +51,7 @@ def progress_bars() -> Progress:
     """Bars with the time taken; a step of unknown length spins."""
     return Progress(
         SpinnerColumn(finished_text="[green]*[/green]"),
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(bar_width=30),
         TaskProgressColumn(show_speed=False),
         TimeElapsedColumn(),
@@ -53,9 +59,35 @@ def progress_bars() -> Progress:
     )
 
 
+def plain(text: str) -> str:
+    """The text with what a terminal obeys or cannot show (control characters, bytes of no character) spelled
+    out; it may still hold brackets, so print it as `words`."""
+    return "".join(
+        sign if sign.isprintable() or sign == "\n" else sign.encode("unicode_escape").decode("ascii")
+        for sign in text
+    )
+
+
+def words(text: str, style: str = "") -> Text:
+    """A text to print as it is: brackets in names are no markup."""
+    return Text(plain(text), style=style)
+
+
+def say(text: str, style: str = "") -> None:
+    """Print a line as it is."""
+    console.print(words(text, style), soft_wrap=True)
+
+
+def show_any_character() -> None:
+    """Let output spell out characters that its encoding lacks, instead of failing on them."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
 def worded(step: str, detail: str = "") -> str:
     """A step and how far it has come, in a line."""
-    return f"{step}: {detail}" if detail else step
+    return plain(f"{step}: {detail}" if detail else step)
 
 
 class Steps:
@@ -95,32 +127,60 @@ def bar(bars: Progress, label: str) -> Callable[[float], None]:
 
 def print_table(title: str, heads: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
     """Print a table of words."""
-    shown = Table(*heads, title=title)
+    shown = Table(*(Column(words(head)) for head in heads), title=words(title))
     for row in rows:
-        shown.add_row(*row)
+        shown.add_row(*map(words, row))
     console.print(shown)
 
 
 def print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
     """Print names, each with what it is, in words."""
-    shown = Table(title=title, show_header=False)
+    shown = Table(title=words(title), show_header=False)
     for row in rows:
-        shown.add_row(*row)
+        shown.add_row(*map(words, row))
     console.print(shown)
 
 
 @contextmanager
 def reported_errors(*, debug: bool) -> Iterator[None]:
-    """Print errors that supple raises on purpose as a message and exit; with `debug`, as a traceback."""
+    """Print an error as a message and exit; with `debug`, as a traceback.
+
+    What supple raises on purpose, and what the system refuses, are mistakes of the input (`MISTAKE`);
+    anything else is a fault of supple, and its message says so (`FAULT`).
+    """
     try:
         yield
-    except SuppleError as error:
+    except (click.exceptions.Exit, click.Abort, click.ClickException):
+        raise
+    except Exception as error:
         if debug:
             raise
-        error_console.print(
-            f"[bold red]error:[/bold red] {escape(str(error))}", highlight=False, soft_wrap=True
-        )
-        raise typer.Exit(MISTAKE) from error
+        message, code = _told(error)
+        error_console.print(words("error: ", "bold red") + words(message), soft_wrap=True)
+        raise typer.Exit(code) from error
+
+
+def _told(error: Exception) -> tuple[str, int]:
+    """What to say of an error, and the exit code."""
+    match error:
+        case SuppleError():
+            return str(error), MISTAKE
+        case MemoryError():
+            return f"the memory does not suffice ({error or 'none is left'}): give a smaller model", MISTAKE
+        case OSError() if error.filename is not None:
+            return (
+                f"{os.fsdecode(error.filename)}: {error.strerror}; check the path and its permissions",
+                MISTAKE,
+            )
+        case OSError():
+            return f"{error}; check the paths given, and the disk", MISTAKE
+        case _:
+            return (
+                f"{type(error).__name__}: {error}\nThis is a fault of supple, not of what it was given to "
+                "read. "
+                "Run the command again with --debug and report the traceback with the input",
+                FAULT,
+            )
 
 
 @contextmanager
@@ -132,8 +192,7 @@ def reported_warnings() -> Iterator[None]:
 
         def show(message, category, filename, lineno, file=None, line=None):
             if issubclass(category, SuppleWarning):
-                text = f"[bold yellow]warning:[/bold yellow] {escape(str(message))}"
-                console.print(text, highlight=False, soft_wrap=True)
+                console.print(words("warning: ", "bold yellow") + words(str(message)), soft_wrap=True)
             else:
                 show_others(message, category, filename, lineno, file, line)
 

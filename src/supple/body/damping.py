@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import linalg, sparse
 
 from supple.algebra import lowest_modes, read_only
+from supple.arguments import check_fields, check_numbers
 from supple.errors import ModelError
 
 
@@ -31,6 +32,7 @@ class RayleighDamping:
     beta: float
 
     def __post_init__(self) -> None:
+        check_fields(self)
         _check_factors("Rayleigh damping", self.alpha, self.beta)
 
     def matrix(self, stiffness: Any, mass: Any) -> Any:
@@ -61,6 +63,7 @@ class LinearRayleighDamping:
     beta: float
 
     def __post_init__(self) -> None:
+        check_fields(self)
         _check_factors("linear Rayleigh damping", self.alpha, self.beta)
 
     def matrix(self, stiffness: Any, mass: Any) -> Any:
@@ -124,6 +127,8 @@ class ModalDamping:
     ratios: NDArray[np.float64] | float
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        check_numbers("ModalDamping, ratios", self.ratios)
         ratios = read_only(np.atleast_1d(np.asarray(self.ratios, dtype=np.float64)))
         if ratios.ndim != 1 or ratios.size == 0 or not np.all(np.isfinite(ratios) & (ratios >= 0)):
             raise ModelError(f"modal damping ratios must be zero or positive numbers, not {self.ratios}")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from supple.arguments import check_instance, check_members, check_sequence, check_text
 from supple.body.flexible_body import FlexibleBody
 from supple.body.free_body import free_body
 from supple.body.interface import AveragingInterface, RigidInterface
@@ -34,6 +35,19 @@ def flexible_body(
     """
     from supple.fem import nodal_rotation_operator
 
+    check_text("flexible_body, name", name)
+    check_members(
+        f"flexible_body '{name}', model",
+        model,
+        ("mesh", "stiffness", "mass"),
+        "shell_model(..) or solid_model(..)",
+    )
+    check_sequence(f"flexible_body '{name}', interfaces", interfaces, "a list of interfaces")
+    for each in interfaces:
+        expected = "RigidInterface(name, nodes) or AveragingInterface(name, nodes)"
+        check_instance(
+            f"flexible_body '{name}', interfaces", each, (RigidInterface, AveragingInterface), expected
+        )
     return free_body(
         name,
         model.mesh.nodes,

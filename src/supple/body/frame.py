@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.body.flexible_body import FlexibleBody
 from supple.errors import ModelError
 
@@ -26,6 +27,9 @@ class NodalFixedFrame:
     """The frame rides on an interface: q_v = 0 there. [Wu2019 (11)]"""
 
     interface: str
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def constraint(self, body: FlexibleBody) -> NDArray[np.float64]:
         """D = the interface's motion; ModelError when the body has no such interface."""

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, vstack
 
 from supple.algebra import lowest_modes
+from supple.arguments import check_fields
 from supple.body.damping import LinearRayleighDamping, RayleighDamping
 from supple.body.flexible_body import FlexibleBody
 from supple.body.floating_kinematics import floating_positions
@@ -32,6 +33,9 @@ class FullBody:
     body: FlexibleBody
     frame: Frame
     damping: RayleighDamping | LinearRayleighDamping | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def name(self) -> str:

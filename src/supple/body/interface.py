@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
+from supple.arguments import check_numbers, check_text
 from supple.errors import ModelError, did_you_mean
 
 
@@ -28,6 +29,9 @@ class RigidInterface:
     nodes: str | ArrayLike
     position: ArrayLike | None = None
 
+    def __post_init__(self) -> None:
+        _check_interface(self, self.position)
+
 
 @dataclass(frozen=True, eq=False)
 class AveragingInterface:
@@ -44,6 +48,17 @@ class AveragingInterface:
     nodes: str | ArrayLike
     position: ArrayLike | None = None
     weights: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        _check_interface(self, self.position, self.weights)
+
+
+def _check_interface(given: RigidInterface | AveragingInterface, *numbers: ArrayLike | None) -> None:
+    """ArgumentError for a name that is none, and for words where numbers are meant."""
+    check_text(f"{type(given).__name__}, name", given.name)
+    for values in (None if isinstance(given.nodes, str) else given.nodes, *numbers):
+        if values is not None:
+            check_numbers(f"{type(given).__name__} '{given.name}'", values)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra import read_only
+from supple.arguments import check_fields, check_numbers, check_text
 from supple.body.floating_kinematics import floating_positions
 from supple.body.interface import PointInterface, interface_named
 from supple.errors import ModelError
@@ -42,6 +43,8 @@ class RigidBody:
     points: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        check_text("RigidBody, name", self.name)
         if not (np.isfinite(self.mass) and self.mass > 0):
             raise ModelError(f"rigid body '{self.name}': the mass is {self.mass}; it must be positive")
         object.__setattr__(self, "inertia", self._checked_inertia())
@@ -107,6 +110,7 @@ class RigidBody:
         return
 
     def _position(self, what: str, given: ArrayLike) -> NDArray[np.float64]:
+        check_numbers(f"rigid body '{self.name}', {what}", given)
         position = read_only(given)
         if position.shape != (3,) or not np.all(np.isfinite(position)):
             raise ModelError(f"rigid body '{self.name}': {what} must be three finite numbers, not {given}")

@@ -18,6 +18,7 @@ from supple.cases.output import Output
 from supple.cases.simulation import Simulation
 from supple.cases.springs import Spring
 from supple.errors import ModelError
+from supple.importers.text_file import is_file
 from supple.importers.toml import ZERO, CheckedTable, KeyPath, Mistakes, Raw, Rule, Vector, table, tables
 from supple.units import UnitSystem
 
@@ -77,7 +78,7 @@ def _files_exist(raw: Raw, folder: Path) -> Mistakes:
     for path, name in files_named(raw):
         if path[-1] == "reduced":
             continue  # looked into already, for the interfaces it brings
-        if isinstance(name, str) and not (folder / name).is_file():
+        if isinstance(name, str) and not is_file(folder / name):
             yield path, f"there is no file {folder / name}; file names are relative to the case file"
 
 

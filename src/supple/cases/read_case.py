@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
+from supple.arguments import checked_arguments
 from supple.cases.case import Case
 from supple.cases.case_tables import CaseTables, broken_rules
 from supple.cases.notify import Notify, silent
 from supple.cases.reduced_file import with_interfaces_of_files
 from supple.errors import CaseError
-from supple.importers.toml import checked, index_lines, listed_mistakes
+from supple.importers.plain_number import LARGEST_INTEGER
+from supple.importers.toml import KeyPath, checked, index_lines, listed_mistakes
+
+DEEPEST = 20
+"""Tables and lists within each other; those of a case nest six deep."""
 
 
+@checked_arguments
 def read_case(path: str | Path, notify: Notify = silent) -> Case:
     """Read and check a case file.
 
@@ -26,22 +34,69 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
     CaseError   no such file, not TOML, or any number of mistakes: one line each, with line number and remedy
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise CaseError(f"cannot read the case file {path}: {error.strerror}; check the path") from error
-    except UnicodeDecodeError as error:
-        raise CaseError(f"{path} is not a text file in UTF-8; is it a case file (.toml)?") from error
-    try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise CaseError(
-            f"{path} is not valid TOML: {error}; strings need quotes, keys need a value"
-        ) from error
+    text = _text(path)
+    raw = _raw(path, text)
     lines = index_lines(text)
+    beyond = list(_values_beyond_any_use(raw))
+    if beyond:  # no rule is written for these
+        raise CaseError(listed_mistakes(path, lines, beyond))
     raw, mistakes = with_interfaces_of_files(raw, path.parent)
     mistakes += broken_rules(raw, path.parent)
     tables, mistakes = checked(CaseTables, raw, mistakes)
     if tables is None or mistakes:
         raise CaseError(listed_mistakes(path, lines, mistakes))
+    try:
+        tables.simulation.build()
+    except ValueError as error:  # of the numbers of the run together
+        raise CaseError(listed_mistakes(path, lines, [(("simulation",), str(error))])) from error
     return Case(path, text, tables, lines, notify)
+
+
+def _text(path: Path) -> str:
+    try:
+        # A byte-order mark, which some editors write, is no part of the text.
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise CaseError(f"cannot read the case file {path}: {error.strerror}; check the path") from error
+    except UnicodeDecodeError as error:
+        raise CaseError(f"{path} is not a text file in UTF-8; is it a case file (.toml)?") from error
+    except ValueError as error:
+        raise CaseError(f"cannot read the case file {str(path)!r}: {error}; check the path") from error
+
+
+def _raw(path: Path, text: str) -> dict[str, Any]:
+    """The tables of the text, which do not nest too deep."""
+    try:
+        raw = tomllib.loads(text)
+    except ValueError as error:  # not TOML, or a number of thousands of digits
+        raise CaseError(
+            f"{path} is not valid TOML: {error}; strings need quotes, keys need a value"
+        ) from error
+    except RecursionError:
+        raw = None
+    if raw is None or _depth(raw) > DEEPEST:
+        raise CaseError(
+            f"{path}: its tables and lists nest more than {DEEPEST} deep, and no key of a case does; is a "
+            "bracket repeated?"
+        )
+    return raw
+
+
+def _depth(raw: dict[str, Any]) -> int:
+    """How deep tables and lists nest, level by level: recursion could end before they do."""
+    depth, level = 0, [raw]
+    while level and depth <= DEEPEST:
+        depth += 1
+        held = [each for item in level for each in (item.values() if isinstance(item, dict) else item)]
+        level = [each for each in held if isinstance(each, dict | list)]
+    return depth
+
+
+def _values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
+    """Whole numbers beyond the 64 bits that TOML promises."""
+    if isinstance(value, dict | list):
+        for key, item in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _values_beyond_any_use(item, (*path, key))
+    elif isinstance(value, int) and not -LARGEST_INTEGER - 1 <= value <= LARGEST_INTEGER:
+        digits = f"{value:.6g}" if abs(value) < 10**300 else "one of over 300 digits"
+        yield path, f"a whole number has at most 64 bits, got {digits}; write it with a point, or correct it"

@@ -69,7 +69,7 @@ def run_case(
     """
     if resume and force:
         raise CaseError("--resume goes on with a result and --force replaces it: give one of them")
-    with file_errors("write", folder):
+    with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     with ExclusiveLock(folder):
         check_remains(case, folder, resume=resume, force=force)

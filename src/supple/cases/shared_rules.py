@@ -16,6 +16,8 @@ def usable_names(raw: Raw, key: str, path: KeyPath = ()) -> Mistakes:
             yield (*place, "name"), f"an earlier {key} is already named {name!r}; names must differ"
         if "." in name or name == "ground":
             yield (*place, "name"), f"{name!r} cannot be a {key} name: no dots, and not the word ground"
+        if not name.isprintable():
+            yield (*place, "name"), f"{name!r} cannot be a {key} name: it holds characters that do not print"
         taken.add(name)
 
 

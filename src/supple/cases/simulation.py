@@ -6,7 +6,7 @@ from pydantic import Field
 
 from supple.cases.table import Made
 from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, table
-from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run
+from supple.integrate import MOST_OUTPUT_TIMES, AdaptiveStep, FixedStep, GeneralizedAlpha, Run
 
 
 class Adaptive(Made):
@@ -60,7 +60,14 @@ def _output_steps_fill_the_duration(raw: Raw) -> Mistakes:
         return
     path = ("simulation", "output_step")
     intervals = duration / output_step
-    if intervals < 1:
+    if not intervals <= MOST_OUTPUT_TIMES:  # also of a duration that is no number
+        yield (
+            path,
+            f"{duration} s in steps of {output_step} s are more than the {MOST_OUTPUT_TIMES} output times "
+            "that are "
+            "stored; give a longer one (step may stay)",
+        )
+    elif intervals < 1:
         yield path, f"{output_step} s is longer than the duration, {duration} s"
     elif abs(intervals - round(intervals)) > 1e-6:
         better = duration / round(intervals)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from rich.markup import escape
 from rich.table import Table
 
 from supple.body import ModelCheck, Verdict, labelled_matrices_source, nastran_source
@@ -13,7 +12,7 @@ from supple.body.model_check import LOWEST_FREQUENCIES
 from supple.cases import read_case
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES
-from supple.terminal import console
+from supple.terminal import console, words
 from supple.units import UNNAMED, UnitSystem, measured
 
 _VERDICTS = {
@@ -45,13 +44,13 @@ def print_check(path: Path, *, n_frequencies: int) -> None:
 def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Table:
     """The findings of a check as a table, frequencies in Hz where the unit of time is said."""
     hertz, factor = units.frequency_shown
-    table = Table("", "what", "seen", title=escape(f"Check of {name}"))
+    table = Table("", "what", "seen", title=words(f"Check of {name}"))
     for finding in check.findings:
         seen = f"{finding.seen}\n-> {finding.remedy}" if finding.remedy else finding.seen
         if finding.what == LOWEST_FREQUENCIES:
             listed = ", ".join(f"{factor * frequency:.4g}" for frequency in check.frequencies)
             seen = measured(listed, hertz)
-        table.add_row(_VERDICTS[finding.verdict], finding.what, escape(seen))
+        table.add_row(_VERDICTS[finding.verdict], words(finding.what), words(seen))
     return table
 
 

@@ -9,7 +9,7 @@ import typer
 
 from supple import __version__
 from supple.cli.benchmark import BenchmarkGroup
-from supple.terminal import console, reported_errors, reported_warnings
+from supple.terminal import console, reported_errors, reported_warnings, show_any_character
 
 app = typer.Typer(
     help="Reduced-order flexible multibody dynamics.",
@@ -29,6 +29,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback o
 
 def main() -> None:
     """Entry point of the command."""
+    show_any_character()
     app()
 
 
@@ -63,8 +64,8 @@ def run(
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.run_case import run_case
 
-    keep_compiled_programs()
     with reported_errors(debug=debug), reported_warnings():
+        keep_compiled_programs()
         run_case(case, output or Path("results") / case.stem, resume=resume, force=force, strict=strict)
 
 

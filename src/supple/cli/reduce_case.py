@@ -10,7 +10,7 @@ from supple.results import body_numbers, unit_names
 from supple.results.descriptions import describe_reduction
 from supple.results.run_tables import body_table
 from supple.simulation import keep_body, reduced_bodies
-from supple.terminal import console, print_rows, print_table, worded
+from supple.terminal import console, print_rows, print_table, say, worded, words
 
 
 def reduce_case(path: Path, folder: Path) -> None:
@@ -23,7 +23,7 @@ def reduce_case(path: Path, folder: Path) -> None:
     SuppleError         whatever building and reducing find wrong
     """
     with console.status("reducing") as status:
-        case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
+        case = read_case(path, lambda step, detail="": status.update(words(worded(step, detail))))
         bodies = reduced_bodies(case.system, case.made_here)
     if not bodies:
         raise CaseError(
@@ -36,4 +36,4 @@ def reduce_case(path: Path, folder: Path) -> None:
     for body in bodies:
         print_rows(f"Reduction of {body.name}", describe_reduction(body.report))
         written = keep_body(body, folder)
-        console.print(f"written to {written} ({written.stat().st_size / 2**20:.1f} MiB)", highlight=False)
+        say(f"written to {written} ({written.stat().st_size / 2**20:.1f} MiB)")

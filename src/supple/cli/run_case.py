@@ -6,7 +6,6 @@ import signal
 from pathlib import Path
 
 import typer
-from rich.markup import escape
 
 from supple import cases
 from supple.cases.remains import kept_so_far
@@ -20,7 +19,7 @@ from supple.results.run_tables import (
     place_table,
 )
 from supple.simulation.interruption import INTERRUPTIONS, Terminated, raising_terminated
-from supple.terminal import Steps, console, error_console, print_table, progress_bars
+from supple.terminal import Steps, error_console, print_table, progress_bars, say, words
 
 
 def run_case(
@@ -35,9 +34,7 @@ def run_case(
             _run(path, folder, resume=resume, force=force, strict=strict)
         except INTERRUPTIONS as error:
             kept = "; ".join(getattr(error, "__notes__", [])) or kept_so_far(path, folder)
-            error_console.print(
-                f"[bold red]stopped:[/bold red] {escape(kept)}", highlight=False, soft_wrap=True
-            )
+            error_console.print(words("stopped: ", "bold red") + words(kept), soft_wrap=True)
             number = signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT
             raise typer.Exit(128 + number) from error
 
@@ -46,7 +43,7 @@ def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool) -
     bars = progress_bars()
     steps = Steps(bars)
     case = cases.read_case(path, steps.show)
-    console.print(f"[bold]{case.title}[/bold]", highlight=False)
+    say(case.title, "bold")
     with bars:
         try:
             result = cases.run_case(
@@ -68,6 +65,6 @@ def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool) -
             print_table(*deflections)
     for name, body in numbers["bodies"].items():
         if "eigenvalues" in body:
-            console.print(f"{name}: {body['eigenvalues']}", highlight=False)
-    console.print(cost_line(result.solution.statistics), highlight=False)
-    console.print(f"Results are in {folder}/", highlight=False)
+            say(f"{name}: {body['eigenvalues']}")
+    say(cost_line(result.solution.statistics))
+    say(f"Results are in {folder}/")

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from supple.algebra import read_only
+from supple.arguments import check_fields
 from supple.errors import AccuracyError, ModelError
 from supple.integrate import Solution
 from supple.machine.system import System
@@ -53,6 +54,7 @@ class SelfCorrection:
     max_rounds: int = 8
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if (self.absolute is None) == (self.relative is None):
             raise ModelError("self-correction: give the error to reach either as absolute or as relative")
         for name, value in vars(self).items():
@@ -82,6 +84,9 @@ class ReductionStart:
     basis: LinearBasisRecipe = field(default_factory=lambda: CraigBampton(n_modes=5))
     derivatives: DerivativeChoice = field(default_factory=lambda: CompressedDerivatives(5))
     quartic: QuarticChoice = field(default_factory=PlainQuartic)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
 
 @dataclass(frozen=True, eq=False)

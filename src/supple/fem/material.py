@@ -8,6 +8,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.errors import ModelError
 
 
@@ -31,6 +32,7 @@ class Isotropic:
     density: float
 
     def __post_init__(self) -> None:
+        check_fields(self)
         for name, value in vars(self).items():
             if not isfinite(value):
                 raise ModelError(f"{name} is {value}; give a finite number")

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from supple.arguments import check_instance
 from supple.errors import ModelError, SuppleWarning
 from supple.fem.beam2 import beam_mass, beam_strain
 from supple.fem.beam_section import BeamSection
@@ -92,6 +93,8 @@ def shell_model(
     -----
     SuppleWarning   a shell several times thicker than its elements are wide
     """
+    expected = "GREEN_LAGRANGE or VON_KARMAN of supple.fem"
+    check_instance("shell_model, kinematics", kinematics, ShellKinematics, expected)
     given = sections(mesh, section)
     return _shell_model(mesh, given, kinematics)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_instance
 from supple.errors import ModelError
 from supple.fem.beam_section import BeamSection
 from supple.fem.material import Isotropic
@@ -50,6 +51,7 @@ def sections(mesh: Mesh, given: Property | Mapping[str, Property]) -> tuple[Sect
     ModelError   cells without a property, or with two
     MeshError    unknown cell set
     """
+    check_instance("the mesh of a model", mesh, Mesh, "a Mesh, such as read_mesh(path) gives")
     if not isinstance(given, Mapping):
         return tuple(Section(kind, np.arange(len(cells)), given) for kind, cells in mesh.cells.items())
     found = tuple(

@@ -8,6 +8,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.arguments import check_fields
 from supple.errors import ModelError
 from supple.fem.material import Isotropic
 
@@ -34,6 +35,7 @@ class HomogeneousSection:
     thickness: float
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if not (isfinite(self.thickness) and self.thickness > 0):
             raise ModelError(f"wall thickness is {self.thickness}; it must be a positive finite length")
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
 from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
 from supple.importers.keyword_file import (
@@ -20,6 +21,7 @@ from supple.importers.keyword_file import (
 )
 from supple.importers.node_table import NodeTable
 from supple.importers.numbering import first_repeated, numbers_of
+from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
 from supple.mesh import CellType, Mesh
 
@@ -71,6 +73,7 @@ class _ElementBlock:
     lines: IntArray
 
 
+@checked_arguments
 def read_abaqus(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:
@@ -310,7 +313,7 @@ def _members(
     for line, text in block.data:
         words = fields(text)
         if generate:
-            ids = _generated(file, line, words, known.max())
+            ids = _generated(file, line, words, len(known))
         else:
             ids = np.concatenate(
                 [_member(file, line, word, f"set '{name}'", member, earlier) for word in words]
@@ -329,8 +332,8 @@ def _members(
 def _member(
     file: KeywordFile, line: int, word: str, what: str, member: str, earlier: dict[str, IntArray]
 ) -> IntArray:
-    if word.isdecimal():
-        return np.array([int(word)])
+    if is_plain_digits(word):
+        return np.array([int(word)], dtype=np.int64)
     if word.upper() not in earlier:
         raise file.error(
             line, f"{what} names '{word}', neither a {member} id nor a set above; define that set first"
@@ -338,16 +341,17 @@ def _member(
     return earlier[word.upper()]
 
 
-def _generated(file: KeywordFile, line: int, words: list[str], largest: int) -> IntArray:
-    if len(words) not in (2, 3) or not all(word.isdecimal() for word in words):
+def _generated(file: KeywordFile, line: int, words: list[str], n_known: int) -> IntArray:
+    if len(words) not in (2, 3) or not all(map(is_plain_digits, words)):
         raise file.error(line, f"GENERATE takes first, last, step; '{', '.join(words)}' is not that")
     first, last, step = [*map(int, words), 1][:3]
     if step < 1 or last < first:
         raise file.error(
             line, f"GENERATE from {first} to {last} by {step} names nothing; let it count upwards"
         )
-    # One id past the largest is enough to be found unknown, however long the range.
-    return np.arange(first, min(last, max(largest + step, first)) + 1, step)
+    # Among one id more than there are, one is unknown, however long the range.
+    count = min((last - first) // step, n_known) + 1
+    return first + step * np.arange(count, dtype=np.int64)
 
 
 def _cells_with_ids(cell_ids: dict[CellType, list[IntArray]], ids: IntArray) -> dict[CellType, IntArray]:

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
+from supple.importers.plain_number import is_plain
+from supple.importers.text_file import file_lines
 
 FloatArray = NDArray[np.float64]
 
@@ -37,10 +39,12 @@ class CsvTable:
         values = np.empty(len(self.lines))
         for row, word in enumerate(self.columns[column]):
             try:
+                if not is_plain(word):
+                    raise ValueError(word)
                 values[row] = float(word)
             except ValueError as error:
                 raise ImportFormatError(
-                    f"{self.path}, line {self.lines[row]}: {column} is '{word}'; write a number"
+                    f"{self.path}, line {self.lines[row]}: {column} is '{word[:40]}'; write a number"
                 ) from error
         return values
 
@@ -62,15 +66,13 @@ def read_csv_table(
     ImportFormatError   missing file, missing, unknown or repeated columns, rows of another length
     """
     path = Path(path) if isinstance(path, str) else path
-    if not path.is_file():
-        raise ImportFormatError(f"{path}: no such file; check its name and folder")
-    text = path.read_text(encoding="utf-8-sig").splitlines()
+    text = file_lines(path, "export the table as CSV")
     kept = [
         (number, line) for number, line in enumerate(text, 1) if line.strip() and not line.startswith("#")
     ]
     if not kept:
         raise ImportFormatError(f"{path}: empty; the first line holds the names of the columns")
-    rows = [tuple(word.strip() for word in row) for row in csv.reader(line for _, line in kept)]
+    rows = [_words(path, number, line) for number, line in kept]
     headings, required = rows[0], tuple(required)
     known = (*required, *optional)
     missing = [name for name in required if name not in headings]
@@ -89,3 +91,14 @@ def read_csv_table(
             raise ImportFormatError(f"{path}, line {number}: {len(row)} values for {len(headings)} columns")
     body = list(zip(*rows[1:], strict=True)) or [()] * len(headings)
     return CsvTable(path, dict(zip(headings, body, strict=True)), tuple(number for number, _ in kept[1:]))
+
+
+def _words(path: Path | Traversable, number: int, line: str) -> tuple[str, ...]:
+    """The words of a line; one in quotes ends where its line does."""
+    try:
+        (row,) = csv.reader([line], strict=True)
+    except csv.Error as error:
+        raise ImportFormatError(
+            f"{path}, line {number}: not a row of a CSV table ({error}); correct its quotes"
+        ) from error
+    return tuple(word.strip() for word in row)

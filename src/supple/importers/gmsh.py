@@ -1,20 +1,22 @@
-"""Gmsh meshes (.msh, formats 2 and 4, text or binary), read by meshio."""
+"""Gmsh meshes (.msh, formats 2 and 4, text or binary)."""
 
 from __future__ import annotations
 
+import codecs
 import re
 from dataclasses import dataclass
 from pathlib import Path
 
-import meshio
 import numpy as np
-from meshio import gmsh as meshio_gmsh
 from numpy.typing import NDArray
 
+from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
 from supple.importers.file_mesh import FileMesh, UnusedNodes
-from supple.importers.gmsh_tags import GmshTags, read_gmsh_tags
+from supple.importers.gmsh_file import GmshFile, read_gmsh_file
+from supple.importers.numbering import numbers_of
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
+from supple.importers.text_file import file_content
 from supple.mesh import CellType, Mesh
 
 IntArray = NDArray[np.int64]
@@ -36,6 +38,7 @@ class _Block:
     ids: IntArray
 
 
+@checked_arguments
 def read_gmsh(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:
@@ -59,16 +62,10 @@ def read_gmsh(
     MeshError           what the file describes is no usable mesh
     """
     path = Path(path)
-    names = _physical_names(path, _whole_text(path))
-    try:
-        read = meshio_gmsh.read(path)
-    except Exception as error:  # meshio lets through whatever its parsing runs into
-        raise ImportFormatError(
-            f"{path}: not readable as a Gmsh mesh ({type(error).__name__}: {error}); save it from Gmsh anew, "
-            "as format 2.2 or 4.1, whole, and with either all entities in physical groups or none"
-        ) from error
-    tags = read_gmsh_tags(path)
-    blocks = _blocks(path, read, names, tags)
+    text = _whole_text(path)
+    names = _physical_names(path, text)
+    read = read_gmsh_file(path, text.encode("latin-1"))
+    blocks = _blocks(path, read, names)
     node_sets = {
         name: np.unique(np.concatenate([b.cells[b.groups[name]].ravel() for b in blocks if name in b.groups]))
         for name in dict.fromkeys(name for block in blocks for name in block.groups)
@@ -76,19 +73,15 @@ def read_gmsh(
     asked = [block for block in blocks if only in block.groups] or blocks
     dimension = max(block.dimension for block in asked)
     chosen = [block for block in blocks if block.dimension == dimension]
-    cells, cell_sets, cell_ids = _cells_by_type(path, read.points, chosen)
+    cells, cell_sets, cell_ids = _cells_by_type(path, read.positions, chosen)
     return FileMesh(
-        *(path, np.asarray(read.points, dtype=np.float64), cells, node_sets, cell_sets),
-        node_ids=None if tags is None else tags.nodes,
-        cell_ids={} if tags is None else cell_ids,
+        path, read.positions, cells, node_sets, cell_sets, node_ids=read.tags, cell_ids=cell_ids
     ).to_mesh(only=only, unused_nodes=unused_nodes)
 
 
 def _whole_text(path: Path) -> str:
     """The file, bytes taken as characters; ImportFormatError when it is missing or cut short."""
-    if not path.is_file():
-        raise ImportFormatError(f"{path}: no such file; check its name and folder")
-    text = path.read_bytes().decode("latin-1")
+    text = file_content(path).removeprefix(codecs.BOM_UTF8).decode("latin-1")
     for section in ("MeshFormat", "Nodes", "Elements"):
         start = text.find(f"${section}")
         if start < 0:
@@ -106,9 +99,9 @@ def _physical_names(path: Path, text: str) -> dict[tuple[int, int], str]:
     names: dict[tuple[int, int], str] = {}
     if section is None:
         return names
-    for found in re.finditer(r'^\s*(\d)\s+(\d+)\s+"(.*)"', section[1], flags=re.MULTILINE):
+    for found in re.finditer(r'^\s*([0-3])\s+([0-9]{1,18})\s+"(.*)"', section[1], flags=re.MULTILINE):
         name = found[3].encode("latin-1").decode("utf-8", errors="replace")
-        # meshio keeps the last of two groups with one name, so the first would vanish.
+        # A set has one name: of two groups the first would vanish.
         if name in names.values():
             raise ImportFormatError(
                 f"{path}, line {_line(text, section.start(1) + found.start(3))}: a second physical group is "
@@ -122,36 +115,22 @@ def _line(text: str, place: int) -> int:
     return text.count("\n", 0, place) + 1
 
 
-def _blocks(
-    path: Path, read: meshio.Mesh, names: dict[tuple[int, int], str], file_tags: GmshTags | None
-) -> list[_Block]:
-    ends = np.cumsum([len(block.data) for block in read.cells]).tolist()
-    ids = np.arange(ends[-1] if ends else 0) if file_tags is None else file_tags.elements
-    untagged = [np.zeros(len(block.data), dtype=np.int64) for block in read.cells]
-    tags = [np.asarray(part) for part in read.cell_data.get("gmsh:physical", untagged)]
-    named = {
-        name: [np.asarray(part) for part in parts]
-        for name, parts in read.cell_sets.items()
-        if not name.startswith("gmsh:")
-    }
+def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> list[_Block]:
     blocks = []
-    for i, block in enumerate(read.cells):
-        cells = np.asarray(block.data, dtype=np.int64)
-        lost = np.flatnonzero((cells < 0).any(axis=1))
+    for elements in read.blocks:
+        cells, known = numbers_of(read.tags, elements.nodes)
+        lost = np.flatnonzero(~known.all(axis=1))
         if lost.size:
             raise ImportFormatError(
-                f"{path}: {block.type} cell {lost[0]} (of its block, from 0) names a node that the file does "
-                "not define; save the mesh from Gmsh anew"
+                f"{path}: {elements.type_name} cell {lost[0]} (of its block, from 0) names a node that the "
+                "file does not define; save the mesh from Gmsh anew"
             )
         groups: dict[str, BoolArray] = {}
-        # Format 2 has one tag a cell; format 4 may have several, of which meshio tells the named ones.
-        for tag in np.unique(tags[i][tags[i] != 0]):
-            name = names.get((block.dim, abs(tag)), f"{_ENTITIES[block.dim]} {abs(tag)}")
-            groups[name] = tags[i] == tag
-        for name, parts in named.items():
-            if parts[i].size:
-                groups.setdefault(name, np.zeros(len(cells), dtype=bool))[parts[i]] = True
-        blocks.append(_Block(block.type, block.dim, cells, groups, ids[ends[i] - len(cells) : ends[i]]))
+        for tag, inside in elements.groups.items():
+            name = names.get((elements.dimension, tag), f"{_ENTITIES[elements.dimension]} {tag}")
+            groups[name] = inside
+        if len(cells):
+            blocks.append(_Block(elements.type_name, elements.dimension, cells, groups, elements.ids))
     if not blocks:
         raise ImportFormatError(f"{path}: no cells; mesh the geometry before saving it")
     return blocks

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
-
-MOST_INCLUDES = 20  # nested; more means a file that includes itself
+from supple.importers.inclusion import Inclusions
+from supple.importers.plain_number import is_plain, plain_integer, plain_number
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,8 @@ def read_keyword_file(path: Path) -> KeywordFile:
     ------
     ImportFormatError   a file missing, or including itself; data before the first keyword
     """
-    file = KeywordFile(tuple(_lines(path, 0)), ())
+    inclusions = Inclusions("export the model as text (.inp)")
+    file = KeywordFile(tuple(_meaning(path, inclusions.lines(path), inclusions, 0)), ())
     blocks: list[KeywordBlock] = []
     header, line, data = "", 0, []
     for i, (_, _, text) in enumerate(file.lines):
@@ -93,7 +94,7 @@ def integers(file: KeywordFile, block: KeywordBlock) -> IntegerRows:
     first = np.zeros(counts.sum(), dtype=bool)
     first[np.cumsum(counts) - counts] = True
     words = [word for row in rows for word in row]
-    return IntegerRows(_converted(file, words, lines, np.int64, "a whole number"), lines, first)
+    return IntegerRows(_converted(file, words, lines, np.int64), lines, first)
 
 
 def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
@@ -103,56 +104,49 @@ def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
     for i, row in zip(lines, rows, strict=True):
         if len(row) != 4:
             raise file.error(i, f"{len(row)} fields; a node is id, x, y, z (is the file cut short?)")
-    ids = _converted(file, [row[0] for row in rows], lines, np.int64, "a whole number")
+    ids = _converted(file, [row[0] for row in rows], lines, np.int64)
     words = [word.upper().replace("D", "E") for row in rows for word in row[1:]]  # Fortran writes 1.D0
-    positions = _converted(file, words, np.repeat(lines, 3), np.float64, "a number")
+    positions = _converted(file, words, np.repeat(lines, 3), np.float64)
     return NumberedPoints(ids, positions.reshape(-1, 3), lines)
 
 
-def _converted(file: KeywordFile, words: list[str], lines: NDArray[np.int64], dtype, what: str) -> NDArray:
+def _converted(file: KeywordFile, words: list[str], lines: NDArray[np.int64], dtype: type) -> NDArray:
     try:
         values = np.array(words, dtype=dtype)
-    except ValueError:
+    except (ValueError, OverflowError):
         values = None
-    # 1_000, nan and inf are numbers to Python alone.
-    if values is None or "_" in "".join(words) or not np.isfinite(values).all():
-        word, line = next(pair for pair in zip(words, lines, strict=True) if not _is_number(pair[0], dtype))
-        raise file.error(line, f"'{word}' is not {what}; correct it, or remove the line")
+    if values is None or not is_plain("".join(words)) or not np.isfinite(values).all():
+        whole = dtype is np.int64
+        word, line = next(
+            pair for pair in zip(words, lines, strict=True) if not _is_number(pair[0], whole=whole)
+        )
+        what = "a whole number of 64 bits" if whole else "a number"
+        raise file.error(line, f"'{word[:40]}' is not {what}; correct it, or remove the line")
     return values
 
 
-def _is_number(word: str, dtype) -> bool:
+def _is_number(word: str, *, whole: bool) -> bool:
     try:
-        return "_" not in word and bool(np.isfinite(dtype(word)))
+        plain_integer(word) if whole else plain_number(word)
     except ValueError:
         return False
+    return True
 
 
-def _lines(path: Path, depth: int) -> list[tuple[Path, int, str]]:
-    """Lines that mean something, with those of included files in place."""
-    if not path.is_file():
-        raise ImportFormatError(f"{path}: no such file; check its name and folder")
+def _meaning(path: Path, lines: list[str], inclusions: Inclusions, depth: int) -> list[tuple[Path, int, str]]:
+    """Lines of a file that mean something, with those of included files in place."""
     found = []
-    with path.open(encoding="utf-8", errors="replace") as file:
-        for number, line in enumerate(file, start=1):
-            text = line.strip()
-            if not text or text.startswith("**"):
-                continue
-            if text.upper().startswith("*INCLUDE"):
-                if depth == MOST_INCLUDES:
-                    raise ImportFormatError(
-                        f"{path}, line {number}: includes nest over {MOST_INCLUDES} deep; "
-                        "does a file include itself?"
-                    )
-                name = text.partition("=")[2].strip().strip('"').replace("\\", "/")
-                if not (path.parent / name).is_file():
-                    raise ImportFormatError(
-                        f"{path}, line {number}: includes {path.parent / name}, and there is no such file; "
-                        "check its name and folder"
-                    )
-                found += _lines(path.parent / name, depth + 1)
-            else:
-                found.append((path, number, text))
+    for number, line in enumerate(lines, start=1):
+        text = line.strip()
+        if not text or text.startswith("**"):
+            continue
+        if text.upper().startswith("*INCLUDE"):
+            name = text.partition("=")[2].strip().strip('"').replace("\\", "/")
+            target = path.parent / name
+            below = inclusions.included(path, number, target, depth + 1)
+            found += _meaning(target, below, inclusions, depth + 1)
+        else:
+            found.append((path, number, text))
     return found
 
 

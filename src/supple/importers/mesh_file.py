@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
 from supple.importers.abaqus import read_abaqus
 from supple.importers.file_mesh import UnusedNodes
@@ -17,6 +18,7 @@ MESH_SUFFIXES = tuple(READERS)
 """Files that `read_mesh` reads."""
 
 
+@checked_arguments
 def read_mesh(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
+from supple.importers.plain_number import is_plain
+from supple.importers.text_file import file_lines
 
 
 def read_time_table(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -17,10 +19,7 @@ def read_time_table(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64
     ------
     ImportFormatError   a file that does not hold two columns of finite numbers with times that increase
     """
-    try:
-        rows = np.loadtxt(path, delimiter=",", ndmin=2)
-    except ValueError as error:
-        raise ImportFormatError(f"{path}: {error}; write rows of two numbers, time,value") from error
+    rows = _rows(path)
     if rows.shape[0] < 2 or rows.shape[1] != 2:
         raise ImportFormatError(
             f"{path} has {rows.shape[0]} rows of {rows.shape[1]} numbers; write two or more rows time,value"
@@ -34,3 +33,27 @@ def read_time_table(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64
             f"{path}: times must increase, but row {row + 1} has {rows[row, 0]:g} after {rows[row - 1, 0]:g}"
         )
     return rows[:, 0], rows[:, 1]
+
+
+def _rows(path: Path) -> NDArray[np.float64]:
+    """All rows (k, m) of numbers; m is 0 of a file without any."""
+    rows: list[list[float]] = []
+    for number, line in enumerate(file_lines(path, "export the table as CSV"), start=1):
+        text = line.partition("#")[0]
+        if not text.strip():
+            continue
+        try:
+            if not is_plain(text):
+                raise ValueError(text)
+            rows.append([float(word) for word in text.split(",")])
+        except ValueError as error:
+            raise ImportFormatError(
+                f"{path}, line {number}: '{text.strip()[:40]}'; write rows of two numbers, time,value"
+            ) from error
+        if len(rows[-1]) != len(rows[0]):
+            raise ImportFormatError(
+                f"{path}, line {number}: {len(rows[-1])} numbers, and {len(rows[0])} above; write rows of "
+                "two "
+                "numbers, time,value"
+            )
+    return np.array(rows, dtype=np.float64).reshape(len(rows), -1 if rows else 0)

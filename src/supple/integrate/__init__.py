@@ -12,7 +12,7 @@ from supple.integrate.generalized_alpha import (
 )
 from supple.integrate.motion import FloatingMotion, Motion, motion_from_arrays, register_motion
 from supple.integrate.run import leg_size, run
-from supple.integrate.run_options import Run, Validity
+from supple.integrate.run_options import MOST_OUTPUT_TIMES, Run, Validity
 from supple.integrate.solution import (
     JOINT_AXES,
     JOINT_COMPONENTS,
@@ -25,6 +25,7 @@ from supple.integrate.step_control import AdaptiveStep, FixedStep, StepControl, 
 __all__ = [
     "JOINT_AXES",
     "JOINT_COMPONENTS",
+    "MOST_OUTPUT_TIMES",
     "AdaptiveStep",
     "Coefficients",
     "Engine",

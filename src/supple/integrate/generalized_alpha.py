@@ -17,6 +17,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
+from supple.arguments import check_fields
+
 __all__ = [
     "Coefficients",
     "GeneralizedAlpha",
@@ -62,6 +64,7 @@ class GeneralizedAlpha:
     rho_inf: float = 0.8
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if not 0.0 <= self.rho_inf <= 1.0:
             raise ValueError(f"rho_inf must lie in [0, 1], got {self.rho_inf}: 0.8 suits most machines")
 
@@ -89,6 +92,7 @@ class HilberHughesTaylor:
     alpha: float = 0.05
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if not 0.0 <= self.alpha <= 1 / 3:
             raise ValueError(f"the HHT parameter must lie in [0, 1/3], got {self.alpha}: try 0.05")
 

@@ -7,10 +7,14 @@ from math import isfinite
 
 import numpy as np
 
+from supple.arguments import check_fields
 from supple.integrate.generalized_alpha import GeneralizedAlpha, TimeIntegrator
 from supple.integrate.step_control import FixedStep, StepControl, Tolerances
 
-__all__ = ["Run", "Validity"]
+__all__ = ["MOST_OUTPUT_TIMES", "Run", "Validity"]
+
+MOST_OUTPUT_TIMES = 10_000_000
+"""Of one run: what a stored motion may hold before the memory of any machine is spent on it."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,7 @@ class Validity:
     spin_ratio: float = 0.3
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if not (np.isfinite(self.spin_ratio) and self.spin_ratio > 0):
             raise ValueError(f"spin_ratio must be positive, got {self.spin_ratio}")
 
@@ -40,7 +45,8 @@ class Run:
     tolerances : Tolerances
     validity : Validity     warn of a motion beyond what the kinematics allow, or stop at it
     start : float           time of the initial state
-    Raises ValueError for a duration or output step that is not positive, or not a multiple of the other.
+    Raises ValueError for a duration or output step that is not positive, not a multiple of the other, or has
+        over `MOST_OUTPUT_TIMES` output times.
     """
 
     duration: float
@@ -52,13 +58,23 @@ class Run:
     start: float = 0.0
 
     def __post_init__(self) -> None:
+        check_fields(self)
         for name in ("duration", "output_step"):
             value = getattr(self, name)
             if not (isfinite(value) and value > 0):
                 raise ValueError(f"{name} must be a positive, finite number, got {value}")
         if not isfinite(self.start):
             raise ValueError(f"start must be a finite number, got {self.start}")
-        n = round(self.duration / self.output_step)
+        ratio = self.duration / self.output_step
+        if ratio > MOST_OUTPUT_TIMES:
+            raise ValueError(
+                f"a duration of {self.duration:g} with an output step of {self.output_step:g} has "
+                f"{ratio:.3g} "
+                f"output times; at most {MOST_OUTPUT_TIMES} are stored: give a longer output step (the "
+                "time step "
+                "may stay)"
+            )
+        n = round(ratio)
         if n < 1 or abs(n * self.output_step - self.duration) > 1e-6 * self.output_step:
             raise ValueError(
                 f"the duration ({self.duration}) is not a multiple of the output step ({self.output_step}): "

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import isfinite
 
+from supple.arguments import check_fields
+
 __all__ = ["AdaptiveStep", "FixedStep", "StepControl", "Tolerances"]
 
 
@@ -39,6 +41,7 @@ class FixedStep:
     def __post_init__(self) -> None:
         if self.smallest is None:
             object.__setattr__(self, "smallest", SMALLEST * self.size)
+        check_fields(self)
         _check_positive(size=self.size, smallest=self.smallest)
         _check_smallest(self.smallest, self.size)
 
@@ -75,6 +78,7 @@ class AdaptiveStep:
     def __post_init__(self) -> None:
         if self.smallest is None:
             object.__setattr__(self, "smallest", SMALLEST * self.first)
+        check_fields(self)
         _check_positive(
             first=self.first, largest=self.largest, tolerance=self.tolerance, smallest=self.smallest
         )
@@ -102,6 +106,7 @@ class Tolerances:
     max_iterations: int = 12
 
     def __post_init__(self) -> None:
+        check_fields(self)
         _check_positive(residual=self.residual)
         if self.max_iterations < 1:
             raise ValueError(f"max_iterations must be at least 1, got {self.max_iterations}")

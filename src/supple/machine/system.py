@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from supple.arguments import check_instance, check_members, check_numbers, check_sequence
 from supple.body import FlexibleBody, RigidBody
 from supple.body.full_body import FullBody
 from supple.errors import ModelError, did_you_mean
@@ -25,7 +26,12 @@ Body = RigidBody | ReducedBody | FullBody
 _Form = TypeVar("_Form", RigidBody, ReducedBody, FullBody)
 
 
+# What a machine asks of every form of body.
+_BODY = ("name", "kind", "n_coordinates", "interfaces")
+
+
 def _vector(name: str, value: object) -> np.ndarray:
+    check_numbers(name, value)
     array = np.array(value, dtype=float)
     if array.shape != (3,) or not np.isfinite(array).all():
         raise ModelError(f"{name} must be three finite numbers, got {value}")
@@ -55,6 +61,8 @@ class Placed:
     coordinate_rates: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
+        if not isinstance(self.body, FlexibleBody):  # which has a message of its own
+            check_members("Placed, body", self.body, _BODY, "a RigidBody, a ReducedBody or a FullBody")
         name = self.body.name
         if isinstance(self.body, FlexibleBody):
             raise ModelError(
@@ -63,6 +71,7 @@ class Placed:
             )
         for item in ("position", "velocity", "angular_velocity"):
             object.__setattr__(self, item, _vector(f"{item} of body '{name}'", getattr(self, item)))
+        check_numbers(f"rotation of body '{name}'", self.rotation)
         rotation = np.array(self.rotation, dtype=float)
         if rotation.shape == (3,):
             _vector(f"rotation of body '{name}'", rotation)
@@ -77,6 +86,7 @@ class Placed:
         object.__setattr__(self, "rotation", rotation)
         r = self.body.n_coordinates
         for item in ("coordinates", "coordinate_rates"):
+            check_numbers(f"{item} of body '{name}'", getattr(self, item))
             value = np.array(getattr(self, item), dtype=float)
             array = value if value.size else np.zeros(r)
             if array.shape != (r,) or not np.isfinite(array).all():
@@ -110,9 +120,17 @@ class System:
 
     def __post_init__(self) -> None:
         for item in ("bodies", "joints", "loads"):
+            check_sequence(f"System, {item}", getattr(self, item), f"a list of {item}, also of a single one")
             object.__setattr__(self, item, tuple(getattr(self, item)))
         placed_all = (body if isinstance(body, Placed) else Placed(body) for body in self.bodies)
         object.__setattr__(self, "bodies", tuple(placed_all))
+        for joint in self.joints:
+            check_instance(
+                "System, joints", joint, Joint, "joints such as Revolute(first=.., second=.., axis=..)"
+            )
+        for load in self.loads:
+            expected = "loads such as DeadForce(at=.., force=..), or springs"
+            check_instance("System, loads", load, (ForceElement, NodalLoad, BaseAcceleration), expected)
         object.__setattr__(self, "gravity", _vector("gravity", self.gravity))
         if not self.bodies:
             raise ModelError("a system needs at least one body")

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_instance
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
@@ -42,6 +43,9 @@ def extrude(
     ------
     MeshError   a surface cell type
     """
+    check_instance(
+        "a parametric shape, cell_type", cell_type, CellType, "a CellType, such as CellType.TETRA4"
+    )
     if cell_type.dimension != 3:
         raise MeshError(f"{cell_type.name} is not a solid cell; choose TETRA4, TETRA10, HEXA8 or HEXA20")
     n_points, n_stations = len(section), len(stations)

@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.arguments import check_instance, check_numbers
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.checks import check_ids, check_mesh
@@ -48,6 +49,13 @@ class Mesh:
     cell_ids: Mapping[CellType, IntArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        check_numbers("Mesh, nodes", self.nodes)
+        for name in ("cells", "node_sets", "cell_sets"):
+            check_instance(f"Mesh, {name}", getattr(self, name), Mapping, "a dictionary of arrays")
+        for kind in self.cells:
+            check_instance("Mesh, cells", kind, CellType, "a CellType as key, such as CellType.TETRA4")
+        for members in self.cell_sets.values():
+            check_instance("Mesh, cell_sets", members, Mapping, "a dictionary of arrays by CellType")
         nodes = np.array(self.nodes, dtype=np.float64)
         nodes.setflags(write=False)
         cells = {kind: _numbers(array, f"cells {kind.name}") for kind, array in self.cells.items()}

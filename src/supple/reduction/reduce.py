@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from supple.arguments import checked_arguments
 from supple.body import Damping, FlexibleBody, Frame
 from supple.reduction.bases.linear_basis import LinearBasisRecipe
 from supple.reduction.derivatives.compression import CompressedDerivatives
@@ -12,6 +13,7 @@ from supple.reduction.reduced_body import ReducedBody
 from supple.reduction.reduction_basis import reduction_basis
 
 
+@checked_arguments
 def reduce(
     body: FlexibleBody,
     frame: Frame,

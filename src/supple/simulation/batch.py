@@ -19,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.jax_settings import check_not_forked
+from supple.arguments import checked_arguments
 from supple.body.full_body import FullBody
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import (
@@ -92,6 +93,7 @@ def _mapped_march(model_structure: Any, model_axes: tuple[int | None, ...]) -> A
     return jax.jit(over_cases)
 
 
+@checked_arguments
 def simulate_batch(
     cases: Sequence[System],
     run: Run,

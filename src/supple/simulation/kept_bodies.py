@@ -8,7 +8,7 @@ from pathlib import Path
 
 from supple.machine import System
 from supple.reduction import ReducedBody
-from supple.storage import read_reduced_body, write_reduced_body
+from supple.storage import file_name, read_reduced_body, write_reduced_body
 
 
 def reduced_bodies(system: System, names: Collection[str]) -> list[ReducedBody]:
@@ -47,4 +47,4 @@ def with_kept_bodies(system: System, names: Collection[str], folder: Path) -> Sy
 
 
 def _kept_path(folder: Path, name: str) -> Path:
-    return folder / f"{name}-reduced.h5"
+    return folder / f"{file_name(name)}-reduced.h5"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from supple.arguments import checked_arguments
 from supple.integrate import Progress, Recorder, Run, Solution
 from supple.machine import System
 from supple.simulation.description import description
@@ -13,6 +14,7 @@ from supple.simulation.watched_run import watched_run
 __all__ = ["simulate"]
 
 
+@checked_arguments
 def simulate(
     system: System,
     run: Run,

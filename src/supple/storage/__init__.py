@@ -1,5 +1,6 @@
 """Files of results and reduced bodies that survive a kill."""
 
+from supple.storage.file_name import file_name
 from supple.storage.json_report import (
     write_json,
 )
@@ -28,6 +29,7 @@ __all__ = [
     "DamagedResultError",
     "ResultFile",
     "ResultHeader",
+    "file_name",
     "holds_reduced_body",
     "read_header",
     "read_interface_names",

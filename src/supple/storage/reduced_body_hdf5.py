@@ -26,6 +26,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from supple.arguments import checked_arguments
 from supple.body import Frame, MeanAxisFrame, NodalFixedFrame
 from supple.errors import ModelError, ResultFileError
 from supple.reduction import CondensedMotion, ReducedBody, ReductionReport
@@ -60,6 +61,7 @@ _ARRAYS = (
 )
 
 
+@checked_arguments
 def write_reduced_body(path: Path | str, body: ReducedBody) -> Path:
     """Write a reduced body as an HDF5 file, atomically; returns the path.
 
@@ -88,6 +90,7 @@ def write_reduced_body(path: Path | str, body: ReducedBody) -> Path:
     return Path(path)
 
 
+@checked_arguments
 def read_reduced_body(path: Path | str) -> ReducedBody:
     """The reduced body in a file, bit by bit as it was written.
 
@@ -149,8 +152,9 @@ def holds_reduced_body(path: Path | str) -> bool:
 
 def _open(path: Path) -> h5py.File:
     """The file, once its format and version are known to be ours; ResultFileError otherwise."""
-    if not path.is_file():
-        raise ResultFileError(f"cannot read {path}: no such file; check the path")
+    with file_errors("read", path):
+        if not path.is_file():
+            raise ResultFileError(f"cannot read {path}: no such file; check the path")
     if not h5py.is_hdf5(path):
         raise ResultFileError(f"cannot read {path}: not an HDF5 file, so no reduced body; check the path")
     with file_errors("read", path, note="; if it was copied, copy it again"):

@@ -9,6 +9,7 @@ from typing import TypeVar
 
 import h5py
 
+from supple.arguments import checked_arguments
 from supple.errors import ResultFileError
 from supple.integrate.solution import Solution
 from supple.storage.file_errors import DAMAGE, file_errors
@@ -31,6 +32,7 @@ def read_header(path: Path | str) -> ResultHeader:
     return _read(Path(path), lambda content: content.header)
 
 
+@checked_arguments
 def read_solution(path: Path | str) -> Solution:
     """The simulation in a result file, as far as it was written.
 

@@ -22,6 +22,7 @@ from supple.results import (
     von_mises_history,
     without_noise,
 )
+from supple.storage import file_name
 from supple.units import UNNAMED, UnitSystem, labelled, measured
 from supple.viz.animation import animate
 from supple.viz.camera import Camera
@@ -32,6 +33,7 @@ from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
 from supple.viz.mesh_skin import Skin, skin_of
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
 from supple.viz.scene import Actor, scene_of
+from supple.viz.style import as_written
 from supple.viz.time_history import Panel, Series, plot_time_history
 
 ElasticBody = ReducedBody | FullBody
@@ -76,9 +78,11 @@ def draw_run(
         surface = skin_of(mesh)
 
         def path(what: str, name: str = body.name) -> Path:
-            return folder / f"{name}-{what}.png"
+            return folder / f"{file_name(name)}-{what}.png"
 
-        pictures.append(plot_mesh(path("mesh"), mesh.nodes, surface, title=body.name, units=units))
+        pictures.append(
+            plot_mesh(path("mesh"), mesh.nodes, surface, title=as_written(body.name), units=units)
+        )
         if body.name in reduced:
             pictures.append(_draw_modes(path("modes"), reduced[body.name], surface, units))
         pictures.append(_draw_deformed(path("deformed"), body, solution, surface, units))
@@ -229,7 +233,7 @@ def _enlargement(body: ElasticBody, displaced: np.ndarray) -> tuple[float, str]:
 
 
 def _title(body: ElasticBody, time: float, enlarged: str, units: UnitSystem) -> str:
-    return f"{body.name} at {measured(f't = {time:.4g}', units.time)}, deflection {enlarged}"
+    return f"{as_written(body.name)} at {measured(f't = {time:.4g}', units.time)}, deflection {enlarged}"
 
 
 def _draw_stress(
@@ -270,10 +274,10 @@ def _draw_tracked(
     }
     panels = []
     for i, axis in enumerate("xyz"):
-        places = [Series(name, times, position[:, i]) for name, position in positions.items()]
+        places = [Series(as_written(name), times, position[:, i]) for name, position in positions.items()]
         panels.append(Panel(labelled(f"{axis}, global", units.length), places))
         if elastic:
-            bent = [Series(name, times, deflection[:, i]) for name, deflection in elastic.items()]
+            bent = [Series(as_written(name), times, deflection[:, i]) for name, deflection in elastic.items()]
             panels.append(Panel(labelled(f"deflection {axis}", units.length), bent))
     return plot_time_history(path, panels, n_columns=2 if elastic else 1, units=units)
 
@@ -295,7 +299,7 @@ def _joint_panels(system: System, solution: Solution, units: UnitSystem) -> list
             labelled(f"{what} {axis}", unit),
             [
                 Series(
-                    f"{name} on {joint.second}",
+                    as_written(f"{name} on {joint.second}"),
                     solution.times,
                     without_noise(loads[name][what], like=all_of[what])[:, i],
                 )

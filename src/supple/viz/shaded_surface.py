@@ -58,6 +58,8 @@ def page_around(points: Array, n_columns: int, *, margin: float = 0.04, least_as
     flat = points.reshape(-1, 2)
     low, high = flat.min(axis=0), flat.max(axis=0)
     centre, half = 0.5 * (low + high), 0.5 * (high - low) + margin * (high - low).max()
+    if not half.any():  # a single place, in the middle of a page of one unit
+        half = np.array([0.5, 0.5])
     half[1] = max(half[1], least_aspect * half[0])
     half[0] = max(half[0], 0.6 * half[1])
     return Page(centre - half, centre + half, n_columns)

@@ -95,6 +95,11 @@ def new_figure(height: float, width: float = TEXT_WIDTH) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
+def as_written(name: str) -> str:
+    """A name to draw as it is: a dollar sign in it begins no formula."""
+    return name.replace("$", r"\$")
+
+
 def draw_curve(axes: Axes, x, y, stroke: Stroke, rank: int, label: str) -> None:
     """One curve, coloured by its rank unless the stroke has a colour; the first curves lie on top."""
     (line,) = axes.plot(

@@ -124,15 +124,13 @@ def test_ends_may_be_plain_pairs():
 
 @pytest.mark.parametrize("axis", [(0, 0, 0), (0, float("nan"), 1), (1, 0)])
 def test_axis_must_be_a_direction(axis):
-    joint = Revolute(**ENDS, axis=axis)
     with pytest.raises(ModelError, match="a joint axis must be three finite numbers, not all zero; got"):
-        _ = joint.initial_axes
+        Revolute(**ENDS, axis=axis)
 
 
 def test_axes_of_a_universal_joint_must_differ():
-    joint = Universal(**ENDS, first_axis=(0, 1, 0), second_axis=(0, -2, 0))
     with pytest.raises(ModelError, match="the two axes of a joint must not be parallel"):
-        _ = joint.initial_axes
+        Universal(**ENDS, first_axis=(0, 1, 0), second_axis=(0, -2, 0))
 
 
 def test_ground_cannot_be_joined_to_itself():

@@ -15,8 +15,13 @@ from supple.importers.matrices.labelled_matrix import (
     from_labelled_entries,
     printed_resolution,
 )
+from supple.importers.plain_number import is_plain, is_plain_digits
+from supple.importers.text_file import file_lines
 
 FloatArray = NDArray[np.float64]
+
+_LARGEST_WHOLE = 2.0**53
+"""Beyond it a float cannot tell a whole number from its neighbour."""
 
 
 def read_abaqus_matrix(path: str | Path) -> LabelledMatrix:
@@ -70,7 +75,7 @@ def _map(path: Path) -> NDArray[np.int64]:
     found = []
     for number, word in words:
         node, dot, component = word.partition(".")
-        if not (dot and node.isdecimal() and component.isdecimal()):
+        if not (dot and is_plain_digits(node) and is_plain_digits(component)):
             raise ImportFormatError(
                 f"{path}, line {number}: '{word[:40]}' is not NODE.COMPONENT; write it anew"
             )
@@ -83,11 +88,17 @@ def _table(path: Path, width: int, form: str, delimiter: str | None) -> tuple[Fl
     lines = _lines(path)
     rows = [[word.strip() for word in text.split(delimiter)] for _, text in lines]
     try:
+        if not all(is_plain(text) for _, text in lines):
+            raise ValueError(path)
         table = np.array(rows, dtype=np.float64)
     except ValueError:
         table = np.empty((0, 0))
     if table.ndim != 2 or table.shape[1] != width:
-        number, text = next(line for line, row in zip(lines, rows, strict=True) if not _is_row(row, width))
+        number, text = next(
+            line
+            for line, row in zip(lines, rows, strict=True)
+            if not (is_plain(line[1]) and _is_row(row, width))
+        )
         raise ImportFormatError(
             f"{path}, line {number}: '{text.strip()[:60]}' is not {form}; is the file cut short, or of "
             "another format?"
@@ -104,23 +115,17 @@ def _is_row(row: list[str], width: int) -> bool:
 
 def _whole(path: Path, values: FloatArray, what: str) -> NDArray[np.int64]:
     whole = np.where(np.isfinite(values), values, -0.5)
-    if (whole != np.round(whole)).any():
-        raise ImportFormatError(
-            f"{path}: {values[whole != np.round(whole)][0]:g} is not {what}; write the file anew"
-        )
+    wrong = (whole != np.round(whole)) | (np.abs(whole) > _LARGEST_WHOLE)
+    if wrong.any():
+        raise ImportFormatError(f"{path}: {values[wrong][0]:g} is not {what}; write the file anew")
     return whole.astype(np.int64)
 
 
 def _lines(path: Path) -> list[tuple[int, str]]:
     """Lines with their numbers; comments and keywords (*) and blank ones left out."""
-    if not path.is_file():
-        raise ImportFormatError(f"{path}: no such file; check its name and folder")
-    content = path.read_bytes()
-    if b"\0" in content:
-        raise ImportFormatError(f"{path}: a binary file; write the matrices as text")
     found = [
         (number, text)
-        for number, text in enumerate(content.decode("utf-8", errors="replace").splitlines(), start=1)
+        for number, text in enumerate(file_lines(path, "write the matrices as text"), start=1)
         if text.strip() and not text.lstrip().startswith("*")
     ]
     if not found:

@@ -9,6 +9,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
@@ -20,6 +22,7 @@ from supple.errors import ImportFormatError
 from supple.importers.matrices.labelled_matrix import SINGLE_PRECISION, LabelledMatrix, MatrixRole
 from supple.importers.node_table import NodeTable
 from supple.importers.numbering import first_repeated, numbers_of
+from supple.importers.text_file import is_file
 
 
 def read_hdf5_nodes(path: str | Path) -> NodeTable:
@@ -107,12 +110,17 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
     return LabelledMatrix(source, csc_array((data, indices, indptr), shape=(n, n)), freedoms, resolution)
 
 
-def _opened(path: Path) -> h5py.File:
-    if not path.is_file():
+@contextmanager
+def _opened(path: Path) -> Iterator[h5py.File]:
+    """The file; whatever HDF5 finds broken in it while it is open is an ImportFormatError."""
+    if not is_file(path):
         raise ImportFormatError(f"{path}: no such file; check its name and folder")
     try:
-        return h5py.File(path, "r")
-    except OSError as error:
+        with h5py.File(path, "r") as file:
+            yield file
+    except ImportFormatError:
+        raise
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError) as error:
         raise ImportFormatError(f"{path}: not readable as HDF5 ({error}); is it cut short?") from error
 
 

@@ -2,13 +2,47 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.io import mmread
+from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 
 from supple.errors import ImportFormatError
+from supple.importers.plain_number import plain_integer
+from supple.importers.text_file import file_lines
+
+FloatArray = NDArray[np.float64]
+
+MOST_EMPTY = 100_000
+"""Rows or columns of a sparse matrix beyond the number of its entries: more is a mistake in its size."""
+
+_FORM = "write it anew, whole, as coordinate real"
+
+
+@dataclass(frozen=True)
+class _Header:
+    """The first lines of a file, and where its entries begin.
+
+    line : from 1, of the size
+    entries : how many it promises below
+    """
+
+    path: Path
+    is_sparse: bool
+    symmetry: str
+    line: int
+    rows: int
+    columns: int
+    entries: int
+
+    def error(self, message: str, line: int | None = None) -> ImportFormatError:
+        """The error for a mistake at a line, or at that of the size."""
+        return ImportFormatError(
+            f"{self.path}: line {self.line if line is None else line}: not readable as Matrix Market: "
+            f"{message}; {_FORM}"
+        )
 
 
 def read_matrix(path: str | Path) -> csc_array:
@@ -22,25 +56,148 @@ def read_matrix(path: str | Path) -> csc_array:
     csc_array (m, n)   float64
     Raises
     ------
-    ImportFormatError   missing, unreadable or cut file; complex or infinite entries, or NaN; an entry
-                        given twice
+    ImportFormatError   missing, unreadable or cut file; a size that its entries do not fill; complex or
+                        infinite entries, or NaN; an entry given twice
+    Source: Boisvert, Pozo, Remington, The Matrix Market exchange formats, NISTIR 5935, 1996.
     """
     path = Path(path)
-    if not path.is_file():
-        raise ImportFormatError(f"{path}: no such file; check its name and folder")
-    try:
-        entries = coo_array(mmread(path))
-    except (ValueError, OverflowError) as error:
+    lines = file_lines(path, "write it anew as text, coordinate real")
+    header = _header(path, lines)
+    width = 3 if header.is_sparse else 1
+    numbers = _numbers(header, lines, width)
+    if header.is_sparse:
+        row, column, values = numbers[:, 0], numbers[:, 1], numbers[:, 2]
+        row, column = _places(header, lines, row, header.rows), _places(header, lines, column, header.columns)
+    else:
+        row, column = _places_of_array(header)
+        values = numbers[:, 0]
+    if not np.isfinite(values).all():
+        raise ImportFormatError(f"{path}: entries that are infinite or not a number; write the matrix anew")
+    return _filled_in(header, row, column, values)
+
+
+def _header(path: Path, lines: list[str]) -> _Header:
+    words = lines[0].lower().split() if lines else []
+    if len(words) != 5 or words[0] != "%%matrixmarket" or words[1] != "matrix":
         raise ImportFormatError(
-            f"{path}: not readable as Matrix Market ({error}); write it anew, whole, as coordinate real"
-        ) from error
-    matrix = csc_array(entries)
-    if matrix.nnz < entries.nnz:
-        raise ImportFormatError(f"{path}: an entry is given twice; write the matrix anew, each entry once")
-    if np.iscomplexobj(matrix.data):
+            f"{path}: not readable as Matrix Market: the first line is no %%MatrixMarket matrix FORM FIELD "
+            f"SYMMETRY; {_FORM}"
+        )
+    _, _, form, kind, symmetry = words
+    if kind == "complex":
         raise ImportFormatError(
             f"{path}: complex entries; stiffness and mass are real, so write their real part"
         )
-    if not np.isfinite(matrix.data).all():
-        raise ImportFormatError(f"{path}: entries that are infinite or not a number; write the matrix anew")
-    return csc_array(matrix, dtype=np.float64)
+    for word, known in (
+        (form, ("coordinate", "array")),
+        (kind, ("real", "integer", "double")),
+        (symmetry, ("general", "symmetric", "skew-symmetric")),
+    ):
+        if word not in known:
+            raise ImportFormatError(
+                f"{path}: not readable as Matrix Market: '{word[:40]}' in the first line is not read, only "
+                f"{' or '.join(known)} is; {_FORM}"
+            )
+    at = next((i for i, line in enumerate(lines) if i and line.strip() and not line.startswith("%")), None)
+    if at is None:
+        raise ImportFormatError(f"{path}: not readable as Matrix Market: no line states the size; {_FORM}")
+    is_sparse = form == "coordinate"
+    try:
+        sizes = [plain_integer(word) for word in lines[at].split()]
+    except ValueError:
+        sizes = []
+    if len(sizes) != (3 if is_sparse else 2) or min(sizes) < 0:
+        wanted = "rows, columns and entries" if is_sparse else "rows and columns"
+        raise ImportFormatError(
+            f"{path}: line {at + 1}: not readable as Matrix Market: '{lines[at][:60]}' is not the number of "
+            f"{wanted}; {_FORM}"
+        )
+    rows, columns = sizes[:2]
+    entries = sizes[2] if is_sparse else _stored(rows, columns, symmetry)
+    header = _Header(path, is_sparse, symmetry, at + 1, rows, columns, entries)
+    if symmetry != "general" and rows != columns:
+        raise header.error(f"a {symmetry} matrix of {rows} rows and {columns} columns")
+    if is_sparse and max(rows, columns) > entries + MOST_EMPTY:
+        raise header.error(
+            f"{rows} rows and {columns} columns for {entries} entries; at most {MOST_EMPTY} rows or columns "
+            "more than entries are read"
+        )
+    return header
+
+
+def _stored(rows: int, columns: int, symmetry: str) -> int:
+    """Entries that the array format writes: all, or those of one triangle."""
+    if symmetry == "general":
+        return rows * columns
+    return rows * (rows + 1 if symmetry == "symmetric" else rows - 1) // 2
+
+
+def _numbers(header: _Header, lines: list[str], width: int) -> FloatArray:
+    """All numbers (entries, width) below the size, whose lines are counted first."""
+    below = [line for line in lines[header.line :] if line.strip() and not line.startswith("%")]
+    if len(below) != header.entries:
+        raise header.error(
+            f"{header.entries} entries are promised, but {len(below)} lines follow; is the file cut short?"
+        )
+    rows = [line.split() for line in below]
+    try:
+        if not all(line.isascii() and "_" not in line for line in below):
+            raise ValueError(header.path)
+        return np.array(rows, dtype=np.float64).reshape(header.entries, width)
+    except ValueError:
+        at, text = next(
+            (at, text)
+            for at, text in enumerate(lines[header.line :], start=header.line + 1)
+            if text.strip() and not text.startswith("%") and not _is_entry(text, width)
+        )
+        wanted = "row, column, value" if width == 3 else "one value"
+        raise header.error(f"'{text.strip()[:60]}' is not {wanted}", at) from None
+
+
+def _is_entry(text: str, width: int) -> bool:
+    try:
+        return text.isascii() and "_" not in text and len([float(word) for word in text.split()]) == width
+    except ValueError:
+        return False
+
+
+def _places(header: _Header, lines: list[str], given: FloatArray, n: int) -> NDArray[np.int64]:
+    """Numbers from 0, of rows or columns that count from 1."""
+    # Written so that NaN is outside as well.
+    outside = np.flatnonzero(~((given >= 1) & (given <= n) & (given == np.round(given))))
+    if outside.size:
+        below = [
+            at
+            for at, text in enumerate(lines[header.line :], start=header.line + 1)
+            if text.strip() and not text.startswith("%")
+        ]
+        raise header.error(f"{given[outside[0]]:g} is no row or column of {n}", below[outside[0]])
+    return given.astype(np.int64) - 1
+
+
+def _places_of_array(header: _Header) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows and columns of the entries of the array format, column after column."""
+    if header.symmetry == "general":
+        place = np.arange(header.entries)
+        rows = max(header.rows, 1)
+        return place % rows, place // rows
+    column, row = np.triu_indices(header.rows, 0 if header.symmetry == "symmetric" else 1)
+    return row, column
+
+
+def _filled_in(
+    header: _Header, row: NDArray[np.int64], column: NDArray[np.int64], values: FloatArray
+) -> csc_array:
+    if header.symmetry != "general":
+        beside = row != column
+        sign = 1.0 if header.symmetry == "symmetric" else -1.0
+        row, column = np.concatenate([row, column[beside]]), np.concatenate([column, row[beside]])
+        values = np.concatenate([values, sign * values[beside]])
+    matrix = csc_array(coo_array((values, (row, column)), shape=(header.rows, header.columns)))
+    if matrix.nnz < len(values):
+        raise ImportFormatError(
+            f"{header.path}: an entry is given twice; write the matrix anew, each entry once"
+        )
+    if not header.is_sparse:  # whose zeros are written, and no entries of a sparse matrix
+        matrix.eliminate_zeros()
+    return matrix

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 import warnings
 from pathlib import Path
 from typing import Any
@@ -14,9 +15,13 @@ from scipy.sparse import csc_array
 from supple.errors import ImportFormatError
 from supple.importers.matrices.labelled_matrix import SINGLE_PRECISION, LabelledMatrix, MatrixRole
 from supple.importers.node_table import NodeTable
+from supple.importers.text_file import file_content
 
 _TEXT_FORMAT = re.compile(rb"[0-9]E[0-9]+\.([0-9]+)")
 _REAL_SINGLE = 1
+_HEADER_BYTES = 24
+# Length of the first record, of a matrix with keys of 4 or 8 bytes, in both orders of bytes.
+_HEADERS = tuple(struct.pack(form, 24 * n) for form in ("<i", ">i") for n in (1, 2))
 
 
 def read_output4(
@@ -46,6 +51,10 @@ def read_output4(
             f"{source}: complex entries; stiffness and mass are real, so export them as real"
         )
     freedoms = _row_freedoms(source, matrix.shape[0], nodes)
+    if matrix.shape[1] != matrix.shape[0]:  # before arrays of that size are made
+        raise ImportFormatError(
+            f"{source}: the matrix has shape {matrix.shape}; stiffness and mass are square"
+        )
     return LabelledMatrix(source, csc_array(matrix, dtype=np.float64), freedoms, _resolution(path, kind))
 
 
@@ -58,8 +67,13 @@ def _load(path: Path) -> dict[str, tuple[Any, int]]:
             f"{path}: OUTPUT4 files are read by the library pyyeti; pip install 'supple[nastran]', or "
             "punch the matrices as DMIG"
         ) from error
-    if not path.is_file():
-        raise ImportFormatError(f"{path}: no such file; check its name and folder")
+    content = file_content(path)
+    if content[:4] in _HEADERS:
+        _check_records(path, content)
+    elif not content.isascii() or b"_" in b"".join(content.split(b"\n")[1:]):
+        raise ImportFormatError(
+            f"{path}: characters that are part of no number; is it OUTPUT4, and whole? Write it anew"
+        )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -72,6 +86,39 @@ def _load(path: Path) -> dict[str, tuple[Any, int]]:
     if not names:
         raise ImportFormatError(f"{path}: no matrix in this file; is it OUTPUT4, and whole?")
     return dict(zip(names, zip(matrices, kinds, strict=True), strict=True))
+
+
+def _check_records(path: Path, content: bytes) -> None:
+    """ImportFormatError where the records of a binary file do not fill it, or not hold what they announce.
+
+    The library takes as much memory as a column says it needs. A record stands between two copies of its
+    length in bytes; a matrix is a record of its size, then one a column: number, row, words, and these words.
+    """
+    order = "<" if content[:4] in _HEADERS[:2] else ">"
+    key = 4 if struct.unpack(f"{order}i", content[:4])[0] == _HEADER_BYTES else 8
+    place, columns_left = 0, False
+    n_columns = 0
+    while place < len(content):
+        length = struct.unpack_from(f"{order}i", content, place)[0] if place + 4 <= len(content) else -1
+        end = place + 4 + length
+        if length < 3 * key or content[end : end + 4] != content[place : place + 4]:
+            raise ImportFormatError(
+                f"{path}: not readable as OUTPUT4 (the record at byte {place} is broken); is it cut short? "
+                "Write it "
+                "anew"
+            )
+        first, _, words = struct.unpack_from(f"{order}3{'i' if key == 4 else 'q'}", content, place + 4)
+        if not columns_left:
+            n_columns, columns_left = first, True
+        elif 3 * key + words * key != length:
+            raise ImportFormatError(
+                f"{path}: not readable as OUTPUT4 (column {first} announces {words} words in a record of "
+                f"{length} "
+                "bytes); write it anew"
+            )
+        else:
+            columns_left = first <= n_columns
+        place = end + 4
 
 
 def _resolution(path: Path, kind: int) -> float:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.grids import GridPoints
 from supple.importers.nastran.properties import BeamProperty, Property
+from supple.importers.plain_number import is_plain_digits
 
 Orientation = tuple[float, float, float]
 
@@ -55,7 +56,7 @@ def beam_orientation(card: BulkCard, grids: GridPoints, ends: NDArray[np.int64])
 
 def orientation_grid(card: BulkCard) -> int | None:
     """Id of the grid G0 that a beam's section points at; None where a vector is given."""
-    if card.word(4).isdecimal() and not card.word(5) and not card.word(6):
+    if is_plain_digits(card.word(4)) and not card.word(5) and not card.word(6):
         return card.integer(4, "the grid G0")
     return None
 

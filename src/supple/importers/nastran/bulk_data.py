@@ -9,8 +9,8 @@ from functools import cached_property
 from pathlib import Path
 
 from supple.errors import ImportFormatError
-
-MOST_INCLUDES = 20  # nested; more means a file that includes itself
+from supple.importers.inclusion import Inclusions
+from supple.importers.plain_number import is_plain, plain_integer
 
 _CARD_NAME = re.compile(r"[A-Z][A-Z0-9]{0,7}$")
 _EXPONENT_WITHOUT_E = re.compile(r"([+-]?[0-9]*\.?[0-9]*)([+-][0-9]+)$")
@@ -49,10 +49,11 @@ class BulkCard:
                 raise self.error(f"{what} (field {self._field(place)}) is blank; give a whole number")
             return default
         try:
-            return int(_without_underscores(word))
+            return plain_integer(word)
         except ValueError:
             raise self.error(
-                f"{what} (field {self._field(place)}) is '{word}', not a whole number; correct it"
+                f"{what} (field {self._field(place)}) is '{word[:40]}', not a whole number of 64 bits; "
+                "correct it"
             ) from None
 
     def real(self, place: int, what: str, default: float | None = None) -> float:
@@ -66,7 +67,7 @@ class BulkCard:
             return bulk_real(word)
         except ValueError:
             raise self.error(
-                f"{what} (field {self._field(place)}) is '{word}', not a number; correct it"
+                f"{what} (field {self._field(place)}) is '{word[:40]}', not a number; correct it"
             ) from None
 
     def _field(self, place: int) -> int:
@@ -96,7 +97,8 @@ class BulkFile:
 
 def bulk_real(word: str) -> float:
     """A number as Nastran writes it: 1.5, 1.5E3, 1.5D3 or 1.5+3; ValueError for anything else."""
-    word = _without_underscores(word)
+    if not is_plain(word):
+        raise ValueError(word)
     try:
         value = float(word)
     except ValueError:
@@ -105,13 +107,6 @@ def bulk_real(word: str) -> float:
     if value - value != 0:  # nan and inf are words that float() knows and Nastran does not
         raise ValueError(word)
     return value
-
-
-def _without_underscores(word: str) -> str:
-    """The word; ValueError for 1_000, which Python takes for a number."""
-    if "_" in word:
-        raise ValueError(word)
-    return word
 
 
 def read_bulk_data(path: str | Path) -> BulkFile:
@@ -201,7 +196,8 @@ def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
 
 def _bulk_lines(path: Path) -> Iterator[RawLine]:
     """Lines of the bulk data section that mean something."""
-    lines = _lines(path, 0)
+    inclusions = Inclusions("export the model as text (.bdf)")
+    lines = _meaning(path, inclusions.lines(path), inclusions, 0)
     starts = [i for i, (_, _, text) in enumerate(lines) if _BEGIN.match(text)]
     if len(starts) > 1 or any("SUPER" in lines[i][2].upper() for i in starts):
         file, number, _ = lines[starts[-1]]
@@ -217,15 +213,10 @@ def _bulk_lines(path: Path) -> Iterator[RawLine]:
         raise _error(file, number, "BEGIN BULK, but no ENDDATA follows; is the file cut short?")
 
 
-def _lines(path: Path, depth: int) -> list[RawLine]:
+def _meaning(path: Path, read: list[str], inclusions: Inclusions, depth: int) -> list[RawLine]:
     """Lines without comments and blank ones, with those of included files in place."""
-    if not path.is_file():
-        raise ImportFormatError(f"{path}: no such file; check its name and folder")
-    content = path.read_bytes()
-    if b"\0" in content:
-        raise ImportFormatError(f"{path}: a binary file, not bulk data; export the model as text (.bdf)")
     found: list[RawLine] = []
-    lines = enumerate(content.decode("utf-8", errors="replace").splitlines(), start=1)
+    lines = enumerate(read, start=1)
     for number, line in lines:
         text = line.partition("$")[0].rstrip()
         if not text:
@@ -235,20 +226,13 @@ def _lines(path: Path, depth: int) -> list[RawLine]:
         if not included:
             found.append((path, number, text))
             continue
-        if depth == MOST_INCLUDES:
-            raise _error(
-                path, number, f"includes nest over {MOST_INCLUDES} deep; does a file include itself?"
-            )
         name = included[1].strip()
         while name[0] in "'\"" and name.count(name[0]) == 1:  # a name in quotes may run over several lines
             _, more = next(lines, (0, name[0]))
             name += more.strip()
         target = path.parent / name.strip("'\"").replace("\\", "/")
-        if not target.is_file():
-            raise _error(
-                path, number, f"includes {target}, and there is no such file; check its name and folder"
-            )
-        found += _lines(target, depth + 1)
+        below = inclusions.included(path, number, target, depth + 1)
+        found += _meaning(target, below, inclusions, depth + 1)
     return found
 
 

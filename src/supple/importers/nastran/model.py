@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import checked_arguments
 from supple.importers.connection import Connection
 from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
 from supple.importers.nastran.beams import of_beams, orientation_grid
@@ -20,6 +21,7 @@ from supple.importers.nastran.grids import COORDINATE_CARDS, GridPoints, read_gr
 from supple.importers.nastran.properties import PROPERTY_CARDS, Property, read_property
 from supple.importers.nastran.sets import SET_CARDS, node_sets, retained_freedoms
 from supple.importers.node_table import NodeTable
+from supple.importers.plain_number import is_plain_digits
 from supple.mesh import CellType, Mesh
 
 IntArray = NDArray[np.int64]
@@ -86,6 +88,7 @@ class NastranModel:
     connections: tuple[Connection, ...]
 
 
+@checked_arguments
 def read_nastran(path: str | Path, *, unused_nodes: UnusedNodes = UnusedNodes.REFUSE) -> NastranModel:
     """Model of a Nastran bulk data file: everything that makes its stiffness and mass.
 
@@ -186,7 +189,7 @@ def _refuse_unused(
         int(word)
         for card in file.named("CORD1R", "CORD1C", "CORD1S")
         for word in card.fields
-        if word.isdecimal()
+        if is_plain_digits(word)
     ]
     used = in_elements | np.isin(grids.ids, np.array([i for i in shown if i is not None], dtype=np.int64))
     used[[connection.reference for connection in connections]] = True

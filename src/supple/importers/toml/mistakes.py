@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -46,12 +48,18 @@ def _spell(path: KeyPath) -> str:
     )
 
 
+@cache
+def _tree(root: type[CheckedTable]) -> _Schema:
+    """The schema of a file, which takes longer to make than a mistake to tell."""
+    return root.model_json_schema()
+
+
 def _schema_mistake(root: type[CheckedTable], item: ErrorDetails) -> tuple[KeyPath, str]:
     """One schema error as the path of its key in the file, and a sentence with the remedy.
 
     root : the table of the whole file, whose check found the error
     """
-    tree = root.model_json_schema()
+    tree = _tree(root)
     place, schema = _follow(tree, item["loc"])
     kind, seen, context = item["type"], item["input"], item.get("ctx", {})
     unit = f" ({schema['description']})" if "description" in schema else ""
@@ -61,13 +69,13 @@ def _schema_mistake(root: type[CheckedTable], item: ErrorDetails) -> tuple[KeyPa
     if kind == "missing":
         if isinstance(place[-1], int):
             items = _follow(tree, item["loc"][:-1])[1]["minItems"]
-            return place[:-1], f"{items} items are needed, got {seen!r}"
+            return place[:-1], f"{items} items are needed, got {_shown(seen)}"
         return place, f"this key is missing; add it{unit}"
     if kind in ("union_tag_not_found", "union_tag_invalid", "literal_error"):
         return _wrong_choice(place, item, schema)
     if kind == "too_long":
-        return place, f"at most {context['max_length']} items are taken, got {seen!r}"
-    return place, f"{item['msg'].removeprefix('Input ')}, got {seen!r}{unit}"
+        return place, f"at most {context['max_length']} items are taken, got {_shown(seen)}"
+    return place, f"{item['msg'].removeprefix('Input ')}, got {_shown(seen)}{unit}"
 
 
 def _wrong_choice(place: KeyPath, item: ErrorDetails, schema: _Schema) -> tuple[KeyPath, str]:
@@ -82,8 +90,15 @@ def _wrong_choice(place: KeyPath, item: ErrorDetails, schema: _Schema) -> tuple[
         seen = context["tag"]
     return (
         place,
-        f"{seen!r} is not known{did_you_mean(str(seen), choices)}; choose one of {', '.join(choices)}",
+        f"{_shown(seen)} is not known{did_you_mean(str(seen), choices)}; choose one of {', '.join(choices)}",
     )
+
+
+def _shown(seen: Any) -> str:
+    """A value as it stands in the file; a long one in part."""
+    shortened = reprlib.Repr()
+    shortened.maxstring = shortened.maxother = shortened.maxlong = 80
+    return shortened.repr(seen)
 
 
 def _follow(root: _Schema, location: tuple[int | str, ...]) -> tuple[KeyPath, _Schema]:

@@ -10,6 +10,7 @@ import numpy as np
 from supple.aero import Polar, Rotor
 from supple.errors import ImportFormatError
 from supple.importers.csv_table import read_csv_table
+from supple.importers.text_file import is_file
 
 
 def read_rotor(path: str | Path | Traversable, *, polars: str | Path | Traversable, n_blades: int) -> Rotor:
@@ -35,7 +36,7 @@ def read_rotor(path: str | Path | Traversable, *, polars: str | Path | Traversab
     folder = Path(polars) if isinstance(polars, str) else polars
     names = table.words("polar")
     for line, name in zip(table.lines, names, strict=True):
-        if not (folder / f"{name}.csv").is_file():
+        if "/" in name or not is_file(folder / f"{name}.csv"):
             there = sorted(entry.name[:-4] for entry in folder.iterdir() if entry.name.endswith(".csv"))
             raise ImportFormatError(
                 f"{table.path}, line {line}: unknown polar '{name}'; {folder} has "

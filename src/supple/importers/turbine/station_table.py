@@ -9,6 +9,7 @@ import numpy as np
 
 from supple.errors import ImportFormatError, MeshError
 from supple.importers.csv_table import CsvTable, read_csv_table
+from supple.importers.text_file import is_file
 from supple.mesh import AirfoilSection, BladeStations, TrailingEdge
 
 _TRAILING_EDGES = {
@@ -72,7 +73,7 @@ def _read_section(table: CsvTable, row: int, folder: Path | Traversable) -> Airf
             f"{', '.join(_TRAILING_EDGES)}"
         )
     file = folder / f"{name}.csv"
-    if not file.is_file():
+    if "/" in name or not is_file(file):
         there = sorted(entry.name[:-4] for entry in folder.iterdir() if entry.name.endswith(".csv"))
         raise ImportFormatError(
             f"{table.path}, line {table.lines[row]}: unknown section '{name}'; {folder} has "

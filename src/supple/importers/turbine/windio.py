@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from supple.errors import ImportFormatError, MeshError
+from supple.importers.plain_number import plain_number
+from supple.importers.text_file import file_text
 from supple.mesh import AirfoilSection, BladeStations
 from supple.mesh.blade_stations import SHAPE_POINTS
 
@@ -40,19 +42,19 @@ def read_windio_blade(path: str | Path) -> BladeStations:
     """
     file = _WindioFile(Path(path), _parsed(Path(path)))
     blade = file.entry("components", "blade")
-    second = "outer_shape" in blade
+    second = isinstance(blade, dict) and "outer_shape" in blade
     shape = ("components", "blade", "outer_shape" if second else "outer_shape_bem")
     axis = ("components", "blade", "reference_axis") if second else (*shape, "reference_axis")
 
     names, places = file.airfoil_positions(shape, second)
-    grid = np.union1d(file.entry(*shape, "chord", "grid"), places)
+    grid = np.union1d(file.numbers(*shape, "chord", "grid"), places)
     chord = file.distribution(*shape, "chord")(grid)
     twist = file.distribution(*shape, "twist")(grid)
     x, y, z = (file.distribution(*axis, name)(grid) for name in "xyz")
     twist = np.radians(twist) if second else twist
     if second:
         pitch_axis = file.distribution(*shape, "section_offset_y")(grid) / chord
-        if "section_offset_x" in file.entry(*shape):
+        if file.has(*shape, "section_offset_x"):
             offset = file.distribution(*shape, "section_offset_x")(grid)
             x, y = x + offset * np.cos(twist), y - offset * np.sin(twist)
     else:
@@ -72,12 +74,16 @@ def read_windio_blade(path: str | Path) -> BladeStations:
 
 
 def _parsed(path: Path) -> Any:
-    if not path.is_file():
-        raise ImportFormatError(f"{path}: no such file; check its name and folder")
+    text = file_text(path, "save it as YAML")
     try:
-        return yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ImportFormatError(f"{path}: not readable as YAML ({error})") from error
+        # Every scalar as it is written: to YAML 1.1 the words 1_000, 1:30 and 010 are other numbers.
+        return yaml.load(text, Loader=yaml.BaseLoader)
+    except (yaml.YAMLError, ValueError) as error:
+        raise ImportFormatError(f"{path}: not readable as YAML ({error}); save it anew") from error
+    except RecursionError:
+        raise ImportFormatError(
+            f"{path}: its lists and entries nest too deep to be read; is this a windIO turbine file?"
+        ) from None
 
 
 @dataclass(frozen=True)
@@ -98,6 +104,20 @@ class _WindioFile:
             value = value[key]
         return value
 
+    def has(self, *keys: str) -> bool:
+        """Whether the entry above the last of nested keys has that one."""
+        above = self.entry(*keys[:-1])
+        return isinstance(above, dict) and keys[-1] in above
+
+    def listed(self, *keys: str) -> list[Any]:
+        """The list under nested keys."""
+        found = self.entry(*keys)
+        if not isinstance(found, list):
+            raise ImportFormatError(
+                f"{self.path}: {'.'.join(keys)} is no list; is this a windIO turbine file?"
+            )
+        return found
+
     def numbers(self, *keys: str) -> FloatArray:
         """A list of numbers under nested keys."""
         return self._as_numbers(self.entry(*keys), ".".join(keys))
@@ -110,16 +130,33 @@ class _WindioFile:
                 f"{self.path}: {'.'.join(keys)} has {grid.size} grid points and {values.size} values; give "
                 "as many of both, at least two, the grid ascending"
             )
-        return PchipInterpolator(grid, values, extrapolate=False)
+        return self._blended(grid, values, ".".join(keys), extrapolate=False)
+
+    def _blended(
+        self, grid: FloatArray, values: FloatArray, what: str, *, extrapolate: bool
+    ) -> PchipInterpolator:
+        """The curve through values; slopes of numbers near the largest there are may not be finite."""
+        try:
+            with np.errstate(all="ignore"):
+                return PchipInterpolator(grid, values, extrapolate=extrapolate)
+        except ValueError as error:
+            raise ImportFormatError(
+                f"{self.path}: no curve runs through {what} ({error}); check the size of its numbers"
+            ) from error
 
     def airfoil_positions(self, shape: tuple[str, ...], second: bool) -> tuple[list[str], FloatArray]:
         """Names of the airfoils along the blade and their positions 0 .. 1."""
         if not second:
-            return self.entry(*shape, "airfoil_position", "labels"), self.numbers(
-                *shape, "airfoil_position", "grid"
-            )
-        listed = [_WindioFile(self.path, airfoil) for airfoil in self.entry(*shape, "airfoils")]
-        names = [airfoil.entry("name") for airfoil in listed]
+            labels = list(map(str, self.listed(*shape, "airfoil_position", "labels")))
+            places = self.numbers(*shape, "airfoil_position", "grid")
+            if len(labels) != places.size:
+                raise ImportFormatError(
+                    f"{self.path}: {'.'.join(shape)}.airfoil_position has {len(labels)} labels and "
+                    f"{places.size} grid points; give as many of both"
+                )
+            return labels, places
+        listed = [_WindioFile(self.path, airfoil) for airfoil in self.listed(*shape, "airfoils")]
+        names = [str(airfoil.entry("name")) for airfoil in listed]
         places = [airfoil.entry("spanwise_position") for airfoil in listed]
         return names, self._as_numbers(places, ".".join((*shape, "airfoils", "spanwise_position")))
 
@@ -127,7 +164,8 @@ class _WindioFile:
         self, shape: tuple[str, ...], names: list[str], places: FloatArray, grid: FloatArray
     ) -> tuple[AirfoilSection, ...]:
         """Sections at the positions `grid`, blended between the airfoils."""
-        airfoils = {airfoil["name"]: _WindioFile(self.path, airfoil) for airfoil in self.entry("airfoils")}
+        known = [_WindioFile(self.path, airfoil) for airfoil in self.listed("airfoils")]
+        airfoils = {str(airfoil.entry("name")): airfoil for airfoil in known}
         unknown = [name for name in names if name not in airfoils]
         if unknown:
             raise ImportFormatError(
@@ -135,13 +173,14 @@ class _WindioFile:
             )
         heights = np.array([airfoils[name].heights(name) for name in names])
         at = grid
-        if "rthick" in self.entry(*shape):
+        if self.has(*shape, "rthick"):
             places = np.array([airfoils[name].relative_thickness() for name in names])
             at = self.distribution(*shape, "rthick")(grid).clip(places.min(), places.max())
         places, first = np.unique(places, return_index=True)
         if places.size < 2:
             raise ImportFormatError(f"{self.path}: {'.'.join(shape)} has fewer than two different airfoils")
-        blended = PchipInterpolator(places, heights[first])(at.clip(places[0], places[-1]))
+        curve = self._blended(places, heights[first], "airfoils", extrapolate=True)
+        blended = curve(at.clip(places[0], places[-1]))
         outlines = np.concatenate([blended[:, 0, ::-1], blended[:, 1, 1:]], axis=1)
         x = np.concatenate([SHAPE_POINTS[::-1], SHAPE_POINTS[1:]])
         return tuple(
@@ -158,10 +197,14 @@ class _WindioFile:
 
     def relative_thickness(self) -> float:
         """Nominal thickness of one airfoil, named after the version of the schema."""
-        return self.entry("rthick" if "rthick" in self.tree else "relative_thickness")
+        key = "rthick" if "rthick" in self.tree else "relative_thickness"
+        return float(self._as_numbers([self.entry(key)], key)[0])
 
-    def _as_numbers(self, values: ArrayLike, what: str) -> FloatArray:
+    def _as_numbers(self, values: Any, what: str) -> FloatArray:
         try:
-            return np.asarray(values, dtype=np.float64).reshape(-1)
-        except (ValueError, TypeError) as error:
+            words = values if isinstance(values, list) else [values]
+            if not all(isinstance(word, str) for word in words):
+                raise ValueError(what)
+            return np.array([plain_number(word) for word in words])
+        except ValueError as error:
             raise ImportFormatError(f"{self.path}: {what} holds entries that are no numbers") from error

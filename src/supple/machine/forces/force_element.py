@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from supple.arguments import check_fields
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, At, as_end
-from supple.machine.laws.time_law import TimeLaw
+from supple.machine.laws.time_law import TimeLaw, check_law_kind
 from supple.machine.pose import Pose, Wrench
 
 __all__ = ["ForceElement", "check_not_negative"]
@@ -31,10 +32,12 @@ class ForceElement(ABC):
     """True when the law needs a line between its ends, which must then stay apart."""
 
     def __post_init__(self) -> None:
+        check_fields(self)
         object.__setattr__(self, "first", as_end(self.first))
         object.__setattr__(self, "second", as_end(self.second))
         if GROUND == self.first == self.second:
             raise ModelError(f"{self.label} acts on the ground alone: name a body's interface")
+        check_law_kind(self.label, self)
 
     @property
     def label(self) -> str:

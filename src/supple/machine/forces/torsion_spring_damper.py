@@ -29,6 +29,7 @@ class TorsionSpringDamper(ForceElement):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        axes_along(self.axis)
         check_not_negative(self, stiffness=self.stiffness, damping=self.damping)
 
     @property

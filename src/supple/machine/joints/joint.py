@@ -17,9 +17,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.rotation import unskew
+from supple.arguments import check_fields, check_numbers
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, At, as_end
-from supple.machine.laws.time_law import TimeLaw
+from supple.machine.laws.time_law import TimeLaw, check_law_kind
 from supple.machine.pose import Pose
 
 __all__ = ["Joint", "axes_along", "closing", "relative_turn", "stack", "tilt"]
@@ -38,6 +39,7 @@ def tilt(first: Pose, second: Pose) -> jax.Array:
 
 def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
     """Right-handed unit axes, as columns, the third `axis`, the first as near `hint` as can be."""
+    check_numbers("the axis of a joint", axis)
     direction = np.asarray(axis, dtype=float)
     length = np.linalg.norm(direction)
     if direction.shape != (3,) or not np.isfinite(direction).all() or length == 0:
@@ -67,6 +69,7 @@ class Joint(ABC):
     """What each constraint equation holds, for messages."""
 
     def __post_init__(self) -> None:
+        check_fields(self)
         object.__setattr__(self, "first", as_end(self.first))
         object.__setattr__(self, "second", as_end(self.second))
         if not self.name:
@@ -75,6 +78,8 @@ class Joint(ABC):
             raise ModelError(f"joint '{self.name}' joins the ground to itself: name a body's interface")
         if self.first == self.second:
             raise ModelError(f"joint '{self.name}' joins '{self.first}' to itself: name another interface")
+        check_law_kind(f"joint '{self.name}'", self)
+        _ = self.initial_axes  # which refuses what is no direction
 
     @property
     def initial_axes(self) -> np.ndarray:

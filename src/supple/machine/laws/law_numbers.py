@@ -7,18 +7,26 @@ from typing import Any
 import numpy as np
 
 from supple.algebra import read_only
-from supple.errors import ModelError
+from supple.arguments import check_number, check_numbers, given
+from supple.errors import ArgumentError, ModelError
 
 __all__ = ["are_numbers", "finite", "finite_and_positive", "increasing_rows"]
 
 
 def are_numbers(*values: Any) -> bool:
-    """True of numbers and arrays of them; false of what JAX puts in their place while it traces."""
+    """True of numbers and arrays of them; false of what JAX puts in their place while it traces.
+
+    ArgumentError for a word, which is neither.
+    """
+    for value in values:
+        if isinstance(value, (str, bytes, dict, type)):
+            raise ArgumentError(f"the numbers of a law: expected numbers, got {given(value)}")
     return all(isinstance(value, (int, float, list, tuple, np.ndarray, np.generic)) for value in values)
 
 
 def finite(what: str, value: Any) -> Any:
     """The number as a float, or the array of numbers; ModelError unless all are finite."""
+    check_numbers(what, value)
     array = np.asarray(value, dtype=float)
     if not np.isfinite(array).all():
         raise ModelError(f"{what} must be finite, got {value}")
@@ -27,6 +35,7 @@ def finite(what: str, value: Any) -> Any:
 
 def finite_and_positive(what: str, value: Any) -> float:
     """The number as a float; ModelError unless it is finite and positive."""
+    check_number(what, value)
     number = float(value)
     if not (np.isfinite(number) and number > 0.0):
         raise ModelError(f"{what} must be finite and positive, got {value}")
@@ -35,6 +44,8 @@ def finite_and_positive(what: str, value: Any) -> float:
 
 def increasing_rows(times: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
     """Times (k,) and values (k, ...) of a table; ModelError unless they are finite and the times increase."""
+    check_numbers("the times of a table", times)
+    check_numbers("the values of a table", values)
     times, values = read_only(times), read_only(values)
     if times.ndim != 1 or times.size < 2 or len(values) != times.size:
         raise ModelError(

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.typing import ArrayLike
 
+from supple.arguments import check_number
 from supple.errors import ModelError
 from supple.machine.laws.law_numbers import are_numbers
 from supple.machine.laws.unbounded_law import UnboundedLaw
@@ -44,6 +45,8 @@ class SpinUp(UnboundedLaw):
     def __post_init__(self) -> None:
         if not are_numbers(self.speed, self.rise_time):
             return
+        check_number("SpinUp, speed", self.speed)
+        check_number("SpinUp, rise_time", self.rise_time)
         if not np.isfinite(self.speed):
             raise ModelError(f"the spin-up speed is {self.speed}: give a finite speed in rad/s")
         if not (np.isfinite(self.rise_time) and self.rise_time > 0.0):

@@ -8,6 +8,7 @@ from typing import Any
 
 import jax
 
+from supple.errors import ModelError, SuppleError
 from supple.machine.laws.unbounded_law import UnboundedLaw
 
 __all__ = ["TimeFunction"]
@@ -28,5 +29,39 @@ class TimeFunction(UnboundedLaw):
     function: Callable[[Any], Any] = field(metadata={"static": True})
 
     def __call__(self, time: Any) -> Any:
-        """The function's value."""
-        return self.function(time)
+        """The function's value; ModelError where JAX cannot trace it."""
+        return traced(
+            self.function, getattr(self.function, "__qualname__", type(self.function).__name__), time
+        )
+
+
+def traced(function: Callable[[Any], Any], name: str, time: Any) -> Any:
+    """The value of a function of time; ModelError names it, and the remedy, where JAX cannot trace it."""
+    try:
+        return function(time)
+    except jax.errors.TracerArrayConversionError as error:
+        raise ModelError(
+            f"its function of time must be written with jax.numpy, not numpy ({name}): jnp.sin for np.sin"
+        ) from error
+    except (jax.errors.TracerBoolConversionError, jax.errors.NonConcreteBooleanIndexError) as error:
+        raise ModelError(
+            f"its function of time ({name}) asks whether something is true of the time (if, while, and, "
+            "or, max, "
+            "min of Python), which has no value yet when JAX compiles it; write jnp.where(condition, this, "
+            "that)"
+        ) from error
+    except (jax.errors.JAXTypeError, jax.errors.JAXIndexError) as error:
+        raise ModelError(
+            f"its function of time ({name}) makes a Python number of the time (math.sin, float, int, "
+            "range, an "
+            "index), which has no value yet when JAX compiles it; write jnp.sin for math.sin, and jnp.where("
+            "condition, this, that) for a choice"
+        ) from error
+    except SuppleError:
+        raise
+    except Exception as error:  # whatever a function of somebody else's may run into
+        raise ModelError(
+            f"its function of time ({name}) fails: {type(error).__name__}: {error}; it takes the time and "
+            "gives "
+            "a number or an array, written with jax.numpy (and jnp.where for a choice)"
+        ) from error

@@ -11,11 +11,14 @@ from typing import Any, Protocol, runtime_checkable
 import jax
 import jax.numpy as jnp
 
-from supple.errors import ModelError
+from supple.arguments import check_numbers, given
+from supple.errors import ArgumentError, ModelError, SuppleError
 from supple.machine.laws.constant import Constant
-from supple.machine.laws.time_function import TimeFunction
+from supple.machine.laws.time_function import TimeFunction, traced
 
-__all__ = ["TimeLaw", "as_time_law", "check_law_shape"]
+__all__ = ["TimeLaw", "as_time_law", "check_law_kind", "check_law_shape"]
+
+_EXPECTED = "a number, an array, a law such as Ramp(1.0, 2.0), or a function of time"
 
 
 @runtime_checkable
@@ -41,17 +44,42 @@ class TimeLaw(Protocol):
 
 def as_time_law(value: Any) -> TimeLaw:
     """The law meant by a law, a function of time, a number or an array."""
+    if isinstance(value, type):  # which has the members of its objects
+        raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}")
     if isinstance(value, TimeLaw):
         return value
-    return TimeFunction(value) if callable(value) else Constant(value)
+    if callable(value):
+        return TimeFunction(value)
+    try:
+        check_numbers("a quantity over time", value)
+    except ArgumentError as error:
+        raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}") from error
+    return Constant(value)
+
+
+def check_law_kind(what: str, element: Any) -> None:
+    """Raise ArgumentError where the `law` of a joint or load is no quantity over time."""
+    try:
+        _ = element.law
+    except ArgumentError as error:
+        raise ArgumentError(f"{what}: {error}") from error
 
 
 def check_law_shape(what: str, law: TimeLaw, *shapes: tuple[int, ...]) -> None:
-    """Raise ModelError unless the law's values have one of the shapes, and JAX can trace it."""
+    """Raise ModelError unless JAX can trace the law, and its values are real numbers of one of the shapes."""
     try:
-        shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
-    except jax.errors.TracerArrayConversionError as error:
-        raise ModelError(f"{what}: its function of time must be written with jax.numpy, not numpy") from error
-    if shape not in shapes:
+        found = jax.eval_shape(lambda time: jnp.asarray(traced(law, type(law).__name__, time)), jnp.zeros(()))
+    except SuppleError as error:
+        raise ModelError(f"{what}: {error}") from error
+    except (TypeError, ValueError) as error:
+        raise ModelError(
+            f"{what}: its law over time gives no numbers ({error}); give numbers, or arrays of jax.numpy"
+        ) from error
+    if found.dtype.kind not in "iuf":
+        raise ModelError(
+            f"{what}: its values over time are of the kind {found.dtype}; give real numbers, for a choice "
+            "jnp.where(condition, 1.0, 0.0)"
+        )
+    if found.shape not in shapes:
         wanted = " or ".join(map(str, shapes))
-        raise ModelError(f"{what}: its values over time have shape {shape}; they must have {wanted}")
+        raise ModelError(f"{what}: its values over time have shape {found.shape}; they must have {wanted}")

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra import read_only
+from supple.arguments import check_numbers
 from supple.errors import ModelError
 from supple.machine.laws.law_numbers import are_numbers
 from supple.machine.laws.time_law import as_time_law
@@ -37,6 +38,7 @@ class Turning:
     def __post_init__(self) -> None:
         if not are_numbers(self.axis):
             return
+        check_numbers("the axis of turning vectors", self.axis)
         axis = read_only(self.axis)
         if axis.shape != (3,) or not abs(np.linalg.norm(axis) - 1) < 1e-9:
             raise ModelError(f"the axis of turning vectors must be a unit vector, got {self.axis}")

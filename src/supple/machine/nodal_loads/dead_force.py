@@ -9,9 +9,10 @@ from typing import Any, ClassVar
 import jax
 import numpy as np
 
+from supple.arguments import check_fields, check_numbers
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, as_end
-from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_kind
 from supple.machine.nodal_loads.nodal_load import NodalLoad, node_numbers
 
 __all__ = ["DeadForce"]
@@ -32,6 +33,10 @@ class DeadForce(NodalLoad):
     turns_against_frame: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        if not isinstance(self.at, str):
+            check_numbers("DeadForce, at", self.at)
+        check_law_kind("DeadForce", self)
         if self.body:
             return
         if not isinstance(self.at, str):

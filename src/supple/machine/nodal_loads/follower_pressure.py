@@ -10,8 +10,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arguments import check_fields, check_numbers
 from supple.errors import ModelError
-from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_kind
 from supple.machine.nodal_loads.nodal_load import NodalLoad
 
 __all__ = ["FollowerPressure"]
@@ -37,6 +38,9 @@ class FollowerPressure(NodalLoad):
     turns_against_frame: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        check_numbers(f"FollowerPressure on '{self.body}', faces", self.faces)
+        check_law_kind(f"FollowerPressure on '{self.body}'", self)
         faces = np.asarray(self.faces)
         if faces.ndim != 2 or faces.shape[1] not in (3, 4) or len(faces) == 0:
             raise ModelError(

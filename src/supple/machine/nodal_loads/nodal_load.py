@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 import jax
 import numpy as np
 
+from supple.arguments import check_numbers
 from supple.errors import ModelError
 from supple.machine.laws.time_law import TimeLaw
 
@@ -68,7 +69,12 @@ class NodalLoad(ABC):
 
 def node_numbers(label: str, nodes: Any) -> np.ndarray:
     """Node numbers (k,); ModelError unless they are a list of at least one."""
+    check_numbers(f"{label}, nodes", nodes)
     numbers = np.asarray(nodes)
     if numbers.ndim != 1 or numbers.size == 0:
         raise ModelError(f"{label}: node indices must be a list of at least one node")
+    if (numbers != np.round(numbers)).any():
+        raise ModelError(
+            f"{label}: node indices are whole numbers, got {numbers[numbers != np.round(numbers)][0]}"
+        )
     return numbers.astype(int)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from supple.arguments import check_fields
 from supple.body import FlexibleBody, Frame, MeanAxisFrame
 from supple.reduction.bases.interface_columns import column_labels, motion_rows, require_interfaces
 from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe
@@ -27,6 +28,9 @@ class AttachmentModes:
     """
 
     recipe: LinearBasisRecipe
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Attachment modes, then the recipe's columns; ModelError: no interface."""

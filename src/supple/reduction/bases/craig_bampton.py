@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from supple.arguments import check_fields
 from supple.body import FlexibleBody, Frame
 from supple.reduction.bases.guyan import constraint_modes
 from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
@@ -30,6 +31,7 @@ class CraigBampton:
     selection: ModeSelection = LowestFrequency()  # noqa: RUF009 (it is immutable)
 
     def __post_init__(self):
+        check_fields(self)
         ModeCount(self.n_modes, self.n_columns)
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:

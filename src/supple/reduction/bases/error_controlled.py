@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from supple.arguments import check_fields
 from supple.body import FlexibleBody, Frame
 from supple.errors import AccuracyError, ModelError
 from supple.reduction.bases.craig_bampton_family import CraigBamptonFamily
@@ -56,6 +57,7 @@ class ErrorControlled:
     progress: Callable[[SearchStep], None] | None = field(default=None, compare=False)
 
     def __post_init__(self):
+        check_fields(self)
         if not 0 < self.tolerance < 1:
             raise ModelError(
                 f"the tolerance is {self.tolerance:g}: give a relative error of the eigenvalues between "

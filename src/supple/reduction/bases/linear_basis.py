@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from supple.algebra import ConstrainedFactor, mass_orthonormalize, read_only
+from supple.arguments import check_fields
 from supple.body import FlexibleBody, Frame, frame_projector
 from supple.errors import AccuracyError, ModelError
 from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
@@ -91,6 +92,7 @@ class ModeCount:
     n_columns: int | None
 
     def __post_init__(self):
+        check_fields(self)
         if (self.n_modes is None) == (self.n_columns is None):
             raise ModelError("give either n_modes (besides the static columns) or n_columns (in total)")
         if (self.n_modes or 0) < 0 or (self.n_columns or 0) < 0:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from supple.arguments import check_fields
 from supple.body import FlexibleBody, Frame
 from supple.reduction.bases.linear_basis import LinearBasis
 from supple.reduction.derivatives.derivative_columns import DerivativeColumns, check_derivative_count
@@ -27,6 +28,9 @@ class CompressedDerivatives:
 
     n: int
     weights: AmplitudeProduct = field(default_factory=AmplitudeProduct)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
         """Compressed columns, leading first; ModelError when there are fewer than n pairs."""

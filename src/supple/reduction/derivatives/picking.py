@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from supple.algebra import mass_orthonormalize
+from supple.arguments import check_fields
 from supple.body import FlexibleBody, Frame
 from supple.reduction.bases.linear_basis import LinearBasis
 from supple.reduction.derivatives.derivative_columns import DerivativeColumns, check_derivative_count
@@ -28,6 +29,9 @@ class PickedDerivatives:
 
     n: int
     criterion: PairCriterion = field(default_factory=AmplitudeProduct)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
         """Picked columns, most wanted first; ModelError when there are fewer than n pairs."""

@@ -1,0 +1,203 @@
+"""Arguments of functions and constructors, checked where they are given.
+
+Each check returns nothing and raises ArgumentError: where, what is expected, what was given. What JAX puts
+in the place of numbers passes.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import reprlib
+from collections import abc
+from collections.abc import Callable
+from functools import cache, wraps
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from supple.errors import ArgumentError
+
+__all__ = [
+    "check_fields",
+    "check_instance",
+    "check_members",
+    "check_number",
+    "check_numbers",
+    "check_sequence",
+    "check_text",
+    "check_whole_number",
+    "checked_arguments",
+    "given",
+]
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+_NUMBERS = frozenset("iuf")
+"""Kinds of arrays that hold real numbers: integers and floats, no truth values, words or objects."""
+
+
+def given(value: Any) -> str:
+    """A value in a few words, for messages."""
+    if isinstance(value, type):
+        return f"the class {value.__name__} itself; make one: {value.__name__}(...)"
+    if hasattr(value, "shape") and hasattr(value, "dtype") and getattr(value, "ndim", 0):
+        return f"an array of shape {tuple(value.shape)} of {value.dtype}"
+    if isinstance(value, str | bytes | bool | int | float | complex | list | tuple | dict | set | None):
+        return f"{reprlib.repr(value)} ({type(value).__name__})"
+    name = getattr(value, "name", None)
+    return f"a {type(value).__name__}" + (f" named '{name}'" if isinstance(name, str) else "")
+
+
+def check_instance(what: str, value: Any, kinds: type | tuple[type, ...], expected: str) -> None:
+    """Raise unless the value is of one of the kinds; `expected` says which, and what to write."""
+    if not isinstance(value, kinds):
+        raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
+
+
+def check_members(what: str, value: Any, members: tuple[str, ...], expected: str) -> None:
+    """Raise unless the value, an object and no class, has all the members."""
+    if isinstance(value, type) or not all(hasattr(value, member) for member in members):
+        raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
+
+
+def check_text(what: str, value: Any, expected: str = "a word in quotes") -> None:
+    """Raise unless the value is a string that is not empty."""
+    if not isinstance(value, str) or not value:
+        raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
+
+
+def check_number(what: str, value: Any) -> None:
+    """Raise unless the value is one real number."""
+    if not (
+        _is_number(value) or (hasattr(value, "dtype") and value.dtype.kind in _NUMBERS and value.ndim == 0)
+    ):
+        raise ArgumentError(f"{what}: expected a number, got {given(value)}")
+
+
+def check_whole_number(what: str, value: Any) -> None:
+    """Raise unless the value is one whole number, which may be written as 3.0."""
+    check_number(what, value)
+    if not (np.isfinite(value) and value == int(value)):
+        raise ArgumentError(f"{what}: expected a whole number, got {given(value)}")
+
+
+def check_numbers(what: str, value: Any) -> None:
+    """Raise unless the value is an array of real numbers, or nested lists of one shape that hold them."""
+    if hasattr(value, "dtype"):
+        kind = value.dtype.kind
+    else:
+        try:
+            kind = (
+                np.asarray(value).dtype.kind
+                if value is not None and not isinstance(value, dict | set)
+                else ""
+            )
+        except (ValueError, TypeError):
+            raise ArgumentError(
+                f"{what}: expected an array of numbers, got rows of different lengths"
+            ) from None
+    if kind not in _NUMBERS:
+        raise ArgumentError(f"{what}: expected an array of numbers, got {given(value)}")
+
+
+def check_sequence(what: str, value: Any, expected: str) -> None:
+    """Raise unless the value is a list or another sequence, not a word or a single object."""
+    if isinstance(value, str | bytes | dict) or not hasattr(value, "__iter__"):
+        raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def check_fields(record: Any) -> None:
+    """Raise unless every field of a dataclass suits its annotation; to be called in `__post_init__`."""
+    kind = type(record)
+    for name, hint in _hints(kind).items():
+        if name in kind.__dataclass_fields__:
+            _check(f"{kind.__name__}, {name}", getattr(record, name, None), hint)
+
+
+def checked_arguments(function: _F) -> _F:
+    """The function, whose arguments are held against their annotations when it is called."""
+    signature = inspect.signature(function)
+
+    @wraps(function)
+    def with_checks(*args: Any, **kwargs: Any) -> Any:
+        hints = _hints(function)
+        for name, value in signature.bind(*args, **kwargs).arguments.items():
+            if name in hints:
+                _check(f"{function.__name__}, {name}", value, hints[name])
+        return function(*args, **kwargs)
+
+    return cast(_F, with_checks)
+
+
+@cache
+def _hints(of: Any) -> dict[str, Any]:
+    return get_type_hints(of)
+
+
+def _check(what: str, value: Any, hint: Any) -> None:
+    """Raise unless a value suits an annotation; one that says nothing of use here lets all pass."""
+    options = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    if value is None and NoneType in options:
+        return
+    options = [option for option in options if option is not NoneType]
+    tests = [_test_of(option) for option in options]
+    if None in tests:
+        return
+    found = [test for test in tests if test is not None]
+    for is_right, _ in found:
+        if is_right(value):
+            return
+    raise ArgumentError(f"{what}: expected {' or '.join(name for _, name in found)}, got {given(value)}")
+
+
+def _test_of(hint: Any) -> tuple[Callable[[Any], bool], str] | None:
+    """How a value is told to suit an annotation, and what to call it; None where nothing tells."""
+    origin = get_origin(hint)
+    if hint in _PLAIN or origin in _GENERIC:
+        return _PLAIN.get(hint) or _GENERIC[origin]
+    if origin is tuple and set(get_args(hint)) == {float}:
+        return _passes(check_numbers), f"{len(get_args(hint))} numbers"  # how many, the class itself checks
+    if hint is Any or not isinstance(hint, type):
+        return None
+    called = f"an object of the kind {hint.__name__}"
+    if not getattr(hint, "_is_protocol", False):
+        return (lambda value: isinstance(value, hint)), called
+    members = [name for name in vars(hint) if not name.startswith("_")]
+    if not members:
+        return None
+    return (
+        lambda value: not isinstance(value, type) and all(hasattr(value, name) for name in members)
+    ), called
+
+
+def _passes(check: Callable[..., None], *further: Any) -> Callable[[Any], bool]:
+    def is_right(value: Any) -> bool:
+        try:
+            check("", value, *further)
+        except ArgumentError:
+            return False
+        return True
+
+    return is_right
+
+
+_PLAIN: dict[Any, tuple[Callable[[Any], bool], str]] = {
+    float: (_passes(check_number), "a number"),
+    int: (_passes(check_whole_number), "a whole number"),
+    bool: (lambda value: isinstance(value, bool | np.bool_), "True or False"),
+    str: (lambda value: isinstance(value, str), "a word in quotes"),
+    np.ndarray: (_passes(check_numbers), "an array of numbers"),
+    Path: (lambda value: isinstance(value, os.PathLike), "a path"),
+}
+_GENERIC: dict[Any, tuple[Callable[[Any], bool], str]] = {
+    np.ndarray: (_passes(check_numbers), "an array of numbers"),
+    abc.Sequence: (_passes(check_sequence, ""), "a list"),
+    abc.Mapping: (lambda value: isinstance(value, abc.Mapping), "a dictionary"),
+}

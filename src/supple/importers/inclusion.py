@@ -1,0 +1,57 @@
+"""Inclusion of one input file by another, held to a number and a size that no model reaches."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from supple.errors import ImportFormatError
+from supple.importers.text_file import file_lines, is_file
+
+DEEPEST_INCLUSION = 20  # nested; more means a file that includes itself
+MOST_INCLUSIONS = 1000
+"""Of one model. Twenty files that each include the next one three times would make 3^20."""
+MOST_INCLUDED_CHARACTERS = 2**30
+"""In all included files together, each counted as often as it is included."""
+
+
+class Inclusions:
+    """Reads a file and those it includes, and counts."""
+
+    def __init__(self, remedy: str) -> None:
+        self._remedy = remedy
+        self._number = 0
+        self._characters = 0
+
+    def lines(self, path: Path) -> list[str]:
+        """Lines of the file that everything begins with."""
+        return file_lines(path, self._remedy)
+
+    def included(self, path: Path, number: int, target: Path, depth: int) -> list[str]:
+        """Lines of the file `target`, which line `number` of `path` includes, `depth` files deep.
+
+        Raises
+        ------
+        ImportFormatError   no such file; too deep, too many or too large inclusions
+        """
+
+        def error(message: str) -> ImportFormatError:
+            return ImportFormatError(f"{path}, line {number}: {message}")
+
+        if depth > DEEPEST_INCLUSION:
+            raise error(f"includes nest over {DEEPEST_INCLUSION} deep; does a file include itself?")
+        if not is_file(target):
+            raise error(f"includes {target}, and there is no such file; check its name and folder")
+        self._number += 1
+        if self._number > MOST_INCLUSIONS:
+            raise error(
+                f"more than {MOST_INCLUSIONS} inclusions in one model; do files include one another over and "
+                "over? Write the model into fewer files"
+            )
+        lines = file_lines(target, self._remedy)
+        self._characters += sum(map(len, lines))
+        if self._characters > MOST_INCLUDED_CHARACTERS:
+            raise error(
+                f"the included files hold more than {MOST_INCLUDED_CHARACTERS} characters; is one included "
+                "over and over? Write the model into one file"
+            )
+        return lines

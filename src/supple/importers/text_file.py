@@ -1,0 +1,69 @@
+"""Text files: their characters and lines, whatever system wrote them."""
+
+from __future__ import annotations
+
+import codecs
+from importlib.resources.abc import Traversable
+from pathlib import Path
+
+from supple.errors import ImportFormatError
+
+# The longer mark first: that of UTF-32 begins with that of UTF-16.
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF32_LE, "utf-32-le"),
+    (codecs.BOM_UTF32_BE, "utf-32-be"),
+    (codecs.BOM_UTF16_LE, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, "utf-16-be"),
+)
+
+
+def file_content(path: Path | Traversable) -> bytes:
+    """All bytes of a file; ImportFormatError where there is none, or it cannot be read."""
+    if not is_file(path):
+        raise ImportFormatError(f"{path}: no such file; check its name and folder")
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise ImportFormatError(
+            f"{path}: cannot be read ({error.strerror}); check its permissions"
+        ) from error
+
+
+def is_file(path: Path | Traversable) -> bool:
+    """Whether a file is there and can be found; also False of a name that no file can have."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long a name, a folder that may not be searched
+        return False
+
+
+def file_text(path: Path | Traversable, remedy: str = "export it as text") -> str:
+    """The characters of a text file: in the encoding of its byte-order mark, else in UTF-8, else in Latin-1.
+
+    Numbers and keywords read alike in the last two; names with accents may be of either.
+    ImportFormatError for a file that is missing, unreadable or binary; `remedy` is that of the last.
+    """
+    content = file_content(path)
+    for mark, encoding in _MARKS:
+        if content.startswith(mark):
+            try:
+                return content[len(mark) :].decode(encoding)
+            except UnicodeDecodeError as error:
+                raise ImportFormatError(
+                    f"{path}: its byte-order mark says {encoding.upper()}, but its bytes are none "
+                    f"({error.reason}); save it as UTF-8"
+                ) from error
+    if b"\0" in content:
+        raise ImportFormatError(f"{path}: a binary file; {remedy}")
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+def file_lines(path: Path | Traversable, remedy: str = "export it as text") -> list[str]:
+    """The lines of a text file, as `file_text` reads it; a line ends where an editor shows its end."""
+    # str.splitlines ends lines at form feeds and at characters of Latin-1 as well.
+    lines = file_text(path, remedy).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return lines[:-1] if not lines[-1] else lines

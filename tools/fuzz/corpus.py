@@ -1,0 +1,385 @@
+"""Small valid files of every kind that supple reads, and the reader of each."""
+
+from __future__ import annotations
+
+import multiprocessing as mp
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import h5py
+import numpy as np
+from scipy.sparse import csc_array
+
+import supple as sp
+from supple.cases import read_case
+from supple.importers import (
+    MatrixRole,
+    read_labelled_matrix,
+    read_matrix,
+    read_nodes,
+    read_polar,
+    read_rotor,
+    read_stations,
+    read_windio_blade,
+)
+from supple.importers.time_table import read_time_table
+from supple.results.descriptions import describe_result
+from supple.simulation import begin_recorded
+from supple.storage import holds_reduced_body, read_interface_names
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A valid file.
+
+    name : of the file, whose suffix its reader goes by
+    companions : files that lie beside it, by name
+    """
+
+    name: str
+    content: bytes
+    companions: Mapping[str, bytes] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file: its reader, and seeds.
+
+    is_hdf5 : read by the HDF5 library, which may hang over broken metadata: left out of the quick form
+    """
+
+    label: str
+    reader: Callable[[Path], object]
+    seeds: tuple[Seed, ...]
+    is_hdf5: bool = False
+
+
+def kinds(folder: Path) -> Iterator[Kind]:
+    """Every kind; the files that only the library itself can make are made in `folder`."""
+    yield from _meshes()
+    yield from _matrices(folder)
+    yield from _tables()
+    yield from _cases()
+    yield from _results(folder)
+
+
+_INP = """\
+*HEADING
+square of two shells
+*NODE, NSET=ALL
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 2., 0., 0.
+6, 2., 1., 0.
+*ELEMENT, TYPE=S4, ELSET=QUADS
+1, 1, 2, 3, 4
+*ELEMENT, TYPE=S3, ELSET=TRIANGLES
+2, 2, 5, 6
+3, 2, 6, 3
+*NSET, NSET=ROOT
+1, 4
+*NSET, NSET=TIP, GENERATE
+5, 6, 1
+*ELSET, ELSET=BOTH
+QUADS, TRIANGLES
+"""
+_BDF = """\
+SOL 103
+CEND
+BEGIN BULK
+PARAM,WTMASS,1.0
+CORD2C,7,0,0.,0.,0.,0.,0.,1.
+,1.,0.,0.
+GRID,10,,0.,0.,0.
+GRID,20,,1.,0.,0.
+GRID,30,,1.,1.,0.
+GRID    40              0.      1.      0.
+GRID*   50                              2.              0.
+*       0.
+GRID,60,7,2.236067977499790,26.5650511770780,0.
+GRID,99,,0.,0.5,0.
+CTRIA3,1,7,10,20,30
+CTRIA3,2,7,10,30,40
+CQUAD4,3,7,20,50,60,30
+PSHELL,7,5,0.1,5
+MAT1,5,2.1+11,,.3,7850.
+RBE2,100,99,123456,10,40
+SPC1,1,123456,10,THRU,40
+ASET1,123456,50,60
+ENDDATA
+"""
+_SOLID_BDF = """\
+GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,0.,1.,0.
+GRID,4,,0.,0.,1.
+CTETRA,1,3,1,2,3,4
+PSOLID,3,5
+MAT1,5,2.1+11,,.3,7850.
+CBAR,9,8,1,2,0.,0.,1.
+PBARL,8,5,,BAR
+,0.1,0.2
+"""
+_DMIG = """\
+DMIG    KAA     0       6       2       0
+DMIG*   KAA                            1               1
+*                      1               1 2.000000000D+00
+*                      1               2-1.000000000D+00
+DMIG*   KAA                            1               2
+*                      1               2 2.000000000D+00
+DMIG    MAA     0       6       1       0
+DMIG,MAA,1,1,,1,1,1.5
+"""
+
+
+def _meshes() -> Iterator[Kind]:
+    def abaqus(path: Path) -> None:
+        sp.read_abaqus(path)
+        read_nodes(path)
+
+    def nastran(path: Path) -> None:
+        sp.read_nastran(path)
+        read_nodes(path)
+
+    tail = b"*INCLUDE, INPUT=sets.inc\n"
+    yield Kind(
+        "Abaqus",
+        abaqus,
+        (
+            Seed("mesh.inp", _INP.encode()),
+            Seed("mesh.inp", _INP.encode() + tail, {"sets.inc": b"*NSET, NSET=MORE\n1, 2\n"}),
+        ),
+    )
+    yield Kind("Nastran", nastran, (Seed("mesh.bdf", _BDF.encode()), Seed("mesh.bdf", _SOLID_BDF.encode())))
+    folder = REPOSITORY / "tests" / "importers" / "gmsh_square"
+    squares = tuple(Seed("mesh.msh", path.read_bytes()) for path in sorted(folder.glob("*.msh")))
+    yield Kind("Gmsh", sp.read_gmsh, squares)
+
+
+def _matrices(folder: Path) -> Iterator[Kind]:
+    nodes = Seed("nodes.inp", b"*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n")
+
+    def both(path: Path) -> None:
+        table = read_nodes(folder / nodes.name)
+        for role in MatrixRole:
+            read_labelled_matrix(path, role, table)
+
+    def one(path: Path) -> None:
+        read_labelled_matrix(path, MatrixRole.STIFFNESS, read_nodes(folder / nodes.name))
+
+    def hdf5(path: Path) -> None:
+        read_nodes(path)
+        both(path)
+
+    (folder / nodes.name).write_bytes(nodes.content)
+    yield Kind("DMIG", both, (Seed("k.pch", _DMIG.encode()),))
+    yield Kind("Abaqus matrix", one, (Seed("k.mtx", b"1,1,1,1,2.0\n1,2,1,1,-1.0\n1,2,1,2,2.0\n"),))
+    dof, sti = b"1.1\n1.2\n2.1\n", b"1 1 2.0\n2 1 -1.0\n2 2 2.0\n3 3 1.0\n"
+    yield Kind("CalculiX matrix", one, (Seed("k.sti", sti, {"k.dof": dof}),))
+    yield Kind(
+        "CalculiX freedoms", lambda path: one(path.with_suffix(".sti")), (Seed("k.dof", dof, {"k.sti": sti}),)
+    )
+    sparse = (
+        b"%%MatrixMarket matrix coordinate real symmetric\n% said\n3 3 4\n1 1 2\n2 1 -1\n2 2 2\n3 3 1e3\n"
+    )
+    dense = b"%%MatrixMarket matrix array real general\n2 3\n1\n2\n3\n4\n5\n6.5\n"
+    yield Kind("Matrix Market", read_matrix, (Seed("m.mtx", sparse), Seed("m.mtx", dense)))
+    path = folder / "matrices.h5"
+    with h5py.File(path, "w") as file:
+        file["nodes"], file["node_ids"] = np.eye(2, 3), np.array([1, 2])
+        file["freedoms"] = np.array([[1, 1], [1, 2], [2, 1]])
+        file["node_sets/tip"] = np.array([2])
+        for name in ("stiffness", "mass"):
+            matrix = csc_array(np.diag([2.0, 3.0, 4.0]))
+            for part in ("data", "indices", "indptr"):
+                file[f"{name}/{part}"] = getattr(matrix, part)
+    yield Kind("HDF5 matrices", hdf5, (Seed("m.h5", path.read_bytes()),), is_hdf5=True)
+    try:
+        from pyyeti.nastran import op4
+    except ImportError:
+        return
+    matrices, seeds = {"KGG": np.eye(12), "MGG": 2 * np.eye(12)}, []
+    for binary in (True, False):
+        op4.write(str(folder / "k.op4"), matrices, binary=binary)
+        seeds.append(Seed("k.op4", (folder / "k.op4").read_bytes()))
+    yield Kind("OUTPUT4", both, tuple(seeds))
+
+
+def _tables() -> Iterator[Kind]:
+    yield Kind("time table", read_time_table, (Seed("law.csv", b"# s, N\n0,0\n0.5,1e3\n1.0,-2.5\n"),))
+    polar = b"alpha_deg,cl,cd,cm\n-180,0,0.1,0\n-10,-0.5,0.02,0\n10,1.0,0.02,0\n180,0,0.1,0\n"
+    yield Kind("polar", lambda path: read_polar(path, name="p"), (Seed("p.csv", polar),))
+    rotor = b"radius_m,chord_m,twist_deg,polar\n2,1.2,10,p\n10,1.0,3,p\n20,0.5,0,p\n"
+    yield Kind(
+        "rotor",
+        lambda path: read_rotor(path, polars=path.parent, n_blades=3),
+        (Seed("r.csv", rotor, {"p.csv": polar}),),
+    )
+    stations = b"span_m,section,chord_m,twist_deg,pitch_axis_x_over_c\n0,s,2,9,0.5\n10,s,1,0,0.4\n"
+    section = b"x_over_c,y_over_c\n1,0\n0.5,0.1\n0,0\n0.5,-0.1\n1,0\n"
+    yield Kind(
+        "stations",
+        lambda path: read_stations(path, sections=path.parent),
+        (Seed("b.csv", stations, {"s.csv": section}),),
+    )
+    folder = REPOSITORY / "tests" / "importers" / "turbine" / "windio_blade"
+    yield Kind(
+        "windIO",
+        read_windio_blade,
+        tuple(Seed("b.yaml", path.read_bytes()) for path in sorted(folder.glob("*.yaml"))),
+    )
+
+
+_CASE = """\
+title = "square [plate] on a hinge"
+gravity = [0, 0, -9.81]
+units = { length = "m" }
+
+[[body]]
+name = "plate"
+mesh = "mesh.inp"
+shell = { thickness = 0.01, youngs_modulus = 2.1e11, poissons_ratio = 0.0, density = 7850.0 }
+frame = { kind = "mean-axis" }
+reduction = { basis = "craig-bampton", modes = 4, derivatives = { kind = "compressed", number = 3 } }
+damping = { kind = "rayleigh-ratio", ratio = 0.02, modes = [1, 2] }
+
+[[body.interface]]
+name = "root"
+nodes = "ROOT"
+
+[[body]]
+name = "hub"
+position = [0, 0, 1]
+[body.rigid]
+mass = 2.5
+inertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+[[body.interface]]
+name = "centre"
+position = [0.0, 0.0, 0.0]
+
+[[joint]]
+kind = "prescribed-rotation"
+first = "ground"
+second = "hub.centre"
+axis = [0, 0, 1]
+law = { kind = "table", file = "law.csv" }
+
+[[joint]]
+kind = "revolute"
+first = "hub.centre"
+second = "plate.root"
+axis = [0, 1, 0]
+
+[[spring]]
+kind = "torsion"
+first = "ground"
+second = "hub.centre"
+axis = [0, 0, 1]
+stiffness = 10.0
+
+[[load]]
+kind = "force"
+at = "plate.TIP"
+vector = [0, 0, 1]
+law = { kind = "sine", amplitude = 2.0, frequency_hz = 3.0 }
+
+[simulation]
+duration = 0.5
+output_step = 0.1
+adaptive = { first = 1e-4, largest = 1e-2 }
+rho_inf = 0.8
+
+[output]
+track = ["plate.TIP", "hub.centre"]
+pictures = false
+"""
+_RIGID = (
+    """\
+title = "two rods"
+gravity = [0.0, -9.81, 0.0]
+"""
+    + "".join(
+        f"""
+[[body]]
+name = "{name}"
+position = [{x}, 0.0, 0.0]
+rigid = {{ mass = 1.0, centre = [0.5, 0.0, 0.0], inertia = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]] }}
+interface = [{{ name = "a", position = [0, 0, 0] }}, {{ name = "b", position = [1, 0, 0] }}]
+"""
+        for name, x in (("upper", "0.0"), ("lower", "1.0"))
+    )
+    + """
+[[joint]]
+kind = "revolute"
+first = "ground"
+second = "upper.a"
+axis = [0, 0, 1]
+[[joint]]
+kind = "ball"
+first = "upper.b"
+second = "lower.a"
+[[load]]
+kind = "torque"
+at = "lower.b"
+vector = [0, 0, 0.1]
+law = { kind = "ramp", value = 1.0, duration = 0.1 }
+[simulation]
+duration = 0.02
+output_step = 0.01
+step = 0.01
+"""
+)
+
+
+def _cases() -> Iterator[Kind]:
+    def flexible(path: Path) -> None:
+        case = read_case(path)
+        _ = case.run.times, case.sources
+
+    def rigid(path: Path) -> None:
+        case = read_case(path)
+        if not any(body.elastic for body in case.tables.body):
+            _ = case.system
+
+    beside = {"mesh.inp": _INP.encode(), "law.csv": b"0,0\n0.25,0.5\n0.5,1.0\n"}
+    yield Kind("case", flexible, (Seed("case.toml", _CASE.encode(), beside),))
+    yield Kind("rigid case", rigid, (Seed("case.toml", _RIGID.encode()),))
+
+
+def _results(folder: Path) -> Iterator[Kind]:
+    def result(path: Path) -> None:
+        list(describe_result(path))
+
+    def reduced(path: Path) -> None:
+        if holds_reduced_body(path):
+            read_interface_names(path)
+            sp.read_reduced_body(path)
+
+    # In a process of its own: readers are forked from this one, which must not have computed with JAX.
+    maker = mp.get_context("fork").Process(target=_make_results, args=(folder,))
+    maker.start()
+    maker.join()
+    yield Kind("result file", result, (Seed("run.h5", (folder / "run.h5").read_bytes()),), is_hdf5=True)
+    sealed = (folder / "beam.h5").read_bytes()
+    with h5py.File(folder / "beam.h5", "r", driver="core", backing_store=False) as file:
+        bare = file.id.get_file_image()
+    yield Kind("reduced body", reduced, (Seed("beam.h5", sealed), Seed("beam.h5", bare)), is_hdf5=True)
+
+
+def _make_results(folder: Path) -> None:
+    """A result file and the file of a reduced body."""
+    (folder / "case.toml").write_text(_RIGID, encoding="utf-8")
+    case = read_case(folder / "case.toml")
+    begin_recorded(case.system, case.run, folder / "run.h5", case=case.text, metadata={"title": case.title})
+    ends = [sp.RigidInterface("root", "root")]
+    steel = sp.Isotropic(2e11, 0.3, 7800.0)
+    model = sp.solid_model(sp.block(1.0, 0.1, 0.1, 2, 1, 1, sp.CellType.TETRA4), steel)
+    flexible = sp.flexible_body("beam", model, ends)
+    derivatives = sp.CompressedDerivatives(1)
+    body = sp.reduce(flexible, sp.MeanAxisFrame(), sp.CraigBampton(n_modes=2), derivatives=derivatives)
+    sp.write_reduced_body(folder / "beam.h5", body)
