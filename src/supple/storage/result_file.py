@@ -11,8 +11,9 @@ Format "supple-result", version 1, an HDF5 file (any HDF5 reader opens it):
     bodies/<name>/<field>      (t, ...) the arrays of the body's motion, of the kind that the attribute `kind`
                                of the group names; floating where it is missing: position, rotation, ...
     joint_forces/<name>        (t, m) Lagrange multipliers of each joint
-    commits      (k, 6)        one row per chunk written: its number of times, then its steps, iterations,
-                               rejected steps, seconds and seconds of compilation
+    commits      (k, 8)        one row per chunk written: its number of times, then its steps, iterations,
+                               rejected steps, seconds, seconds of compilation, and the largest local error
+                               and turn of a step (6 columns in older files)
 
     engine_state/<key>         (k, ...) what the engine needs to go on exactly, one row per chunk, or absent
 
@@ -274,7 +275,7 @@ def _extend(file: h5py.File, n_written: int, arrays: Mapping[str, Array], chunk:
 def _commit(file: h5py.File, n_times: int, statistics: Statistics) -> None:
     commits = dataset(file, "commits")
     commits.resize(commits.shape[0] + 1, axis=0)
-    commits[-1] = np.concatenate([[n_times], statistics_row(statistics)])
+    commits[-1] = np.concatenate([[n_times], statistics_row(statistics)])[: commits.shape[1]]
     file.flush()
 
 
