@@ -20,7 +20,7 @@ from supple.body import (
     check_rigid_connections,
     rigid_mass_properties,
 )
-from supple.cases import damping, interfaces, reductions
+from supple.cases import damping, interfaces, reductions, split
 from supple.cases.body_kinds import (
     KINDS,
     ElasticKind,
@@ -37,6 +37,7 @@ from supple.cases.interfaces import Interface
 from supple.cases.notify import Notify
 from supple.cases.reductions import FullOrder, Reduction, derivative_choice
 from supple.cases.shared_rules import usable_names
+from supple.cases.split import Split
 from supple.cases.table import Made
 from supple.errors import ModelError
 from supple.importers.toml import (
@@ -99,6 +100,7 @@ class Body(CheckedTable):
     frame: Frame | None = None
     reduction: Reduction | None = None
     damping: Damping | None = None
+    split: Split | None = None
     linear: bool = Field(False, description="true leaves the nonlinear strains out (for comparison)")
     position: Vector = Field(ZERO, description="start of the mesh origin, global axes, m")
     rotation: Vector = Field(ZERO, description="start orientation as a rotation vector, global axes, rad")
@@ -182,7 +184,7 @@ class Body(CheckedTable):
 
 
 _START = ("position", "rotation", "velocity", "angular_velocity")
-_ELASTIC_ONLY = ("frame", "reduction", "damping", "linear")
+_ELASTIC_ONLY = ("frame", "reduction", "damping", "split", "linear")
 
 
 def checked_line(body: FlexibleBody) -> str:
@@ -241,5 +243,6 @@ RULES = (
         *interfaces.RULES_OF_BODY,
         *reductions.RULES_OF_BODY,
         *damping.RULES_OF_BODY,
+        *split.RULES_OF_BODY,
     ),
 )

@@ -15,12 +15,14 @@ from supple.cases.bodies import checked_line
 from supple.cases.case_tables import CaseTables
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
+from supple.cases.split import SplitSource, split_source
+from supple.cases.split_tables import changed_frequencies, with_damping, with_parts
 from supple.correction import ReductionStart
 from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
-from supple.machine import System
+from supple.machine import SplitBody, System
 from supple.mesh import Mesh
 
 
@@ -54,12 +56,12 @@ class Case:
     @property
     def made_here(self) -> frozenset[str]:
         """Names of the bodies that the case makes, not read as reduced."""
-        return frozenset(body.name for body in self.tables.body if body.reduced is None)
+        return frozenset(body.name for body in self.parts.body if body.reduced is None)
 
     def place(self, text: str) -> tuple[str, str | NDArray[np.int64]]:
         """The body of `BODY.PLACE`, and the name of its interface, or the nodes of the set of its mesh."""
         name, _, place = text.partition(".")
-        body = next(table for table in self.tables.body if table.name == name)
+        body = next(table for table in self.parts.body if table.name == name)
         if place in [interface.name for interface in body.interface]:
             return name, place
         return name, self.meshes[name].nodes_of(place)
@@ -74,8 +76,8 @@ class Case:
         return self.tables.simulation.build()
 
     @cached_property
-    def sources(self) -> Mapping[str, BodySource]:
-        """What each elastic body is made of, by body name.
+    def _whole(self) -> Mapping[str, BodySource]:
+        """What each elastic body is made of, also those that are split.
 
         Raises
         ------
@@ -97,6 +99,50 @@ class Case:
         return sources
 
     @cached_property
+    def _split(self) -> Mapping[str, SplitSource]:
+        """The parts of the bodies that are split, by the names of these."""
+        return {
+            body.name: split_source(body.name, self._whole[body.name], body.split)
+            for body in self.tables.body
+            if body.split is not None
+        }
+
+    @cached_property
+    def parts(self) -> CaseTables:
+        """The case with the parts of split bodies instead of these.
+
+        Raises
+        ------
+        CaseError    as for `sources`
+        SuppleError  a body that cannot be split this way
+        """
+        bodies = []
+        for body in self.tables.body:
+            split = body.split is not None
+            bodies.append(with_damping(body, self._unsplit[body.name]) if split else body)
+        return with_parts(self.tables.model_copy(update={"body": tuple(bodies)}), self._split)
+
+    @cached_property
+    def _unsplit(self) -> Mapping[str, FlexibleBody]:
+        """The bodies that are split, as one each."""
+        return {
+            body.name: body.flexible(self._whole[body.name])
+            for body in self.tables.body
+            if body.split is not None
+        }
+
+    @cached_property
+    def sources(self) -> Mapping[str, BodySource]:
+        """What each elastic body is made of, by body name; of a split one its parts.
+
+        Raises
+        ------
+        CaseError   interfaces, loads or output that name a node set no mesh has: all, with their lines
+        """
+        parts = {name: source for split in self._split.values() for name, source in split.parts.items()}
+        return {name: made for name, made in self._whole.items() if name not in self._split} | parts
+
+    @cached_property
     def meshes(self) -> Mapping[str, Mesh]:
         """The mesh of each body that has elements, by body name."""
         return {name: source.mesh for name, source in self.sources.items() if source.mesh is not None}
@@ -116,11 +162,14 @@ class Case:
         SuppleError  whatever is wrong with a model: all findings of its check, if that refuses it
         """
         flexible = {}
-        for table in self.tables.body:
+        for table in self.parts.body:
             if table.name in self.sources:
                 self.notify(f"assembling body '{table.name}'")
                 flexible[table.name] = table.flexible(self.sources[table.name])
                 self.notify(checked_line(flexible[table.name]))
+        for name, whole in self._unsplit.items():
+            parts = tuple(flexible[part] for part in self._split[name].parts)
+            self.notify(changed_frequencies(whole, SplitBody(name, self._split[name].mesh, parts)))
         return flexible
 
     @cached_property
@@ -132,7 +181,7 @@ class Case:
         CaseError    as for `sources`; stress to draw of elements that have none
         SuppleError  whatever the meshes, bodies, reductions and joints find wrong
         """
-        tables, flexible = self.tables, self.flexible
+        tables, flexible = self.parts, self.flexible
         if tables.output.colour == "von-mises":
             self._check_stress()
         bodies = [table.build(flexible.get(table.name), self.folder, self.notify) for table in tables.body]
@@ -147,7 +196,7 @@ class Case:
         """Of the bodies that stand in the system in full, to be reduced as far as their accuracy allows."""
         return {
             table.name: reduction_start(table.reduction, self.flexible[table.name])
-            for table in self.tables.body
+            for table in self.parts.body
             if table.corrects_itself
         }
 

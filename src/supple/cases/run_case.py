@@ -63,7 +63,7 @@ def run_case(
     except SelfCorrectionError:
         _write_report(case, folder, correction_numbers(rounds), {})
         raise
-    tracked = tracked_places(system, solution, {name: case.place(name) for name in case.tables.output.track})
+    tracked = tracked_places(system, solution, {name: case.place(name) for name in case.parts.output.track})
     numbers = summarize(system, solution, tracked)
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_report(case, folder, result.rounds, result.numbers)

@@ -4,7 +4,7 @@ from supple.fem.assembly import Assembly, assemble
 from supple.fem.beam_section import BeamSection
 from supple.fem.kinematics import GREEN_LAGRANGE, VON_KARMAN, MembraneKinematics
 from supple.fem.material import Isotropic
-from supple.fem.model import FiniteElementModel, lumped_mass, shell_model, solid_model
+from supple.fem.model import FiniteElementModel, lumped_mass, part_of_model, shell_model, solid_model
 from supple.fem.nodal_rotation import nodal_rotation_operator
 from supple.fem.quadratic_strain import QuadraticStrain
 from supple.fem.section import Section
@@ -34,6 +34,7 @@ __all__ = [
     "assemble",
     "lumped_mass",
     "nodal_rotation_operator",
+    "part_of_model",
     "shell_model",
     "solid_model",
     "strain_recovery",

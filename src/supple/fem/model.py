@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ from supple.fem.shell_triangle import ROTATION_LIMIT, shell_triangle
 from supple.fem.solid_element import solid_mass, solid_strain
 from supple.fem.tetra4 import TETRA4_ELEMENT
 from supple.fem.tetra10 import TETRA10_ELEMENT
-from supple.mesh import CellType, Mesh
+from supple.mesh import CellType, Mesh, MeshPart
 
 SOLID_ELEMENTS = {
     element.cell_type: element for element in (TETRA4_ELEMENT, TETRA10_ELEMENT, HEXA8_ELEMENT, HEXA20_ELEMENT)
@@ -46,6 +46,7 @@ class FiniteElementModel:
     mass : csc_array (n, n)                 consistent mass, kg and kg m^2
     stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
     rotation_limit : float                  largest rotation, rad, against the frame; infinite for solids
+    kinematics : MembraneKinematics         of shells; solids and beams have one kind only
     """
 
     mesh: Mesh
@@ -55,6 +56,7 @@ class FiniteElementModel:
     mass: csc_array
     stiffness: csc_array
     rotation_limit: float
+    kinematics: MembraneKinematics = GREEN_LAGRANGE
 
     @property
     def n_dofs(self) -> int:
@@ -86,8 +88,7 @@ def shell_model(
     SuppleWarning   a shell several times thicker than its elements are wide
     """
     given = sections(mesh, section)
-    blocks = tuple(_shell_block(mesh, part, kinematics) for part in given)
-    return _model(mesh, 6, given, blocks, ROTATION_LIMIT)
+    return _shell_model(mesh, given, kinematics)
 
 
 def solid_model(mesh: Mesh, material: Isotropic | Mapping[str, Isotropic]) -> FiniteElementModel:
@@ -104,14 +105,40 @@ def solid_model(mesh: Mesh, material: Isotropic | Mapping[str, Isotropic]) -> Fi
     MeshError    unknown cell set; a curved cell that turns over
     """
     given = sections(mesh, material)
-    blocks = tuple(_solid_block(mesh, section) for section in given)
-    return _model(mesh, 3, given, blocks, float("inf"))
+    return _solid_model(mesh, given)
+
+
+def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementModel:
+    """The elements of a part of the model's mesh, with its own mass and stiffness.
+
+    part : of `model.mesh`; each of its cells keeps its property
+    """
+    given = tuple(
+        Section(section.cell_type, own, section.property)
+        for section in model.sections
+        if len(own := np.flatnonzero(np.isin(part.cells.get(section.cell_type, []), section.cells)))
+    )
+    if model.dofs_per_node == 3:
+        return _solid_model(part.mesh, given)
+    return _shell_model(part.mesh, given, model.kinematics)
 
 
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
     """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total mass of the consistent one."""
     masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections))
     return mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
+
+
+def _shell_model(
+    mesh: Mesh, given: tuple[Section, ...], kinematics: MembraneKinematics
+) -> FiniteElementModel:
+    blocks = tuple(_shell_block(mesh, part, kinematics) for part in given)
+    return replace(_model(mesh, 6, given, blocks, ROTATION_LIMIT), kinematics=kinematics)
+
+
+def _solid_model(mesh: Mesh, given: tuple[Section, ...]) -> FiniteElementModel:
+    blocks = tuple(_solid_block(mesh, section) for section in given)
+    return _model(mesh, 3, given, blocks, float("inf"))
 
 
 def _shell_block(mesh: Mesh, section: Section, kinematics: MembraneKinematics) -> QuadraticStrain:

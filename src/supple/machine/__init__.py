@@ -65,6 +65,10 @@ from supple.machine.nodal_loads import (
     NodalLoad,
 )
 from supple.machine.pose import Pose, Wrench
+from supple.machine.split_body import (
+    SplitBody,
+    split_body,
+)
 from supple.machine.system import (
     Placed,
     System,
@@ -97,6 +101,7 @@ __all__ = [
     "Sine",
     "SpinUp",
     "Spline",
+    "SplitBody",
     "SpringDamper",
     "System",
     "Table",
@@ -107,4 +112,5 @@ __all__ = [
     "Universal",
     "Wrench",
     "as_end",
+    "split_body",
 ]

@@ -103,7 +103,8 @@ class Watch:
                         own.name,
                         f"body '{own.name}' turns by {peak.rotation:.3f} rad against its frame "
                         f"(t = {peak.rotation_time:.4g}); its kinematics hold to about "
-                        f"{own.rotation:.2f} rad. Choose a mean-axis frame, or split the body in two",
+                        f"{own.rotation:.2f} rad. Choose a mean-axis frame, or split the body "
+                        "(split = { parts = 2 } in a case file, split_body in Python)",
                     )
                 )
         return found

@@ -44,7 +44,7 @@ class LinearizedJoints(NamedTuple):
     """A group of joints at one configuration."""
 
     coefficients: Any
-    """`L` of every joint, (k, m, 12), where it changes with a law; None where it is a constant of the group"""
+    """`L` of every joint, (k, m, 12), where it changes with a law; None where the whole group has one"""
     at: JointLinearization
     """Stacked"""
 

@@ -1,0 +1,138 @@
+"""Bodies of a case that are split: their tables become those of the parts, and joints between them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from supple.body import BodySource, elements_source
+from supple.cases.body_kinds import kind_of, kinds_that
+from supple.errors import ModelError
+from supple.fem import part_of_model
+from supple.importers import Connection
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, table
+from supple.machine.split_body import cut_name, part_name
+from supple.mesh import AlongAxis, ByCellSets, DividedMesh, Division, divided
+
+IntArray = NDArray[np.int64]
+
+
+class Split(CheckedTable):
+    """The body as several with a frame each, tied where they meet: for rotations beyond one frame's limit."""
+
+    parts: int | None = Field(None, ge=2, description="number of parts, of equal length along axis")
+    axis: Vector | None = Field(
+        None, description="direction in body axes; the longest one of the mesh if left out"
+    )
+    cell_sets: Annotated[tuple[str, ...], Field(strict=False)] | None = Field(
+        None, description="instead of parts: the cell sets that are the parts"
+    )
+    tie: Literal["rigid", "averaging"] = Field(
+        "rigid", description="sections between parts keep their shape, or may warp"
+    )
+
+    def division(self) -> Division:
+        """Which cells make which part."""
+        return (
+            ByCellSets(self.cell_sets)
+            if self.cell_sets is not None
+            else AlongAxis(self.parts or 2, self.axis)
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SplitSource:
+    """What a split body is made of.
+
+    whole : the body as one
+    mesh  : its parts
+    parts : what each of them is made of, by its name; `cut-1 of NAME` and so on are node sets of their meshes
+    """
+
+    name: str
+    whole: BodySource
+    mesh: DividedMesh
+    parts: Mapping[str, BodySource]
+
+    def places(self, nodes: IntArray) -> list[tuple[str, IntArray]]:
+        """Parts that some nodes of the whole lie in, each node counted once, with their numbers there."""
+        part = self.mesh.holder(nodes)
+        if part is not None:
+            return [(part_name(self.name, part), self.mesh.parts[part].numbers(nodes))]
+        inside = np.array([np.isin(nodes, own.nodes) for own in self.mesh.parts])
+        owner = inside.argmax(axis=0)
+        return [
+            (part_name(self.name, part), self.mesh.parts[part].numbers(nodes[owner == part]))
+            for part in np.unique(owner).tolist()
+        ]
+
+
+def split_source(name: str, source: BodySource, split: Split) -> SplitSource:
+    """The parts of a body.
+
+    Raises
+    ------
+    MeshError    a part without cells, or that does not hang together; an unknown cell set
+    ModelError   a connection whose nodes lie in several parts
+    """
+    assert source.mesh is not None  # a rule of the case file
+    mesh = divided(source.mesh, split.division())
+    connections = [(mesh.holder(each.nodes), each) for each in source.connections()]
+    for holder, each in connections:
+        if holder is None:
+            raise ModelError(
+                f"body '{name}': the nodes of {each.name} lie in several parts; move the cut away from it"
+            )
+    parts = {}
+    for i, part in enumerate(mesh.parts):
+        cuts = {
+            f"{cut_name(number)} of {name}": part.numbers(cut.nodes)
+            for number, cut in enumerate(mesh.cuts)
+            if i in cut
+        }
+        own = tuple(
+            Connection(each.name, part.numbers(each.nodes), each.position, each.weights)
+            for holder, each in connections
+            if holder == i
+        )
+        with_cuts = replace(part, mesh=replace(part.mesh, node_sets={**part.mesh.node_sets, **cuts}))
+
+        def assemble(whole: BodySource = source, part: Any = with_cuts) -> Any:
+            assert whole.model is not None
+            return part_of_model(whole.model(), part)
+
+        parts[part_name(name, i)] = elements_source(with_cuts.mesh, assemble, own)
+    return SplitSource(name, source, mesh, parts)
+
+
+def _is_divided_one_way(path: KeyPath, body: Raw) -> Mistakes:
+    """The rules on the table of a split."""
+    given = table(body, "split")
+    if "split" not in body:
+        return
+    kind = kind_of(body)
+    if kind is not None and not kind.has_elements:
+        able = ", ".join(kinds_that("has_elements"))
+        yield (*path, "split"), f"only a body with elements can be split ({able}); remove the key"
+    ways = [key for key in ("parts", "cell_sets") if key in given]
+    if len(ways) != 1:
+        seen = " and ".join(ways) or "neither"
+        yield (*path, "split"), f"a split needs parts = 2, or cell_sets = [...]; this one has {seen}"
+    if "cell_sets" in given and "axis" in given:
+        yield (*path, "split", "axis"), "parts made of cell sets have no axis; remove the key"
+    sets = given.get("cell_sets")
+    if isinstance(sets, list) and len(sets) < 2:
+        yield (*path, "split", "cell_sets"), f"a split needs at least two cell sets; got {sets}"
+    if table(body, "damping").get("kind") == "modal":
+        message = (
+            'modal damping of the parts would damp their own modes, not the body\'s; give kind = "rayleigh"'
+        )
+        yield (*path, "damping"), message
+
+
+RULES_OF_BODY = (_is_divided_one_way,)

@@ -1,0 +1,203 @@
+"""The tables of a case in which split bodies stand as their parts, tied by fixed joints."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.algebra import lowest_modes
+from supple.body import FlexibleBody, RayleighDamping, connection_named
+from supple.cases.bodies import Body, NodalFixed
+from supple.cases.case_tables import CaseTables
+from supple.cases.damping import Rayleigh, RayleighRatio
+from supple.cases.interfaces import Interface
+from supple.cases.joints import Joint
+from supple.cases.loads import Load
+from supple.cases.split import SplitSource
+from supple.errors import ModelError, SuppleWarning
+from supple.machine.split_body import SplitBody, cut_name, part_name
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class _SplitTable:
+    """The table of a split body, and where its interfaces have gone."""
+
+    body: Body
+    source: SplitSource
+    holders: Mapping[str, int]
+
+    def place(self, text: str) -> str:
+        """`blade.root` as `blade-1.root`; node sets and other bodies as they are."""
+        name, _, interface = text.partition(".")
+        if name != self.body.name or interface not in self.holders:
+            return text
+        return f"{part_name(name, self.holders[interface])}.{interface}"
+
+
+def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTables:
+    """The case with the parts of split bodies instead of these.
+
+    Their interfaces, frames, joints, loads and springs go to the part that has them; loads on nodes are
+    shared out; each cut gets a fixed joint.
+
+    Parameters
+    ----------
+    split : of each body that is split, what its parts are made of, by its name
+
+    Raises
+    ------
+    ModelError   an interface whose nodes lie in several parts
+    """
+    if not split:
+        return tables
+    given = [_split_table(body, split[body.name]) for body in tables.body if body.name in split]
+    by_name = {each.body.name: each for each in given}
+
+    def placed(text: str) -> str:
+        for each in given:
+            text = each.place(text)
+        return text
+
+    def at_parts(item: Joint | object) -> object:
+        ends = {key: placed(getattr(item, key)) for key in ("first", "second")}
+        return item.model_copy(update=ends)  # type: ignore[attr-defined]
+
+    bodies = [
+        part
+        for body in tables.body
+        for part in (_parts(by_name[body.name]) if body.name in by_name else [body])
+    ]
+    track = [place for text in tables.output.track for place, _ in _places(placed(text), by_name)]
+    changed = {
+        "body": tuple(bodies),
+        "joint": (*map(at_parts, tables.joint), *(joint for each in given for joint in _ties(each))),
+        "spring": tuple(map(at_parts, tables.spring)),
+        "load": tuple(part for load in tables.load for part in _load_parts(load, placed(load.at), by_name)),
+        "output": tables.output.model_copy(update={"track": tuple(track)}),
+    }
+    return tables.model_copy(update=changed)
+
+
+def with_damping(body: Body, whole: FlexibleBody) -> Body:
+    """A split body whose damping is the same for all parts: a ratio on modes is one on those of the whole.
+
+    A SuppleWarning says where damping by mass acts against the frame of each part instead of the body's.
+    """
+    damping = body.damping
+    if isinstance(damping, RayleighRatio):
+        assert body.frame is not None  # a rule of the case file
+        made: RayleighDamping = damping.build(whole, body.frame.build())
+        damping = Rayleigh(kind="rayleigh", alpha=made.alpha, beta=made.beta)
+    if isinstance(damping, Rayleigh) and damping.alpha > 0:
+        warnings.warn(
+            f"body '{body.name}' is split: the part alpha = {damping.alpha:.3g} 1/s of its damping resists "
+            "motion against the frame of each part, so that the lowest modes of the whole are damped less; "
+            "choose beta alone for a damping that does not depend on the frames",
+            SuppleWarning,
+            stacklevel=2,
+        )
+    return body.model_copy(update={"damping": damping})
+
+
+def changed_frequencies(whole: FlexibleBody, split: SplitBody) -> str:
+    """What the ties of a split body change, in a line: its lowest elastic frequencies, free, in per cent."""
+    free = (whole.mass @ whole.rigid_modes).T
+    before = np.sqrt(lowest_modes(whole.stiffness, whole.mass, 3, constraint=free).values)
+    changes = ", ".join(f"{100 * change:+.2g}" for change in split.frequencies(3) / before - 1)
+    return (
+        f"split body '{whole.name}' into {len(split.parts)}; the ties change its lowest free frequencies by "
+        f"{changes} %"
+    )
+
+
+def _split_table(body: Body, source: SplitSource) -> _SplitTable:
+    holders = {}
+    for interface in body.interface:
+        part = source.mesh.holder(_nodes(interface, source))
+        if part is None:
+            raise ModelError(
+                f"body '{body.name}', interface '{interface.name}': its nodes lie in several of the "
+                f"{len(source.mesh.parts)} parts; move the cut away from it"
+            )
+        holders[interface.name] = part
+    return _SplitTable(body, source, holders)
+
+
+def _nodes(interface: Interface, source: SplitSource) -> IntArray:
+    if interface.connection is not None:
+        return connection_named(interface.connection, source.whole.connections()).nodes
+    if interface.nodes is not None:
+        return source.mesh.whole.nodes_of(interface.nodes)
+    return np.array(interface.node_indices)
+
+
+def _parts(split: _SplitTable) -> Iterator[Body]:
+    """A table for each part of a split body."""
+    body, mesh = split.body, split.source.mesh
+    assert body.split is not None
+    for i, part in enumerate(mesh.parts):
+        own = []
+        for interface in (each for each in body.interface if split.holders[each.name] == i):
+            given = interface.node_indices
+            own_numbers = None if given is None else tuple(part.numbers(np.array(given)).tolist())
+            own.append(interface.model_copy(update={"node_indices": own_numbers}))
+        for number, cut in enumerate(mesh.cuts):
+            if i in cut:
+                tied = {
+                    "name": cut_name(number),
+                    "nodes": f"{cut_name(number)} of {body.name}",
+                    "kind": body.split.tie,
+                    "position": mesh.whole.nodes[cut.nodes].mean(axis=0).tolist(),
+                }
+                own.append(Interface.model_validate(tied))
+        changed = {
+            "name": part_name(body.name, i),
+            "interface": tuple(own),
+            "frame": _frame(split, i),
+            "split": None,
+        }
+        yield body.model_copy(update=changed)
+
+
+def _frame(split: _SplitTable, part: int) -> object:
+    """The frame of a part: fixed to the interface that was named, or to the cut that leads there."""
+    frame = split.body.frame
+    if not isinstance(frame, NodalFixed):
+        return frame
+    held = split.holders[frame.interface]
+    if part == held:
+        return frame
+    cuts = split.source.mesh.cuts
+    towards = dict(split.source.mesh.neighbours_from(held))
+    number = next(i for i, cut in enumerate(cuts) if cut is towards[part])
+    return NodalFixed(kind="nodal-fixed", interface=cut_name(number))
+
+
+def _ties(split: _SplitTable) -> Iterator[Joint]:
+    name = split.body.name
+    for number, cut in enumerate(split.source.mesh.cuts):
+        first, second = (f"{part_name(name, part)}.{cut_name(number)}" for part in (cut.first, cut.second))
+        tie = {"kind": "fixed", "name": f"{name} {cut_name(number)}", "first": first, "second": second}
+        yield Joint.model_validate(tie)
+
+
+def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, float]]:
+    """A place as places of parts, with the share of its nodes that each has."""
+    name, _, node_set = text.partition(".")
+    if name not in split:
+        return [(text, 1.0)]
+    nodes = split[name].source.mesh.whole.nodes_of(node_set)
+    found = split[name].source.places(nodes)
+    return [(f"{part}.{node_set}", len(own) / len(nodes)) for part, own in found]
+
+
+def _load_parts(load: Load, at: str, split: Mapping[str, _SplitTable]) -> Iterator[Load]:
+    for place, share in _places(at, split):
+        vector = tuple(share * component for component in load.vector)
+        yield load.model_copy(update={"at": place, "vector": vector})

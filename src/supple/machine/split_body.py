@@ -1,0 +1,133 @@
+"""A flexible body split into several, each of which gets a floating frame of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from supple.algebra import lowest_modes
+from supple.body import AveragingInterface, FlexibleBody, RigidInterface, flexible_body
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel, part_of_model
+from supple.machine.ends import At
+from supple.machine.joints.fixed import Fixed
+from supple.mesh import DividedMesh, Division, divided
+
+__all__ = ["SplitBody", "cut_name", "part_name", "split_body"]
+
+Interface = RigidInterface | AveragingInterface
+Tie = Callable[..., Interface]
+
+
+@dataclass(frozen=True, eq=False)
+class SplitBody:
+    """The parts of a body, and the joints that hold them together.
+
+    name  : of the whole
+    mesh  : DividedMesh    which nodes and cells each part has
+    parts : FlexibleBody   named NAME-1, NAME-2, ..., all in the axes of the whole mesh
+    """
+
+    name: str
+    mesh: DividedMesh
+    parts: tuple[FlexibleBody, ...]
+
+    @property
+    def joints(self) -> tuple[Fixed, ...]:
+        """One at each cut."""
+        return tuple(
+            Fixed(
+                first=At(part_name(self.name, cut.first), cut_name(number)),
+                second=At(part_name(self.name, cut.second), cut_name(number)),
+                name=f"{self.name} {cut_name(number)}",
+            )
+            for number, cut in enumerate(self.mesh.cuts)
+        )
+
+    def frequencies(self, count: int) -> NDArray[np.float64]:
+        """The lowest elastic frequencies of the tied parts, free and undeformed, rad/s.
+
+        Beside those of the whole body they tell what the ties change: rigid sections stiffen a body whose
+        sections would deform, averaging ones soften it.
+        """
+        first = np.cumsum([0, *(part.n for part in self.parts)])
+        rows = []
+        for number, cut in enumerate(self.mesh.cuts):
+            sides = [sparse.csr_array((6, part.n)) for part in self.parts]
+            sides[cut.first] = self.parts[cut.first].interface(cut_name(number)).motion
+            sides[cut.second] = -self.parts[cut.second].interface(cut_name(number)).motion
+            rows.append(sparse.hstack(sides))
+        mass = sparse.block_diag([part.mass for part in self.parts], format="csc")
+        rigid = np.zeros((first[-1], 6))
+        for part, begin in zip(self.parts, first, strict=False):
+            rigid[begin : begin + part.n] = part.rigid_modes
+        found = lowest_modes(
+            sparse.block_diag([part.stiffness for part in self.parts], format="csc"),
+            mass,
+            count,
+            constraint=np.vstack([sparse.vstack(rows).toarray(), (mass @ rigid).T]),
+        )
+        return np.sqrt(found.values)
+
+
+def split_body(
+    name: str,
+    model: FiniteElementModel,
+    division: Division,
+    interfaces: Sequence[Interface] = (),
+    *,
+    tie: Tie = RigidInterface,
+) -> SplitBody:
+    """Split a body into parts that are tied where they meet, for rotations beyond what one frame allows.
+
+    A floating frame describes rotations against itself up to a limit. With a frame a part, each of k equal
+    parts turns against its frame by about 1 / k of what the whole body would.
+
+    Parameters
+    ----------
+    model      : of the whole body
+    division   : AlongAxis | ByCellSets     which cells make which part
+    interfaces : of the whole body; each belongs to the part that has all of its nodes
+    tie        : RigidInterface (sections keep their shape) | AveragingInterface (sections may warp)
+
+    Raises
+    ------
+    MeshError    a part without cells, or that does not hang together
+    ModelError   an interface whose nodes lie in several parts; what `flexible_body` finds wrong with a part
+    """
+    mesh = divided(model.mesh, division)
+    own: list[list[Interface]] = [[] for _ in mesh.parts]
+    for interface in interfaces:
+        given = interface.nodes
+        nodes = model.mesh.nodes_of(given) if isinstance(given, str) else np.atleast_1d(np.asarray(given))
+        part = mesh.holder(nodes)
+        if part is None:
+            raise ModelError(
+                f"body '{name}', interface '{interface.name}': its nodes lie in several of the "
+                f"{len(mesh.parts)} parts; move the cut away from it"
+            )
+        own[part].append(replace(interface, nodes=mesh.parts[part].numbers(nodes)))
+    for number, cut in enumerate(mesh.cuts):
+        centre = model.mesh.nodes[cut.nodes].mean(axis=0)
+        for part in (cut.first, cut.second):
+            nodes = mesh.parts[part].numbers(cut.nodes)
+            own[part].append(tie(cut_name(number), nodes, position=centre))
+    bodies = tuple(
+        flexible_body(part_name(name, i), part_of_model(model, part), own[i])
+        for i, part in enumerate(mesh.parts)
+    )
+    return SplitBody(name, mesh, bodies)
+
+
+def part_name(name: str, part: int) -> str:
+    """Of a part of a body, counted from 0: `blade-1` is part 0."""
+    return f"{name}-{part + 1}"
+
+
+def cut_name(number: int) -> str:
+    """Of the interfaces at a cut, counted from 0: `cut-1` is cut 0."""
+    return f"cut-{number + 1}"

@@ -1,0 +1,220 @@
+"""Division of a mesh into parts that meet at sections."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from supple.errors import MeshError
+from supple.mesh.cell_type import CellType
+from supple.mesh.mesh import Mesh
+from supple.mesh.mesh_part import MeshPart, mesh_part
+
+IntArray = NDArray[np.int64]
+CellNumbers = Mapping[CellType, IntArray]
+
+
+class Division(Protocol):
+    """A way to divide a mesh."""
+
+    def cells(self, mesh: Mesh) -> Sequence[CellNumbers]:
+        """The cells of each part; every cell in just one."""
+        ...
+
+
+@dataclass(frozen=True)
+class AlongAxis:
+    """Parts of equal length along an axis; a cell belongs where its centre is.
+
+    count : number of parts, at least 2
+    axis  : (3,) direction in the mesh axes; the longest principal direction of the nodes if left out
+    """
+
+    count: int
+    axis: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.count, bool) or not isinstance(self.count, int) or self.count < 2:
+            raise MeshError(f"a body is divided into at least 2 parts, not {self.count!r}")
+
+    def cells(self, mesh: Mesh) -> Sequence[CellNumbers]:
+        """The cells of each part, from the lowest to the highest along the axis."""
+        direction = _longest_direction(mesh) if self.axis is None else _unit(self.axis)
+        along = mesh.nodes @ direction
+        inner = np.linspace(along.min(), along.max(), self.count + 1)[1:-1]
+        part = {
+            kind: np.searchsorted(inner, along[members].mean(axis=1)) for kind, members in mesh.cells.items()
+        }
+        found = [{kind: np.flatnonzero(own == i) for kind, own in part.items()} for i in range(self.count)]
+        for i, cells in enumerate(found):
+            if not any(len(numbers) for numbers in cells.values()):
+                raise MeshError(
+                    f"part {i + 1} of {self.count} has no cell: the mesh is too coarse along "
+                    f"({', '.join(f'{x:.3g}' for x in direction)}); ask for fewer parts, or refine it"
+                )
+        return found
+
+
+@dataclass(frozen=True)
+class ByCellSets:
+    """A part for each of some cell sets, which together hold every cell once.
+
+    names : of the cell sets, in the order of the parts
+    """
+
+    names: Sequence[str]
+
+    def __post_init__(self) -> None:
+        if isinstance(self.names, str) or len(self.names) < 2:
+            raise MeshError(f"a body is divided by at least 2 cell sets, not {self.names!r}")
+        object.__setattr__(self, "names", tuple(self.names))
+
+    def cells(self, mesh: Mesh) -> Sequence[CellNumbers]:
+        """The cells of each set."""
+        found = [mesh.cells_of(name) for name in self.names]
+        for kind, members in mesh.cells.items():
+            count = np.zeros(len(members), dtype=int)
+            for own in found:
+                count[own.get(kind, [])] += 1
+            if (count != 1).any():
+                cell = int(np.flatnonzero(count != 1)[0])
+                raise MeshError(
+                    f"{kind.name} cell {cell} (one of {(count != 1).sum()}) is in {count[cell]} of the cell "
+                    f"sets {', '.join(self.names)}; each cell belongs to one part"
+                )
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """Where two parts meet.
+
+    first, second : numbers of the parts, the first lower
+    nodes : int array (k,)      numbers in the whole mesh of the nodes that they share
+    """
+
+    first: int
+    second: int
+    nodes: IntArray
+
+    def __contains__(self, part: int) -> bool:
+        return part in (self.first, self.second)
+
+
+@dataclass(frozen=True, eq=False)
+class DividedMesh:
+    """A mesh in parts.
+
+    parts : of the mesh; a node set belongs to the part that has all of it, or each node of it to the first
+        part that has this node
+    cuts : between them; two parts that meet in several places have several
+    """
+
+    whole: Mesh
+    parts: tuple[MeshPart, ...]
+    cuts: tuple[Cut, ...]
+
+    def holder(self, nodes: IntArray) -> int | None:
+        """The first part that has all of some nodes of the whole mesh; None if they lie in several."""
+        return next((i for i, part in enumerate(self.parts) if np.isin(nodes, part.nodes).all()), None)
+
+    def neighbours_from(self, start: int) -> Iterator[tuple[int, Cut]]:
+        """Every other part, nearest first, with the cut that leads to it on the way from one part."""
+        reached, boundary = {start}, [start]
+        while boundary:
+            ahead = []
+            for cut in (cut for part in boundary for cut in self.cuts if part in cut):
+                for part in {cut.first, cut.second} - reached:
+                    yield part, cut
+                    reached.add(part)
+                    ahead.append(part)
+            boundary = ahead
+
+
+def divided(mesh: Mesh, division: Division) -> DividedMesh:
+    """Divide a mesh into parts that share the nodes of the sections between them.
+
+    Raises
+    ------
+    MeshError   a part without cells, or that does not hang together; what the division finds wrong
+    """
+    cells = division.cells(mesh)
+    members = [np.unique(_nodes(mesh, own)) for own in cells]
+    sets = _shared_out(mesh.node_sets, members)
+    parts = []
+    for i, (own, node_sets) in enumerate(zip(cells, sets, strict=True)):
+        try:
+            parts.append(mesh_part(mesh, own, node_sets))
+        except MeshError as error:
+            raise MeshError(
+                f"part {i + 1} of {len(cells)} cannot be a body of its own: {error}. Divide the mesh by cell "
+                "sets, or along another axis"
+            ) from None
+    cuts = tuple(
+        Cut(first, second, nodes)
+        for first, second in combinations(range(len(cells)), 2)
+        for nodes in _pieces(
+            mesh, (cells[first], cells[second]), np.intersect1d(members[first], members[second])
+        )
+    )
+    return DividedMesh(mesh, tuple(parts), cuts)
+
+
+def _nodes(mesh: Mesh, cells: CellNumbers) -> IntArray:
+    return np.concatenate([mesh.cells[kind][numbers].ravel() for kind, numbers in cells.items()])
+
+
+def _shared_out(
+    node_sets: Mapping[str, IntArray], members: Sequence[IntArray]
+) -> tuple[dict[str, IntArray], ...]:
+    """The node sets of each part, such that each node of a set counts once."""
+    found: tuple[dict[str, IntArray], ...] = tuple({} for _ in members)
+    for name, nodes in node_sets.items():
+        inside = np.array([np.isin(nodes, own) for own in members])
+        whole = np.flatnonzero(inside.all(axis=1))
+        owner = np.full(len(nodes), whole[0]) if len(whole) else inside.argmax(axis=0)
+        for part in np.unique(owner):
+            found[part][name] = nodes[owner == part]
+    return found
+
+
+def _pieces(mesh: Mesh, sides: Sequence[CellNumbers], shared: IntArray) -> Iterator[IntArray]:
+    """Shared nodes, apart where no cell joins them."""
+    if not len(shared):
+        return
+    rows, columns = [], []
+    for side in sides:
+        for kind, numbers in side.items():
+            corners = mesh.cells[kind][numbers]
+            on_cut = np.isin(corners, shared)
+            touching = on_cut.sum(axis=1) > 1
+            corners, on_cut = corners[touching], on_cut[touching]
+            first = np.where(on_cut, corners, -1).max(axis=1, initial=-1)[:, None]
+            rows.append(np.broadcast_to(first, corners.shape)[on_cut])
+            columns.append(corners[on_cut])
+    start, end = (np.searchsorted(shared, np.concatenate(ends)) for ends in (rows, columns))
+    graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(len(shared),) * 2)
+    n_pieces, piece = connected_components(graph, directed=False)
+    for i in range(n_pieces):
+        yield shared[piece == i]
+
+
+def _longest_direction(mesh: Mesh) -> NDArray[np.float64]:
+    centred = mesh.nodes - mesh.nodes.mean(axis=0)
+    direction = np.linalg.svd(centred, full_matrices=False)[2][0]
+    return direction * np.sign(direction[np.argmax(abs(direction))])
+
+
+def _unit(axis: ArrayLike) -> NDArray[np.float64]:
+    given = np.array(axis, dtype=float)
+    length = np.linalg.norm(given)
+    if given.shape != (3,) or not (np.isfinite(length) and length > 0):
+        raise MeshError(f"the axis of a division must be three finite numbers, not all zero; got {axis!r}")
+    return given / length

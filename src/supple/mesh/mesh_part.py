@@ -1,0 +1,75 @@
+"""Part of a mesh: some of its cells as a mesh of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.mesh.cell_type import CellType
+from supple.mesh.mesh import Mesh
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class MeshPart:
+    """Some cells of a mesh, and where they came from.
+
+    mesh  : Mesh                            the part; its nodes and cells stand in the order of the whole
+    nodes : int array (N,)                  of each of its nodes, the number in the whole mesh, ascending
+    cells : {CellType: int array (E,)}      likewise of its cells, within their type
+    """
+
+    mesh: Mesh
+    nodes: IntArray
+    cells: Mapping[CellType, IntArray]
+
+    def numbers(self, nodes: IntArray) -> IntArray:
+        """Numbers in the part of nodes of the whole mesh, all of which it has."""
+        return np.searchsorted(self.nodes, nodes)
+
+
+def mesh_part(
+    mesh: Mesh, cells: Mapping[CellType, IntArray], node_sets: Mapping[str, IntArray] | None = None
+) -> MeshPart:
+    """The part of a mesh that some of its cells make.
+
+    Cell sets keep those of their members that the part has, and are left out where it has none.
+
+    Parameters
+    ----------
+    cells : {CellType: int array (E,)}          numbers of the cells, within their type
+    node_sets : {name: int array}               of nodes of the part, numbered as in the whole mesh
+
+    Raises
+    ------
+    MeshError   cells that do not hang together
+    """
+    kept = {kind: np.sort(numbers) for kind, numbers in cells.items() if len(numbers)}
+    nodes = np.unique(np.concatenate([mesh.cells[kind][numbers].ravel() for kind, numbers in kept.items()]))
+    sets = {name: np.searchsorted(nodes, members) for name, members in (node_sets or {}).items()}
+    part = Mesh(
+        mesh.nodes[nodes],
+        {kind: np.searchsorted(nodes, mesh.cells[kind][numbers]) for kind, numbers in kept.items()},
+        sets,
+        _cell_sets(mesh, kept),
+    )
+    return MeshPart(part, nodes, kept)
+
+
+def _cell_sets(mesh: Mesh, kept: Mapping[CellType, IntArray]) -> dict[str, dict[CellType, IntArray]]:
+    """The cell sets of a mesh, cut down to the cells that are kept and numbered among them."""
+    found = {}
+    for name, members in mesh.cell_sets.items():
+        own = {
+            kind: np.flatnonzero(np.isin(numbers, members[kind]))
+            for kind, numbers in kept.items()
+            if kind in members
+        }
+        present = {kind: numbers for kind, numbers in own.items() if len(numbers)}
+        if present:
+            found[name] = present
+    return found

@@ -1,0 +1,99 @@
+"""Split bodies in case files: the same machine, its parts where the body was."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from supple.body import RayleighDamping
+from supple.cases import read_case, run_case
+from supple.errors import CaseError, ModelError, SuppleWarning
+
+SPLIT = "frame = { kind = "
+
+
+def rewritten(folder, *changes):
+    path = folder / "strip.toml"
+    text = path.read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text)
+    return path
+
+
+def test_a_split_strip_bends_as_the_whole_one(case_folder, tmp_path):
+    """Slow bending under its weight, small enough that one frame is right as well."""
+    short = ("duration = 0.4", "duration = 0.1"), ("-9.81", "-2.0")
+    whole = run_case(read_case(rewritten(case_folder, *short)), tmp_path / "whole")
+    path = rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT))
+    heard = []
+    split = run_case(read_case(path, notify=lambda step, *_: heard.append(step)), tmp_path / "split")
+    assert [placed.body.name for placed in split.system.bodies] == ["strip-1", "strip-2"]
+    assert [joint.name for joint in split.system.joints] == ["clamp", "strip cut-1"]
+    assert list(split.tracked) == ["strip-2.TIP", "strip-1.root"]
+    tip, expected = (
+        run.tracked[name].position for run, name in ((split, "strip-2.TIP"), (whole, "strip.TIP"))
+    )
+    sag = np.ptp(expected[:, 2])
+    assert sag > 1e-3
+    assert abs(tip - expected).max() < 5e-3 * sag
+    assert any("into 2; the ties change its lowest free frequencies by" in line for line in heard)
+
+
+def test_loads_on_nodes_are_shared_out_and_frames_follow_the_cuts(case_folder):
+    load = '[[load]]\nkind = "force"\nat = "strip.ALL"\nvector = [0, 0, 17.0]\n\n[simulation]'
+    mesh = case_folder / "strip.inp"
+    mesh.write_text(mesh.read_text() + "*NSET, NSET=ALL, GENERATE\n1, 27, 1\n")
+    path = rewritten(
+        case_folder,
+        (
+            SPLIT + '"mean-axis" }',
+            'split = { parts = 3 }\nframe = { kind = "nodal-fixed", interface = "root" }',
+        ),
+        ('basis = "rubin", modes = 4', 'basis = "craig-bampton", modes = 2'),
+        ("[simulation]", load),
+    )
+    system = read_case(path).system
+    tables = read_case(path).parts
+    assert [body.frame.interface for body in tables.body] == ["root", "cut-1", "cut-2"]
+    assert sum(np.sum(each.vector) for each in tables.load) == pytest.approx(17.0)
+    nodes = [each.nodes for each in system.loads]
+    assert sum(len(each) for each in nodes) == 27
+
+
+def test_a_ratio_on_modes_is_one_on_those_of_the_whole(case_folder):
+    ratio = '{ kind = "rayleigh-ratio", ratio = 0.02, modes = [1, 2], held = "root" }'
+    path = rewritten(case_folder, ('{ kind = "rayleigh", alpha = 0.0, beta = 0.02 }', ratio))
+    case = read_case(path)
+    body = case.tables.body[0]
+    expected = body.damping.build(case.flexible["strip"], body.frame.build())
+    rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT))
+    with pytest.warns(SuppleWarning, match="is split: the part alpha"):
+        damped = [part.damping.build() for part in read_case(path).parts.body]
+    assert damped == [RayleighDamping(expected.alpha, expected.beta)] * 2
+
+
+@pytest.mark.parametrize(
+    ("split", "message"),
+    [
+        ("{}", r"a split needs parts = 2, or cell_sets = \[\.\.\.\]; this one has neither"),
+        ('{ parts = 2, cell_sets = ["A", "B"] }', r"this one has parts and cell_sets"),
+        ('{ cell_sets = ["A", "B"], axis = [1, 0, 0] }', r"parts made of cell sets have no axis"),
+        ('{ cell_sets = ["A"] }', r"at least two cell sets"),
+        ("{ parts = 1 }", r"greater than or equal to 2|at least 2"),
+    ],
+)
+def test_impossible_splits_are_refused(case_folder, split, message):
+    path = rewritten(case_folder, (SPLIT, f"split = {split}\n" + SPLIT))
+    with pytest.raises(CaseError, match=message):
+        read_case(path)
+
+
+def test_an_interface_across_a_cut_is_refused(case_folder):
+    mesh = case_folder / "strip.inp"
+    mesh.write_text(mesh.read_text() + "*NSET, NSET=EDGE, GENERATE\n4, 25, 3\n")
+    edge = '[[body.interface]]\nname = "edge"\nnodes = "EDGE"\n\n[[joint]]'
+    path = rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT), ("[[joint]]", edge))
+    with pytest.raises(ModelError, match=r"interface 'edge': its nodes lie in several of the 2 parts"):
+        read_case(path).system  # noqa: B018
