@@ -68,7 +68,6 @@ def test_pressure_on_a_flat_face_is_area_times_normal():
     np.testing.assert_allclose(triangle.sum(axis=0), [0, 0, -5.0 * 3], atol=1e-14)
 
 
-@pytest.mark.filterwarnings("ignore::supple.errors.ResolutionWarning")  # few outputs will do
 @pytest.mark.slow
 def test_both_engines_agree_under_pressure(bar):
     """A turning bar pressed on one side: reduced by a rich basis and in full."""

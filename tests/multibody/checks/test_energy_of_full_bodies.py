@@ -194,7 +194,6 @@ def bent(body, modes):
     return modes @ (weights / np.linalg.norm(weights))
 
 
-@pytest.mark.filterwarnings("ignore::supple.errors.ResolutionWarning")  # few outputs will do
 def test_a_free_full_body_keeps_energy_and_momenta_at_order_two(arm, complete):
     bending = bent(arm.body, complete.vectors[:, :6])
     thrown = Placed(

@@ -13,7 +13,7 @@ from supple.algebra import read_only
 from supple.errors import ModelError
 from supple.machine.laws.instants import instants_of, shortest_scale_of
 from supple.machine.laws.law_numbers import are_numbers
-from supple.machine.laws.sampled_law import rate, sampled_values
+from supple.machine.laws.sampled_law import sampled
 from supple.machine.laws.time_law import as_time_law
 
 __all__ = ["Turning"]
@@ -73,6 +73,6 @@ class Turning:
     def shortest_scale(self, begin: float, end: float) -> float:
         """That of the vectors or of the angle, or the time of a turn at the highest speed."""
         times = np.linspace(begin, end, N_SPEEDS)
-        fastest = float(np.max(np.abs(sampled_values(rate(self.angle), times)), initial=0.0))
+        fastest = float(np.max(np.abs(sampled(self.angle, times, order=1)[1]), initial=0.0))
         turn = 2 * np.pi / fastest if fastest > 0 else float("inf")
         return min(turn, *(shortest_scale_of(law, begin, end) for law in (self.vectors, self.angle)))

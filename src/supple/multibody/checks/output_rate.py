@@ -7,7 +7,7 @@ difference over two output steps H, the signal
 
 holds of a vibration of frequency w the part 1 - sin(w H) / (w H): nearly nothing where outputs are
 dense, nearly all of it beyond their limit, w H = pi. Its root mean squares give the frequency,
-|du/dt| / |u|, and the amplitude, |u| / w, of what the outputs do not show.
+|du/dt| / |u|, and the amplitude, |u| / (w - sin(w H) / H), of what the outputs do not show.
 """
 
 from __future__ import annotations
@@ -36,6 +36,8 @@ SHORTEST = 32
 """Output times of a window at least: a vibration that decays is looked for where it is."""
 MOST_COLUMNS = 32
 PER_PERIOD = 10
+FEWEST = 10
+"""Output times: fewer are instants that somebody wants, and no curve."""
 
 
 @dataclass(frozen=True)
@@ -53,9 +55,9 @@ def hidden_vibration(
 ) -> Hidden:
     """What output times (t,), evenly spaced, do not show of a motion (t, m); its window of most."""
     n = len(positions)
-    nothing = Hidden(0.0, 0.0, 0.0)
-    if n < 5:
-        return nothing
+    found = Hidden(0.0, 0.0, 0.0)
+    if n < FEWEST:
+        return found
 
     def missed(values: np.ndarray, rates: np.ndarray) -> np.ndarray:
         return rates[1:-1] - (values[2:] - values[:-2]) / (2 * output_step)
@@ -63,12 +65,16 @@ def hidden_vibration(
     hidden, its_rate = missed(positions, velocities), missed(velocities, accelerations)
     size = _rms(positions - positions.mean(axis=0))
     number = min(WINDOWS, max(1, n // SHORTEST))
-    found = nothing
     for u, du in zip(np.array_split(hidden, number), np.array_split(its_rate, number), strict=True):
-        if _rms(u) > 0 and size > 0:
-            frequency = _rms(du) / _rms(u)
-            amplitude = _rms(u) / frequency if frequency > 0 else 0.0
-            if frequency * output_step > np.pi and amplitude > found.amplitude:
+        # Tapered, for a window holds no whole number of periods.
+        taper = np.sqrt(np.hanning(len(u) + 2)[1:-1, None])
+        own, its_own_rate = _rms(taper * u), _rms(taper * du)
+        if own > 0 and size > 0:
+            frequency = its_own_rate / own
+            if frequency * output_step <= np.pi:
+                continue
+            amplitude = _rms(u) / (frequency * (1 - np.sinc(frequency * output_step / np.pi)))
+            if amplitude > found.amplitude:
                 found = Hidden(frequency, amplitude / size, amplitude)
     return found
 
@@ -82,6 +88,8 @@ def report_output_rate(system: System, run: Run, solution: Solution) -> None:
 
     A warning even when the run is strict: the motion is right, what is drawn of it is not.
     """
+    if len(solution.times) < FEWEST:
+        return
     step = float(run.times[1] - run.times[0])
     length = system_length(system)
     scales = {placed.body.name: _scale(placed.body) for placed in system.bodies}

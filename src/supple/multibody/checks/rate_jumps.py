@@ -12,7 +12,7 @@ from supple.integrate import Run
 from supple.machine import System
 from supple.machine.laws import Constant, TimeLaw
 from supple.machine.laws.instants import KnownLaw, instants_of, shortest_scale_of
-from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, curvature, jumps, rate, sampled_values
+from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, jumps, sampled
 from supple.multibody.checks.strictness import say
 
 __all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
@@ -38,7 +38,7 @@ def rate_jumps(law: TimeLaw, begin: float, end: float) -> tuple[list[RateJump], 
     times = np.linspace(begin, end, N_SAMPLES + 1)
 
     def of_times(at: np.ndarray) -> np.ndarray:
-        return np.hstack([sampled_values(each, at) for each in (law, rate(law), curvature(law))])
+        return np.hstack(sampled(law, at, order=2))
 
     samples = of_times(times)
     _, fastest, hardest = np.abs(samples).max(axis=0)

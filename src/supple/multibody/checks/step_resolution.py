@@ -1,14 +1,13 @@
 """Do fixed steps see the loads and the prescribed motions? What happens within a step is looked at first.
 
 A step knows a load at its two ends. What straight lines from step to step miss of it is found by evaluating
-it within the steps as well, at uneven times, and at the instants of the law, stated or found by sampling. A sine of n steps a
-period is missed by (2 pi / n)^2 / 8 of its amplitude, one of n < 2 by all of it. A load that jumps where a
-step ends is seen as well as a step can. A prescribed motion loads by its acceleration.
+it within the steps as well, at uneven times, and at the instants of the law, stated or found by sampling.
+A sine of n steps a period is missed by (2 pi / n)^2 / 8 of its amplitude, one of n < 2 by all of it. A load
+that jumps where a step ends is seen as well as a step can. A prescribed motion loads by its acceleration.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,10 +17,10 @@ import numpy as np
 
 from supple.errors import ResolutionWarning
 from supple.integrate import FixedStep, Run
-from supple.machine import System
+from supple.machine import System, TimeLaw
 from supple.machine.laws import Constant
 from supple.machine.laws.instants import instants_of, shortest_scale_of
-from supple.machine.laws.sampled_law import MOST_NUMBERS, curvature, rate, sampled_values
+from supple.machine.laws.sampled_law import MOST_NUMBERS, sampled
 from supple.multibody.checks.strictness import say
 
 __all__ = ["Missed", "missed_between_steps", "warn_of_missed_loads"]
@@ -51,13 +50,13 @@ def fixed_step(run: Run) -> float:
 
 
 def missed_between_steps(
-    of_time: Callable[[Any], Any], begin: float, step: float, n_steps: int, instants: np.ndarray
+    law: TimeLaw, begin: float, step: float, n_steps: int, instants: np.ndarray, *, derivative: int = 0
 ) -> Missed:
-    """What `n_steps` equal steps miss of a quantity over time of any shape.
+    """What `n_steps` equal steps miss of a quantity over time of any shape, or of its derivative.
 
     instants : (k,)     times at which it breaks or turns; steps that hold them are looked at first
     """
-    shape = jax.eval_shape(lambda time: jnp.asarray(of_time(time)), jnp.zeros(())).shape
+    shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
     numbers = max(1, int(np.prod(shape)))
     most = max(8, min(MOST_STEPS, MOST_NUMBERS // (numbers * (len(WITHIN) + 2))))
     broken = np.clip(np.floor((instants - begin) / step).astype(int), 0, n_steps - 1)[:most]
@@ -72,7 +71,7 @@ def missed_between_steps(
         inner[len(spread) :, :3] = np.clip(nearby, low + NEAR * step / 2, high - NEAR * step / 2)
     ends = begin + (chosen + 1) * step
     at = np.concatenate([start[:, None], inner, ends[:, None]], axis=1)
-    values = sampled_values(of_time, at.ravel()).reshape(*at.shape, -1)
+    values = sampled(law, at.ravel(), order=derivative)[derivative].reshape(*at.shape, -1)
     size = float(np.abs(values).max())
     first, within, last = values[:, :1], values[:, 1:-1], values[:, -1:]
     where = ((inner - start[:, None]) / step)[..., None]
@@ -104,10 +103,10 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
         return
     step, begin, end = fixed_step(run), float(run.times[0]), float(run.times[-1])
     instants = instants_of(law, begin, end)
-    of_time = curvature(law) if of_motion else law
     if of_motion and _hardly_accelerated(law, begin, end, step):
         return
-    missed = missed_between_steps(of_time, begin, step, round((end - begin) / step), instants)
+    n_steps, derivative = round((end - begin) / step), 2 if of_motion else 0
+    missed = missed_between_steps(law, begin, step, n_steps, instants, derivative=derivative)
     if missed.share > MISSED:
         scale = shortest_scale_of(law, begin, end)
         briefest = f", whose shortest time is {scale:.3g} s" if np.isfinite(scale) else ""
@@ -124,5 +123,5 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
 def _hardly_accelerated(law: Any, begin: float, end: float, step: float) -> bool:
     """Whether a motion changes its speed within a step by rounding errors alone."""
     times = np.linspace(begin, end, 257)
-    fastest, hardest = (np.abs(sampled_values(of(law), times)).max() for of in (rate, curvature))
+    _, fastest, hardest = (np.abs(each).max() for each in sampled(law, times, order=2))
     return bool(hardest * step <= 1e-9 * fastest)
