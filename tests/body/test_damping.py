@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 from scipy import linalg, sparse
 
-from supple.body import ModalDamping, RayleighDamping, rayleigh_at_modes, rayleigh_from_ratios
+from supple.body import (
+    LinearRayleighDamping,
+    ModalDamping,
+    RayleighDamping,
+    rayleigh_at_modes,
+    rayleigh_from_ratios,
+)
 from supple.errors import ModelError
 
 
@@ -46,6 +52,15 @@ def test_rayleigh_keeps_sparse_matrices_sparse(pair):
     np.testing.assert_allclose(C.toarray(), 0.1 * pair[1] + 0.2 * pair[0])
 
 
+def test_linear_rayleigh_damping_is_the_same_at_rest_and_does_not_follow_the_strain_rate(pair):
+    damping = RayleighDamping(0.1, 0.2)
+    linear = damping.linearized()
+    assert linear == LinearRayleighDamping(0.1, 0.2)
+    np.testing.assert_array_equal(linear.matrix(*pair), damping.matrix(*pair))
+    assert (damping.retardation_time, linear.retardation_time) == (0.2, 0.0)
+    assert ModalDamping(0.1).retardation_time == 0.0
+
+
 @pytest.mark.parametrize("ratios", [0.05, [0.01, 0.02, 0.03], np.linspace(0, 0.5, 6)])
 def test_modal_ratios_hold_in_every_mode(pair, ratios):
     omega, C = modal_ratios(ModalDamping(ratios), *pair)
@@ -58,6 +73,7 @@ def test_modal_ratios_hold_in_every_mode(pair, ratios):
     ("make", "message"),
     [
         (lambda: RayleighDamping(-1.0, 0.0), "alpha is -1.0; it must be zero or positive"),
+        (lambda: LinearRayleighDamping(0.0, -2.0), "linear Rayleigh damping: beta is -2.0; it must be zero"),
         (lambda: RayleighDamping(0.0, np.nan), "beta is nan; it must be zero or positive"),
         (lambda: rayleigh_from_ratios(0.02, 3.0, 3.0), "two distinct positive frequencies, not 3.0 and 3.0"),
         (lambda: rayleigh_from_ratios(0.02, 0.0, 3.0), "two distinct positive frequencies, not 0.0 and 3.0"),

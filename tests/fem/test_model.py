@@ -33,7 +33,7 @@ def test_walls_of_cell_sets_add_up(halves, material):
 def test_the_model_says_how_far_it_may_turn(material):
     shell = shell_model(plate(1.0, 1.0, 1, 1), HomogeneousSection(material, 0.01))
     solid = solid_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.TETRA4), material)
-    assert (shell.rotation_limit, solid.rotation_limit) == (0.3, np.inf)
+    assert (shell.rotation_limit, solid.rotation_limit) == (0.5, np.inf)
     assert (shell.n_dofs, solid.n_dofs) == (24, 24)
 
 

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
+    BeamSection,
     HomogeneousSection,
     LaminateSection,
     shell_model,
@@ -19,10 +21,11 @@ from supple.fem.quadratic_strain import (
     pair_forces,
     stiffness,
     strain,
+    strain_rate_force,
     tangent,
     tangent_derivative,
 )
-from supple.mesh import CellType, block, box_beam
+from supple.mesh import CellType, Mesh, block, box_beam
 
 STEP = 1e-30
 
@@ -47,7 +50,14 @@ def solid(cell_type):
     )
 
 
+def beam(material, distorted):
+    nodes = np.linspace(0, 1, 4)[:, None] * [1.0, 0.3, -0.2]
+    mesh = distorted(Mesh(nodes, {CellType.LINE2: [[0, 1], [1, 2], [2, 3]]}), 0.05)
+    return shell_model(mesh, BeamSection(material, 4e-4, 2e-8, 1e-8, 2.5e-8, 0.8, 0.7, (0.2, 1.0, 0.4)))
+
+
 MODELS = {
+    "beam": beam,
     "shell": shell(GREEN_LAGRANGE, False),
     "shell, von Karman": shell(VON_KARMAN, False),
     "shell, coupled laminate": shell(GREEN_LAGRANGE, True),
@@ -95,6 +105,35 @@ def test_tangent_is_the_gradient_of_the_force(elements, random):
     K = tangent(elements, q)
     assert_close((K @ x[..., None])[..., 0], internal_force(elements, q + STEP * 1j * x).imag / STEP)
     assert_close(K, K.swapaxes(1, 2))
+
+
+def test_strain_rate_force_is_the_power_of_the_stress_of_the_strain_rate(elements, random):
+    """x . K_mat y is the work of D eps'(q) y on eps'(q) x, and K_mat the tangent without G^T sigma G."""
+    q, x, y = random(), random(), random()
+    rate_x, rate_y = (strain(elements, q + STEP * 1j * z).imag / STEP for z in (x, y))
+    D = np.broadcast_to(elements.D, (len(q), *elements.D.shape[-2:]))
+    expected = np.einsum("eg,egs,est,egt->e", elements.w, rate_x, D, rate_y)
+    if elements.linear_stiffness is not None:
+        expected += np.einsum("ei,eij,ej->e", x, elements.linear_stiffness, y)
+    force = strain_rate_force(elements, q, y)
+    assert_close((x * force).sum(axis=1), expected)
+    material = tangent(elements, q, material=2.0) - tangent(elements, q)
+    np.testing.assert_allclose(
+        (material @ y[..., None])[..., 0], force, rtol=0, atol=1e-12 * np.abs(force).max()
+    )
+
+
+@pytest.mark.parametrize("cell_type", [CellType.TETRA10, CellType.HEXA8])
+def test_a_turned_solid_that_turns_on_has_no_strain_rate(cell_type, material, distorted):
+    """Turned by 1 rad, turning about another axis; the stiffness at rest resists as if it were stretched."""
+    model = solid(cell_type)(material, distorted)
+    (elements,) = model.blocks
+    R = Rotation.from_rotvec([0.6, -0.64, 0.48]).as_matrix()
+    place = model.mesh.nodes @ R.T
+    q = (place - model.mesh.nodes).ravel()[elements.dofs]
+    rates = np.cross([0.3, 1.0, -0.5], place).ravel()[elements.dofs]
+    at_rest = strain_rate_force(elements, 0 * q, rates)
+    assert np.abs(strain_rate_force(elements, q, rates)).max() < 1e-13 * np.abs(at_rest).max()
 
 
 def test_stiffness_is_the_tangent_of_the_undeformed_element(elements, random):

@@ -70,6 +70,27 @@ def test_force_and_tangent_are_those_of_the_full_body_projected(body_name, reque
         np.testing.assert_allclose(reduced.energy(gamma), body.assembly.energy(q), rtol=1e-12)
 
 
+@pytest.mark.parametrize("body_name", ["strip_body", "solid_body"])
+def test_material_stiffness_is_that_of_the_full_body_projected(body_name, request):
+    """K_mat of the tensors before folding, and of the elements: the tangent without its geometric term."""
+    body = request.getfixturevalue(body_name)
+    rng = np.random.default_rng(3)
+    V = rng.standard_normal((body.n, 5)) * 0.1
+    products = tensors.strain_products(body, V)
+    material = products.material(products.internal_force())
+    j, k = np.triu_indices(5)
+    for gamma in rng.standard_normal((3, 5)):
+        gained = material.cubic @ gamma + material.quartic @ (gamma[j] * gamma[k])
+        K_mat = products.stiffness + unpack_symmetric(gained, 5)
+        assert_close(K_mat, V.T @ np.array([body.assembly.strain_rate_force(V @ gamma, v) for v in V.T]).T)
+        assert np.linalg.eigvalsh(K_mat).min() > 0
+
+
+def test_linear_body_has_no_material_tensors(strip_body):
+    products = tensors.strain_products(strip_body.linearized(), np.eye(strip_body.n)[:, :2])
+    assert products.material(products.internal_force()) is None
+
+
 def test_force_is_the_gradient_of_energy_and_tangent_that_of_force():
     reduced = random_tensors(4)
     gamma = np.random.default_rng(3).standard_normal(4)

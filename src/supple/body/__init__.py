@@ -9,7 +9,14 @@ from supple.body.body_source import (
     nastran_source,
 )
 from supple.body.connection_interfaces import check_rigid_connections, connection_interface, connection_named
-from supple.body.damping import ModalDamping, RayleighDamping, rayleigh_at_modes, rayleigh_from_ratios
+from supple.body.damping import (
+    Damping,
+    LinearRayleighDamping,
+    ModalDamping,
+    RayleighDamping,
+    rayleigh_at_modes,
+    rayleigh_from_ratios,
+)
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
 from supple.body.floating_kinematics import floating_positions, in_space, node_displacements
@@ -43,12 +50,14 @@ __all__ = [
     "BodyForm",
     "BodyInterface",
     "BodySource",
+    "Damping",
     "Finding",
     "FlexibleBody",
     "Frame",
     "FullBody",
     "Interface",
     "LinearForce",
+    "LinearRayleighDamping",
     "MassProperties",
     "MeanAxisFrame",
     "ModalDamping",

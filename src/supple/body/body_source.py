@@ -14,7 +14,7 @@ from supple.body.labelled_superelement import NodalMatrices, labelled_supereleme
 from supple.body.model_check import ModelCheck, check_elements, check_model, check_nodal_matrices
 from supple.body.nastran_body import nastran_model
 from supple.body.superelement import read_superelement
-from supple.fem import GREEN_LAGRANGE, FiniteElementModel, MembraneKinematics
+from supple.fem import GREEN_LAGRANGE, FiniteElementModel, ShellKinematics
 from supple.importers import Connection, read_matrix, read_nastran
 from supple.mesh import Mesh
 
@@ -50,7 +50,7 @@ def elements_source(
     )
 
 
-def nastran_source(path: Path, kinematics: MembraneKinematics = GREEN_LAGRANGE) -> BodySource:
+def nastran_source(path: Path, kinematics: ShellKinematics = GREEN_LAGRANGE) -> BodySource:
     """The elements, materials and walls of a bulk data file; errors as for `read_nastran`."""
     read = read_nastran(path)
     return elements_source(read.mesh, lambda: nastran_model(read, kinematics=kinematics), read.connections)

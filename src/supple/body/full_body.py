@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, vstack
 
 from supple.algebra import lowest_modes
-from supple.body.damping import RayleighDamping
+from supple.body.damping import LinearRayleighDamping, RayleighDamping
 from supple.body.flexible_body import FlexibleBody
 from supple.body.floating_kinematics import floating_positions
 from supple.body.frame import Frame
@@ -26,12 +26,12 @@ class FullBody:
 
     body : FlexibleBody    nonlinear where it has quadratic strains; `body.linearized()` otherwise
     frame : NodalFixedFrame | MeanAxisFrame
-    damping : RayleighDamping | None
+    damping : RayleighDamping | LinearRayleighDamping | None
     """
 
     body: FlexibleBody
     frame: Frame
-    damping: RayleighDamping | None = None
+    damping: RayleighDamping | LinearRayleighDamping | None = None
 
     @property
     def name(self) -> str:

@@ -45,6 +45,10 @@ class LinearForce:
         """Tangent stiffness (n, n): K, whatever q."""
         return self.stiffness
 
+    def strain_rate_force(self, q: Array, rates: Array) -> Array:  # noqa: ARG002
+        """Force K q_dot (n,), whatever q."""
+        return self.stiffness @ rates
+
     def energies(self, Q: Array) -> Array:
         """Strain energies (t,), J, of every column of Q (n, t)."""
         return (Q.T * (self.stiffness @ Q).T).sum(axis=1) / 2
@@ -83,6 +87,10 @@ class QuadraticStrainForce:
     def tangent(self, q: Array) -> sparse.csc_array:
         """Tangent stiffness (n, n), the derivative of the internal force."""
         return self.assembly.tangent(q)
+
+    def strain_rate_force(self, q: Array, rates: Array) -> Array:
+        """Force K_mat(q) q_dot (n,) of stresses C eps_dot."""
+        return self.assembly.strain_rate_force(q, rates)
 
     def energies(self, Q: Array) -> Array:
         """Strain energies (t,), J, of every column of Q (n, t)."""

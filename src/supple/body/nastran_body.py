@@ -14,7 +14,7 @@ from supple.fem import (
     FiniteElementModel,
     HomogeneousSection,
     Isotropic,
-    MembraneKinematics,
+    ShellKinematics,
     shell_model,
     solid_model,
 )
@@ -47,9 +47,7 @@ def read_nastran_body(
     )
 
 
-def nastran_model(
-    model: NastranModel, *, kinematics: MembraneKinematics = GREEN_LAGRANGE
-) -> FiniteElementModel:
+def nastran_model(model: NastranModel, *, kinematics: ShellKinematics = GREEN_LAGRANGE) -> FiniteElementModel:
     """Finite-element model with the materials and sections of a bulk data file.
 
     Raises

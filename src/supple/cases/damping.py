@@ -9,6 +9,7 @@ from pydantic import Field
 from supple.body import (
     FlexibleBody,
     Frame,
+    LinearRayleighDamping,
     ModalDamping,
     NodalFixedFrame,
     RayleighDamping,
@@ -18,28 +19,56 @@ from supple.cases.table import Made
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Raw, table
 
 
-class RayleighRatio(CheckedTable):
-    """Rayleigh damping with the same ratio on two modes of the body in its frame."""
+class _RatioOfTwoModes(CheckedTable):
+    """The same damping ratio on two modes of the body in its frame."""
 
-    kind: Literal["rayleigh-ratio"]
     ratio: NonNegative = Field(description="damping ratio, 0.02 for 2 %")
     modes: Annotated[tuple[int, int], Field(strict=False)] = Field((1, 2), description="mode numbers from 1")
     held: str | None = Field(
         None, description="interface held while these modes vibrate; none: free in the frame"
     )
 
-    def build(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
-        """Damping of a body; the frequencies are those of the whole mesh."""
+    def _fitted(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
         constraint = (NodalFixedFrame(self.held) if self.held else frame).constraint(body)
         return rayleigh_at_modes(body.stiffness, body.mass, constraint, self.ratio, self.modes)
 
 
+class RayleighRatio(_RatioOfTwoModes):
+    """Rayleigh damping by strain rate with the same ratio on two modes of the body in its frame."""
+
+    kind: Literal["rayleigh-ratio"]
+
+    def build(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
+        """Damping of a body; the frequencies are those of the whole mesh."""
+        return self._fitted(body, frame)
+
+
+class LinearRayleighRatio(_RatioOfTwoModes):
+    """The same with the stiffness of the undeformed body, as the literature has it."""
+
+    kind: Literal["linear-rayleigh-ratio"]
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearRayleighDamping:
+        """Damping of a body; the frequencies are those of the whole mesh."""
+        return self._fitted(body, frame).linearized()
+
+
 class Rayleigh(Made):
-    """Rayleigh damping alpha M + beta K."""
+    """Damping alpha M + beta K_mat(q) that follows the strain rate."""
 
     makes = RayleighDamping
 
     kind: Literal["rayleigh"]
+    alpha: NonNegative = Field(description="1/s")
+    beta: NonNegative = Field(description="s")
+
+
+class LinearRayleigh(Made):
+    """Rayleigh damping alpha M + beta K with the stiffness of the undeformed body."""
+
+    makes = LinearRayleighDamping
+
+    kind: Literal["linear-rayleigh"]
     alpha: NonNegative = Field(description="1/s")
     beta: NonNegative = Field(description="s")
 
@@ -53,7 +82,9 @@ class Modal(Made):
     ratio: NonNegative = Field(description="damping ratio, 0.02 for 2 %")
 
 
-Damping = Annotated[RayleighRatio | Rayleigh | Modal, Field(discriminator="kind")]
+Damping = Annotated[
+    RayleighRatio | Rayleigh | LinearRayleighRatio | LinearRayleigh | Modal, Field(discriminator="kind")
+]
 
 
 def _damped_modes_differ(path: KeyPath, body: Raw) -> Mistakes:

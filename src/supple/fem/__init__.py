@@ -2,12 +2,12 @@
 
 from supple.fem.assembly import Assembly, assemble
 from supple.fem.beam_section import BeamSection
-from supple.fem.kinematics import GREEN_LAGRANGE, VON_KARMAN, MembraneKinematics
 from supple.fem.material import Isotropic
 from supple.fem.model import FiniteElementModel, lumped_mass, part_of_model, shell_model, solid_model
 from supple.fem.nodal_rotation import nodal_rotation_operator
 from supple.fem.quadratic_strain import QuadraticStrain
 from supple.fem.section import Section
+from supple.fem.shell_kinematics import GREEN_LAGRANGE, VON_KARMAN, ShellKinematics
 from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
 from supple.fem.stress import (
     StressRecovery,
@@ -26,9 +26,9 @@ __all__ = [
     "HomogeneousSection",
     "Isotropic",
     "LaminateSection",
-    "MembraneKinematics",
     "QuadraticStrain",
     "Section",
+    "ShellKinematics",
     "ShellSection",
     "StressRecovery",
     "assemble",

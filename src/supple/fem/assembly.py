@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any
 
@@ -23,8 +24,8 @@ IntArray = NDArray[np.integer]
 # Any scipy.sparse array: their common base declares no shape.
 SparseArray = Any
 
-# Numbers held at once while many directions are evaluated: 8 MiB, about a processor's cache.
-CHUNK = 2**20
+# Numbers held at once while many elements are evaluated: 2 MiB, within a processor's cache.
+CHUNK = 2**18
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,16 +79,24 @@ class Assembly:
 
     def internal_force(self, q: Array) -> Array:
         """Internal force dU/dq (n,), N and N m."""
-        forces = [quadratic_strain.internal_force(*pair).ravel() for pair in self._elements(q)]
-        return np.sum([gather.T @ f for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
+        forces = self._over_elements(quadratic_strain.internal_force, q)
+        return np.sum([gather.T @ f.ravel() for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
 
-    def tangent(self, q: Array) -> csc_array:
-        """Tangent stiffness (n, n), the derivative of the internal force."""
-        return self._matrix([quadratic_strain.tangent(*pair) for pair in self._elements(q)])
+    def strain_rate_force(self, q: Array, rates: Array) -> Array:
+        """Force K_mat(q) q_dot (n,) of stresses D eps_dot; none in a rigid motion."""
+        forces = self._over_elements(quadratic_strain.strain_rate_force, q, rates)
+        return np.sum([gather.T @ f.ravel() for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
+
+    def tangent(self, q: Array, *, material: float = 1.0) -> csc_array:
+        """Tangent stiffness (n, n), the derivative of the internal force.
+
+        material : a factor of all but the geometric term
+        """
+        return self._matrix(self._over_elements(partial(quadratic_strain.tangent, material=material), q))
 
     def tangent_derivative(self, x: Array) -> csc_array:
         """Derivative of the tangent at q = 0 in the direction x (n,), exact; (n, n)."""
-        return self._matrix([quadratic_strain.tangent_derivative(*pair) for pair in self._elements(x)])
+        return self._matrix(self._over_elements(quadratic_strain.tangent_derivative, x))
 
     def pair_forces(self, X: FloatArray) -> FloatArray:
         """Second derivative of the internal force at q = 0 along all pairs of columns of X (n, m).
@@ -132,12 +141,26 @@ class Assembly:
         data[position] = given.data
         return data
 
-    def _elements(self, q: Array) -> list[tuple[QuadraticStrain, Array]]:
-        """Blocks with their element freedoms (E, n_e)."""
-        return [
-            (block, (gather @ q).reshape(block.dofs.shape))
-            for block, gather in zip(self.model.blocks, self.gathers, strict=True)
-        ]
+    @cached_property
+    def _portions(self) -> tuple[tuple[QuadraticStrain, ...], ...]:
+        """The elements of each block in portions whose matrices stay in a processor's cache."""
+        portions = []
+        for block in self.model.blocks:
+            n_elements, n_points, s, n_e = block.B.shape
+            d = block.G.shape[2]
+            each = (n_points * (s + d) + n_e) * (n_e + d)
+            portions.append(tuple(block.of(elements) for elements in _ranges(n_elements, each)))
+        return tuple(portions)
+
+    def _over_elements(self, evaluate: Callable[..., Array], *vectors: Array) -> list[Array]:
+        """Values (E, ...) of all elements of each block, from their freedoms (E, n_e) in each vector (n,)."""
+        values = []
+        for block, portions, gather in zip(self.model.blocks, self._portions, self.gathers, strict=True):
+            ends = np.cumsum([len(portion.dofs) for portion in portions])
+            own = [np.split((gather @ x).reshape(block.dofs.shape), ends[:-1]) for x in vectors]
+            pieces = zip(portions, ends, *own, strict=True)
+            values.append(_stacked(((evaluate(portion, *x), end) for portion, end, *x in pieces), ends[-1]))
+        return values
 
     def _matrix(self, cell_matrices: list[Array]) -> csc_array:
         data = self.nodal.data(cell_matrices)
@@ -200,6 +223,20 @@ def _congruence(nodal: NodeSparsity, T: SparseArray) -> tuple[csr_array, IntArra
     values = T.data[left] * T.data[right]
     transform = csr_array((values, (target, source)), shape=(len(keys), len(row)))
     return transform, j.astype(np.int32), indptr
+
+
+def _stacked(pieces: Iterable[tuple[Array, int]], n: int) -> Array:
+    """Arrays (e, ...) one after the other in one of n rows, each with the row it ends at.
+
+    A concatenation would hold all of them at once: twice the memory, which costs more than the arithmetic.
+    """
+    stacked = None
+    for piece, end in pieces:
+        if stacked is None:
+            stacked = np.empty((n, *piece.shape[1:]), dtype=piece.dtype)
+        stacked[end - len(piece) : end] = piece
+    assert stacked is not None
+    return stacked
 
 
 def _ranges(n_elements: int, each: int) -> Iterator[slice]:

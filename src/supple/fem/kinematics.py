@@ -1,11 +1,9 @@
-"""Kinematics: which displacement gradients make the strain nonlinear, and how (the constant tensor N).
+"""Green-Lagrange strain as a quadratic form of displacement gradients (the constant tensor N).
 
 eps = B q + 1/2 N(a, a),   a = G q the displacement gradients,   N symmetric in its two arguments
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,32 +32,6 @@ def green_lagrange_form(n_components: int, strains: tuple[tuple[int, int], ...])
     form.setflags(write=False)
     return form
 
-
-@dataclass(frozen=True, eq=False)
-class MembraneKinematics:
-    """Kinematics of a shell's membrane.
-
-    Parameters
-    ----------
-    gradients : tuple of int        which of u,x u,y v,x v,y w,x w,y enter (local axes, z the normal)
-    form : float array (3, d, d)    N over these gradients; strains xx, yy, xy (engineering shear)
-    """
-
-    gradients: tuple[int, ...]
-    form: FloatArray
-
-
-GREEN_LAGRANGE = MembraneKinematics(
-    gradients=(0, 1, 2, 3, 4, 5), form=green_lagrange_form(3, ((0, 0), (1, 1), (0, 1)))
-)
-"""Invariant under rigid rotation: for everything."""
-
-VON_KARMAN = MembraneKinematics(gradients=(4, 5), form=green_lagrange_form(1, ((0, 0), (1, 1), (0, 1))))
-"""Slopes of the normal displacement only: for flat structures bending out of their plane.
-
-A closed section that turns in the plane of one of its walls is far too stiff (the in-plane rotation is
-missed).
-"""
 
 SOLID_FORM = green_lagrange_form(3, ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)))
 """N (6, 9, 9) of a solid: strains xx, yy, zz, yz, xz, xy; gradients u,x u,y u,z v,x ... w,z."""

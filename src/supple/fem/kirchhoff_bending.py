@@ -4,7 +4,9 @@ The slopes beta of the normal (u = z beta_x, v = z beta_y) are quadratic over th
 = -grad w holds at the corners and, along each side, at its middle, where w is cubic on the side and the
 slope normal to the side is the mean of its ends. No deflection is needed inside.
 
-Freedoms in this file: w, rx, ry of each node (right-handed rotations: beta_x = ry, beta_y = -rx).
+Right-handed rotations: beta_x = ry, beta_y = -rx. Along a side of direction s the cubic deflection w makes
+the slope at the middle mean(beta) - 3/2 s m, with the mismatch m = dw/l + s.mean(beta) of Kirchhoff's
+condition.
 
 Source: J.-L. Batoz, K.-J. Bathe, L.-W. Ho, "A study of three-node triangular plate bending elements",
 Int. J. Numer. Methods Eng. 15 (1980) 1771-1812.
@@ -33,13 +35,21 @@ def curvature(xy: FloatArray, points: FloatArray) -> FloatArray:
     points : float array (p, 3)     area coordinates
     Returns
     -------
-    float array (E, p, 3, 9)        curvature xx, yy, xy (twice the twist) from w rx ry, node by node
+    float array (E, p, 3, 12)       curvature xx, yy, xy (twice the twist) from rx ry of the three corners,
+                                    then from a plane vector for each side (12, 23, 31), whose part along
+                                    the side is its mismatch
     """
     gradients = _quadratic_gradients(xy, points)
     slopes = _slopes(xy)
     by_x = np.einsum("epm,emcn->epcn", gradients[..., 0], slopes)
     by_y = np.einsum("epm,emcn->epcn", gradients[..., 1], slopes)
     return np.stack([by_x[:, :, 0], by_y[:, :, 1], by_y[:, :, 0] + by_x[:, :, 1]], axis=2)
+
+
+def side_directions(xy: FloatArray) -> FloatArray:
+    """Unit vectors (E, 3, 2) along the sides 12, 23, 31."""
+    side = xy[:, NEXT] - xy
+    return side / np.linalg.norm(side, axis=2)[..., None]
 
 
 def _quadratic_gradients(xy: FloatArray, points: FloatArray) -> FloatArray:
@@ -52,20 +62,14 @@ def _quadratic_gradients(xy: FloatArray, points: FloatArray) -> FloatArray:
 
 
 def _slopes(xy: FloatArray) -> FloatArray:
-    """Slopes beta at the six points of the quadratic interpolation from the nine freedoms, (E, 6, 2, 9)."""
-    corner = np.zeros((3, 2, 3, 3))
-    corner[[0, 1, 2], 0, [0, 1, 2], 2] = 1
-    corner[[0, 1, 2], 1, [0, 1, 2], 1] = -1
-    deflection = np.zeros((3, 3, 3))
-    deflection[[0, 1, 2], [0, 1, 2], 0] = 1
-    corner, deflection = corner.reshape(3, 2, 9), deflection.reshape(3, 9)
-
-    side = xy[:, NEXT] - xy
-    length = np.linalg.norm(side, axis=2)
-    s = side / length[..., None]
-    mean = 0.5 * (corner + corner[NEXT])
-    # Cubic w on the side, of slope -beta_s at its ends: beta_s = -3/2 dw/l - 1/2 mean(beta_s) at the middle.
-    drop = (deflection - deflection[NEXT]) / length[..., None]
-    correction = 1.5 * (drop - np.einsum("ema,man->emn", s, mean))
-    midside = mean + s[..., None] * correction[:, :, None]
-    return np.concatenate([np.broadcast_to(corner, (len(xy), 3, 2, 9)), midside], axis=1)
+    """Slopes beta (E, 6, 2, 12) at the six points of the quadratic interpolation; columns of `curvature`."""
+    slopes = np.zeros((len(xy), 6, 2, 12))
+    corner = np.arange(3)
+    slopes[:, corner, 0, 2 * corner + 1] = 1
+    slopes[:, corner, 1, 2 * corner] = -1
+    slopes[:, 3:] = 0.5 * (slopes[:, :3] + slopes[:, NEXT])
+    s = side_directions(xy)
+    along = -1.5 * s[..., :, None] * s[..., None, :]
+    for side in range(3):
+        slopes[:, 3 + side, :, 6 + 2 * side : 8 + 2 * side] = along[:, side]
+    return slopes

@@ -15,14 +15,14 @@ from supple.fem.beam2 import beam_mass, beam_strain
 from supple.fem.beam_section import BeamSection
 from supple.fem.hexa8 import HEXA8_ELEMENT
 from supple.fem.hexa20 import HEXA20_ELEMENT
-from supple.fem.kinematics import GREEN_LAGRANGE, MembraneKinematics
 from supple.fem.mass import CellMass, mass_matrix, shell_mass
 from supple.fem.material import Isotropic
 from supple.fem.node_sparsity import node_sparsity
 from supple.fem.quadratic_strain import QuadraticStrain, stiffness
 from supple.fem.section import Section, sections
+from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
-from supple.fem.shell_triangle import ROTATION_LIMIT, shell_triangle
+from supple.fem.shell_triangle import shell_triangle
 from supple.fem.solid_element import solid_mass, solid_strain
 from supple.fem.tetra4 import TETRA4_ELEMENT
 from supple.fem.tetra10 import TETRA10_ELEMENT
@@ -46,7 +46,7 @@ class FiniteElementModel:
     mass : csc_array (n, n)                 consistent mass, kg and kg m^2
     stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
     rotation_limit : float                  largest rotation, rad, against the frame; infinite for solids
-    kinematics : MembraneKinematics         of shells; solids and beams have one kind only
+    kinematics : ShellKinematics            of shells; solids and beams have one kind only
     """
 
     mesh: Mesh
@@ -56,7 +56,7 @@ class FiniteElementModel:
     mass: csc_array
     stiffness: csc_array
     rotation_limit: float
-    kinematics: MembraneKinematics = GREEN_LAGRANGE
+    kinematics: ShellKinematics = GREEN_LAGRANGE
 
     @property
     def n_dofs(self) -> int:
@@ -68,7 +68,7 @@ def shell_model(
     mesh: Mesh,
     section: ShellSection | BeamSection | Mapping[str, ShellSection | BeamSection],
     *,
-    kinematics: MembraneKinematics = GREEN_LAGRANGE,
+    kinematics: ShellKinematics = GREEN_LAGRANGE,
 ) -> FiniteElementModel:
     """Model of a mesh of triangles as a flat-faceted shell, and of its lines as beams.
 
@@ -76,7 +76,7 @@ def shell_model(
     ----------
     mesh : Mesh                         of TRIANGLE3 and LINE2 cells
     section : ShellSection (triangles) or BeamSection (lines), or {cell set: either}, every cell in one set
-    kinematics : MembraneKinematics     GREEN_LAGRANGE, or VON_KARMAN for flat structures
+    kinematics : ShellKinematics     GREEN_LAGRANGE, or VON_KARMAN for flat structures
 
     Raises
     ------
@@ -129,11 +129,9 @@ def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
     return mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
 
 
-def _shell_model(
-    mesh: Mesh, given: tuple[Section, ...], kinematics: MembraneKinematics
-) -> FiniteElementModel:
+def _shell_model(mesh: Mesh, given: tuple[Section, ...], kinematics: ShellKinematics) -> FiniteElementModel:
     blocks = tuple(_shell_block(mesh, part, kinematics) for part in given)
-    return replace(_model(mesh, 6, given, blocks, ROTATION_LIMIT), kinematics=kinematics)
+    return replace(_model(mesh, 6, given, blocks, kinematics.rotation_limit), kinematics=kinematics)
 
 
 def _solid_model(mesh: Mesh, given: tuple[Section, ...]) -> FiniteElementModel:
@@ -141,12 +139,12 @@ def _solid_model(mesh: Mesh, given: tuple[Section, ...]) -> FiniteElementModel:
     return _model(mesh, 3, given, blocks, float("inf"))
 
 
-def _shell_block(mesh: Mesh, section: Section, kinematics: MembraneKinematics) -> QuadraticStrain:
+def _shell_block(mesh: Mesh, section: Section, kinematics: ShellKinematics) -> QuadraticStrain:
     given = section.property
     if section.cell_type is CellType.LINE2:
         if not isinstance(given, BeamSection):
             raise ModelError(f"lines need a BeamSection, not {type(given).__name__}; give their cell set one")
-        return beam_strain(section.corners(mesh), _dofs(section.nodes(mesh), 6), given)
+        return beam_strain(section.corners(mesh), _dofs(section.nodes(mesh), 6), given, kinematics)
     if section.cell_type is not CellType.TRIANGLE3:
         raise ModelError(
             f"a shell model takes TRIANGLE3 cells; the mesh has {section.cell_type.name}. "

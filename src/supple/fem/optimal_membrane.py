@@ -4,7 +4,8 @@ The stiffness is basic + higher order: the basic part takes the constant strain 
 alone passes the patch test), the higher-order part resists the deviation of the drilling rotations from the
 mean rotation. Pure bending in the plane is exact for a rectangle of two triangles of any aspect ratio.
 
-Freedoms in this file: ux, uy, rz of each node, in the plane of the element.
+The drilling rotations of this file are deviations d_i = rz_i - (v,x - u,y)/2 from the mean rotation of the
+linear displacement, in the plane of the element.
 
 Source: C. A. Felippa, "A study of optimal membrane triangles with drilling freedoms", Comput. Methods Appl.
 Mech. Engrg. 192 (2003) 2125-2168, sections 3-5, with the OPT parameters.
@@ -39,30 +40,28 @@ def linear_gradients(xy: FloatArray) -> FloatArray:
     return np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1) / (2 * triangle_area(xy))[:, None, None]
 
 
-def membrane_strain(xy: FloatArray) -> FloatArray:
-    """Constant strain of the basic stiffness, the transposed lumping matrix over the volume: L^T / (A t).
+def drilling_strain(xy: FloatArray) -> FloatArray:
+    """Constant strain that drilling rotations d_i add to that of the corners' motion.
+
+    With the strain of the linear displacement it is the strain of the basic stiffness, the transposed lumping
+    matrix over the volume, L^T / (A t).
 
     Parameters
     ----------
     xy : float array (E, 3, 2)      corners, counter-clockwise
     Returns
     -------
-    float array (E, 3, 9)           strains xx, yy, xy (engineering shear)
+    float array (E, 3, 3)           strains xx, yy, xy (engineering shear) of d_1 d_2 d_3
     """
     to_next, to_last = xy - xy[:, NEXT], xy[:, LAST] - xy
     (x_ai, y_ai), (x_ja, y_ja) = np.moveaxis(to_next, 2, 0), np.moveaxis(to_last, 2, 0)
     x_ji, y_ij = x_ja + x_ai, -(y_ja + y_ai)
-    B = np.zeros((len(xy), 3, 3, 3))
-    B[:, 0, :, 0] = B[:, 2, :, 1] = y_ij
-    B[:, 1, :, 1] = B[:, 2, :, 0] = x_ji
-    B[:, 0, :, 2] = ALPHA / 6 * y_ij * (y_ai - y_ja)
-    B[:, 1, :, 2] = ALPHA / 6 * x_ji * (x_ja - x_ai)
-    B[:, 2, :, 2] = ALPHA / 3 * (x_ai * y_ai - x_ja * y_ja)
-    return B.reshape(-1, 3, 9) / (2 * triangle_area(xy))[:, None, None]
+    strain = [y_ij * (y_ai - y_ja), x_ji * (x_ja - x_ai), 2 * (x_ai * y_ai - x_ja * y_ja)]
+    return ALPHA / 12 * np.stack(strain, axis=1) / triangle_area(xy)[:, None, None]
 
 
-def higher_order_stiffness(xy: FloatArray, membrane: FloatArray) -> FloatArray:
-    """Stiffness (E, 9, 9) against drilling rotations that deviate from the mean rotation of the element.
+def drilling_stiffness(xy: FloatArray, membrane: FloatArray) -> FloatArray:
+    """Higher-order stiffness (E, 3, 3) against drilling rotations d_i that deviate from the mean rotation.
 
         K_h = 3/4 beta_0 A sum_m H_m^T E H_m,   H_m the strain at the mid-sides from the deviations
 
@@ -81,8 +80,7 @@ def higher_order_stiffness(xy: FloatArray, membrane: FloatArray) -> FloatArray:
     to_cartesian = np.linalg.inv(natural)
     corner = np.stack([np.roll(CORNER_BETA, (a, a), axis=(0, 1)) for a in range(3)])
     midside = 0.5 * (corner + corner[NEXT])
-    strain = 2 / 3 * (area[:, None] / squared_length)[:, None, :, None] * midside
-    H = to_cartesian[:, None] @ strain @ _rotation_deviation(xy)[:, None]
+    H = to_cartesian[:, None] @ (2 / 3 * (area[:, None] / squared_length)[:, None, :, None] * midside)
     E = membrane if membrane.ndim == 3 else membrane[None]
     weight = 0.75 * area * higher_order_weight(E)
     return weight[:, None, None] * (H.swapaxes(2, 3) @ (E[:, None] @ H)).sum(axis=1)
@@ -110,13 +108,3 @@ def higher_order_weight(E: FloatArray) -> FloatArray:
         + 4 * E33**2 * (5 * E11 - 6 * E12 + 5 * E22)
     )
     return np.maximum(256 * np.linalg.det(E) / W - 1.5, 0.01)
-
-
-def _rotation_deviation(xy: FloatArray) -> FloatArray:
-    """Corner rotations less the mean rotation of the linear displacement, (v,x - u,y)/2: (E, 3, 9)."""
-    deviation = np.zeros((len(xy), 3, 3, 3))
-    gradients = linear_gradients(xy)
-    deviation[:, :, :, 0] = 0.5 * gradients[:, None, :, 1]
-    deviation[:, :, :, 1] = -0.5 * gradients[:, None, :, 0]
-    deviation[:, [0, 1, 2], [0, 1, 2], 2] = 1
-    return deviation.reshape(-1, 3, 9)

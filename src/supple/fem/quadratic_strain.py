@@ -95,24 +95,42 @@ def internal_force(block: QuadraticStrain, q: Array) -> Array:
     """Internal force dU/dq (E, n): sum_g w [B + N(Gq)G]^T D eps."""
     a = _apply(block.G, q)
     Na = _contract(block.N, a)
-    stress = _apply(block.weighted_D, _apply(block.B, q) + 0.5 * _apply(Na, a))
+    D = block.D if block.D.ndim == 2 else block.D[:, None]
+    stress = block.w[..., None] * _apply(D, _apply(block.B, q) + 0.5 * _apply(Na, a))
     f = _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
     if block.linear_stiffness is not None:
         f = f + _times(block.linear_stiffness, q)
     return f
 
 
-def tangent(block: QuadraticStrain, q: Array) -> Array:
-    """Tangent stiffness dF/dq (E, n, n): sum_g w { A^T D A + G^T N^T(sigma) G }, A = B + N(Gq)G."""
+def strain_rate_force(block: QuadraticStrain, q: Array, rates: Array) -> Array:
+    """Force (E, n) of stresses D eps_dot: K_mat(q) q_dot = sum_g w A^T D A q_dot + K_l q_dot, A = B + N(Gq)G.
+
+    Kelvin and Voigt's damping is this times a time. A rigid motion has no strain rate, hence no force.
+    """
+    Na = _contract(block.N, _apply(block.G, q))
+    strain_rate = _apply(block.B, rates) + _apply(Na, _apply(block.G, rates))
+    stress = _apply(block.weighted_D, strain_rate)
+    f = _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
+    if block.linear_stiffness is not None:
+        f = f + _times(block.linear_stiffness, rates)
+    return f
+
+
+def tangent(block: QuadraticStrain, q: Array, *, material: float = 1.0) -> Array:
+    """Tangent stiffness dF/dq (E, n, n): sum_g w { A^T D A + G^T N^T(sigma) G } + K_l, A = B + N(Gq)G.
+
+    material : a factor of all but the geometric term, as damping by strain rate adds to the rest
+    """
     a = _apply(block.G, q)
     Na = _contract(block.N, a)
     weighted_D = block.weighted_D
     A = block.B + Na @ block.G
     stress = _apply(weighted_D, _apply(block.B, q) + 0.5 * _apply(Na, a))
-    K = _congruence(A, weighted_D @ A) + _congruence(block.G, _stress_form(block.N, stress) @ block.G)
+    K = _congruence(A, weighted_D @ A)
     if block.linear_stiffness is not None:
         K = K + block.linear_stiffness
-    return K
+    return material * K + _congruence(block.G, _stress_form(block.N, stress) @ block.G)
 
 
 def stiffness(block: QuadraticStrain) -> FloatArray:

@@ -1,12 +1,13 @@
-"""Flat shell triangle: optimal membrane + discrete Kirchhoff bending, nonlinear through the membrane strain.
+"""Flat shell triangle: optimal membrane + discrete Kirchhoff bending, quadratic in its nodal rotations.
 
-Six freedoms a node, ux uy uz rx ry rz in global axes. In the axes of the element (z the normal):
+Six freedoms a node, ux uy uz rx ry rz in global axes; the rotations are true rotation vectors. The element
+has one point with 18 strains (supple.fem.shell_kinematics), from which the resultants follow linearly: with
+the strain eps_m of the middle surface and the curvature kappa, linear over the triangle,
 
-    eps_m = B_m q + 1/2 N(Gq, Gq)      one point; Gq the constant gradients of the linear displacement
-    kappa = B_k q                      linear; integrated at the mid-sides
+    U = A (1/2 eps_m^T A_s eps_m + eps_m^T B_s mean(kappa) + 1/2 mean(kappa^T D_s kappa)) + 1/2 d^T K_h d
 
-The gradients are constant, so the membrane does not lock and the foreshortening converges at second order.
-Only the rotations enter the curvature, linearly: a shell may turn by about 0.3 rad against the body's frame.
+with the section's stiffness A_s, B_s, D_s, the area A, and the drilling d. The displacement gradients are
+constant, so the membrane does not lock and the foreshortening converges at second order.
 """
 
 from __future__ import annotations
@@ -15,42 +16,50 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
-from supple.fem.kinematics import MembraneKinematics
-from supple.fem.kirchhoff_bending import CENTRE, MIDSIDES, curvature
+from supple.fem.kirchhoff_bending import CENTRE, MIDSIDES, curvature, side_directions
 from supple.fem.optimal_membrane import (
-    higher_order_stiffness,
+    drilling_stiffness,
+    drilling_strain,
     linear_gradients,
-    membrane_strain,
     triangle_area,
 )
 from supple.fem.quadratic_strain import QuadraticStrain
-from supple.fem.shell_section import HomogeneousSection, ShellSection
+from supple.fem.shell_kinematics import (
+    BENDING,
+    CORNER_ROTATION,
+    DRILLING,
+    MEMBRANE,
+    N_GRADIENTS,
+    N_STRAINS,
+    ROTATION,
+    SIDE_MISMATCH,
+    SIDES,
+    UX,
+    UY,
+    VX,
+    VY,
+    WX,
+    WY,
+    ShellKinematics,
+    V,
+    Y,
+)
+from supple.fem.shell_section import ShellSection
 
 FloatArray = NDArray[np.float64]
 
-ROTATION_LIMIT = 0.3
-"""Largest rotation, rad, that the linear curvature describes: its error is rotation^3/6 an element length."""
-
-# Positions of the in-plane and the bending freedoms among the 18 local ones.
-IN_PLANE = np.array([[0, 1, 5]]) + 6 * np.arange(3)[:, None]
-BENDING = np.array([[2, 3, 4]]) + 6 * np.arange(3)[:, None]
-
 
 def shell_triangle(
-    corners: FloatArray, dofs: NDArray[np.int64], section: ShellSection, kinematics: MembraneKinematics
+    corners: FloatArray, dofs: NDArray[np.int64], section: ShellSection, kinematics: ShellKinematics
 ) -> QuadraticStrain:
     """Quadratic-strain arrays of shell triangles with one section.
-
-    A section that couples stretching and bending (B nonzero) puts the mean curvature beside the membrane
-    strain in the nonlinear point, s = 6; what varies over the triangle, and the drilling, stay in the
-    linear stiffness.
 
     Parameters
     ----------
     corners : float array (E, 3, 3)     positions, m
     dofs : int array (E, 18)            nodal freedoms
     section : HomogeneousSection or LaminateSection
-    kinematics : MembraneKinematics
+    kinematics : ShellKinematics
 
     Raises
     ------
@@ -58,62 +67,91 @@ def shell_triangle(
     """
     axes = element_axes(corners, section)
     xy = plane_coordinates(corners, axes)
-    area = triangle_area(xy)
-    B = _in_plane(membrane_strain(xy))
-    D = section.membrane
-    form = kinematics.form
-    bending = _bending(curvature(xy, MIDSIDES))
-    if section.coupling.any():
-        mean = bending.mean(axis=1)
-        bending = bending - mean[:, None]
-        B = np.concatenate([B, mean], axis=1)
-        D = np.block([[section.membrane, section.coupling], [section.coupling, section.bending]])
-        form = np.concatenate([form, np.zeros_like(form)])
-
-    points = bending.reshape(len(xy), -1, 18)
-    moments = (section.bending @ bending).reshape(points.shape)
-    linear_stiffness = (area / 3)[:, None, None] * (points.swapaxes(1, 2) @ moments)
-    drilling = IN_PLANE.ravel()
-    linear_stiffness[:, drilling[:, None], drilling] += higher_order_stiffness(xy, section.membrane)
-    half = _to_global(linear_stiffness, axes).swapaxes(1, 2)
+    gradients = _gradients(xy)
     return QuadraticStrain(
         dofs=dofs,
-        B=_to_global(B, axes)[:, None],
-        G=_to_global(_displacement_gradients(xy)[:, kinematics.gradients], axes)[:, None],
-        N=form,
-        D=D,
-        w=area[:, None],
-        linear_stiffness=_to_global(np.ascontiguousarray(half), axes),
+        B=_to_global(_linear_strain(gradients), axes)[:, None],
+        G=_to_global(gradients[:, kinematics.gradients], axes)[:, None],
+        N=kinematics.form,
+        D=_stiffness_per_area(xy, section),
+        w=triangle_area(xy)[:, None],
     )
 
 
-def layer_strain(
-    corners: FloatArray, block: QuadraticStrain, section: HomogeneousSection, heights: tuple[float, ...]
-) -> QuadraticStrain:
-    """Strain arrays at the centroid of shell triangles, at heights z = h t/2: B_m + z B_k, plane stress.
+def resultant_strains(xy: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Strain of the middle surface (E, 3, 18) and curvature (E, p, 3, 18) from the strains of the element.
+
+    Parameters
+    ----------
+    xy : float array (E, 3, 2)      corners in the plane of the element
+    points : float array (p, 3)     area coordinates of the curvature; the membrane strain is constant
+    """
+    membrane = np.zeros((len(xy), 3, N_STRAINS))
+    membrane[:, :, MEMBRANE] = np.eye(3)
+    membrane[:, :, DRILLING] = drilling_strain(xy)
+    bending = np.zeros((len(xy), len(points), 3, N_STRAINS))
+    bending[..., BENDING] = curvature(xy, points)
+    return membrane, bending
+
+
+def layer_strain(corners: FloatArray, section: ShellSection, heights: ArrayLike) -> FloatArray:
+    """Plane strain eps_m + z kappa at the centroid of shell triangles from their strains, (E, l, 3, 18).
 
     Parameters
     ----------
     corners : float array (E, 3, 3)
-    block : QuadraticStrain         of the same triangles, for the gradients and kinematics
-    heights : tuple of float        h in [-1, 1]: -1 bottom, 0 middle, 1 top
-    Returns
-    -------
-    QuadraticStrain   one point for each height; weights zero, as it carries no energy of its own
+    heights : float array (l,)      z along the normal from the middle surface, m
     """
-    axes = element_axes(corners, section)
-    xy = plane_coordinates(corners, axes)
-    membrane, bending = _in_plane(membrane_strain(xy)), _bending(curvature(xy, CENTRE))[:, 0]
-    z = 0.5 * section.thickness * np.array(heights)
-    B = [_to_global(membrane + height * bending, axes) for height in z]
-    return QuadraticStrain(
-        dofs=block.dofs,
-        B=np.stack(B, axis=1),
-        G=np.repeat(block.G, len(z), axis=1),
-        N=block.N[:3],
-        D=section.material.plane_stress,
-        w=np.zeros((len(xy), len(z))),
-    )
+    xy = plane_coordinates(corners, element_axes(corners, section))
+    membrane, bending = resultant_strains(xy, CENTRE)
+    return membrane[:, None] + np.asarray(heights)[:, None, None] * bending
+
+
+def _stiffness_per_area(xy: FloatArray, section: ShellSection) -> FloatArray:
+    """The constitutive matrix (E, 18, 18) of the strains of the element."""
+    membrane, bending = resultant_strains(xy, MIDSIDES)
+    mean = bending.mean(axis=1)
+    D = membrane.swapaxes(1, 2) @ (section.membrane @ membrane)
+    points = bending.reshape(len(xy), -1, N_STRAINS)
+    D += points.swapaxes(1, 2) @ (section.bending @ bending).reshape(points.shape) / len(MIDSIDES)
+    if section.coupling.any():
+        coupled = membrane.swapaxes(1, 2) @ (section.coupling @ mean)
+        D += coupled + coupled.swapaxes(1, 2)
+    D[:, DRILLING, DRILLING] += drilling_stiffness(xy, section.membrane) / triangle_area(xy)[:, None, None]
+    return D
+
+
+def _gradients(xy: FloatArray) -> FloatArray:
+    """The gradients of supple.fem.shell_kinematics from the 18 local freedoms, (E, 19, 18)."""
+    G = np.zeros((len(xy), N_GRADIENTS, 3, 6))
+    shape = linear_gradients(xy).swapaxes(1, 2)
+    for component in range(3):
+        G[:, 2 * component : 2 * component + 2, :, component] = shape
+    for corner in range(3):
+        for component in range(3):
+            G[:, ROTATION[corner, component], corner, 3 + component] = 1
+    G = G.reshape(-1, N_GRADIENTS, 18)
+    # Vectors that fit those of the sides: sum_k (s s^T)^-1 s_k s_k . (t_k, b_k).
+    s = side_directions(xy)
+    fit = np.linalg.inv(s.swapaxes(1, 2) @ s)[:, None] @ (s[..., :, None] * s[..., None, :])
+    for side, ends in enumerate(SIDES):
+        t = G[:, ROTATION[ends, :2]].mean(axis=1)
+        G[:, Y] += fit[:, side] @ t
+        G[:, V] += fit[:, side] @ np.stack([t[:, 1], -t[:, 0]], axis=1)
+    G[:, V] += G[:, (WX, WY)]
+    return G
+
+
+def _linear_strain(G: FloatArray) -> FloatArray:
+    """The linear parts of the strains (E, 18, 18) from the gradients."""
+    B = np.zeros((len(G), N_STRAINS, 18))
+    B[:, MEMBRANE] = np.stack([G[:, UX], G[:, VY], G[:, UY] + G[:, VX]], axis=1)
+    B[:, DRILLING] = G[:, ROTATION[:, 2]] - 0.5 * (G[:, VX] - G[:, UY])[:, None]
+    B[:, CORNER_ROTATION] = G[:, ROTATION[:, :2]]
+    for side, ends in enumerate(SIDES):
+        t = G[:, ROTATION[ends, :2]].mean(axis=1)
+        B[:, SIDE_MISMATCH[side]] = G[:, (WX, WY)] + np.stack([t[:, 1], -t[:, 0]], axis=1)
+    return B
 
 
 def element_axes(corners: FloatArray, section: ShellSection) -> FloatArray:
@@ -147,28 +185,6 @@ def plane_coordinates(corners: FloatArray, axes: FloatArray) -> FloatArray:
     """Corners (E, 3, 2) in the axes of each element, from its centroid."""
     centred = corners - corners.mean(axis=1, keepdims=True)
     return centred @ axes[:, :2].swapaxes(1, 2)
-
-
-def _displacement_gradients(xy: FloatArray) -> FloatArray:
-    """u,x u,y v,x v,y w,x w,y from the 18 local freedoms, (E, 6, 18)."""
-    operator = np.zeros((len(xy), 3, 2, 3, 6))
-    for component in range(3):
-        operator[:, component, :, :, component] = linear_gradients(xy).swapaxes(1, 2)
-    return operator.reshape(-1, 6, 18)
-
-
-def _in_plane(operator: FloatArray) -> FloatArray:
-    """Columns ux uy rz (..., 9) spread over the 18 local freedoms."""
-    spread = np.zeros((*operator.shape[:-1], 18))
-    spread[..., IN_PLANE.ravel()] = operator
-    return spread
-
-
-def _bending(operator: FloatArray) -> FloatArray:
-    """Columns w rx ry (..., 9) spread over the 18 local freedoms."""
-    spread = np.zeros((*operator.shape[:-1], 18))
-    spread[..., BENDING.ravel()] = operator
-    return spread
 
 
 def _to_global(operator: FloatArray, axes: FloatArray) -> FloatArray:

@@ -38,20 +38,22 @@ class SectionStress:
     Parameters
     ----------
     nodes : int array (E, k)
-    arrays : QuadraticStrain                    strain at the g points, and D
-    to_global : float array (E, 6, s)           global components from those of the element
-    to_nodes : float array (k, l, g)            from the points to l layers at each node of the cell
+    arrays : QuadraticStrain                    strain at g points
+    of_strain : float array (E, l', 6, s)       tensors at l' heights of a point (1 in solids) from its strain
+    to_nodes : float array (k, l, g l')         from these tensors to l layers at each node of the cell
     """
 
     nodes: NDArray[np.int64]
     arrays: QuadraticStrain
-    to_global: FloatArray
+    of_strain: FloatArray
     to_nodes: FloatArray
 
     def at_points(self, displacement: FloatArray) -> FloatArray:
-        """Stress (E, g, 6)."""
-        stress = strain(self.arrays, displacement[self.arrays.dofs]) @ self.arrays.D
-        return stress @ self.to_global.swapaxes(1, 2)
+        """Stress (E, g l', 6)."""
+        n_cells, _, _, s = self.of_strain.shape
+        of_strain = self.of_strain.reshape(n_cells, -1, s)
+        stress = strain(self.arrays, displacement[self.arrays.dofs]) @ of_strain.swapaxes(1, 2)
+        return stress.reshape(n_cells, -1, 6)
 
     def linearized(self) -> SectionStress:
         """The same without the quadratic strain."""
@@ -139,7 +141,7 @@ def strain_recovery(model: FiniteElementModel) -> StressRecovery:
     recovery = stress_recovery(model)
     pairs = zip(model.sections, recovery.sections, strict=True)
     compliant = (
-        replace(stress, to_global=np.linalg.inv(_material(section).elasticity) @ stress.to_global)
+        replace(stress, of_strain=np.linalg.inv(_material(section).elasticity) @ stress.of_strain)
         for section, stress in pairs
     )
     return replace(recovery, sections=tuple(compliant))
@@ -174,7 +176,7 @@ def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain
     nodes, corners = section.nodes(model.mesh), section.corners(model.mesh)
     if section.cell_type in SOLID_ELEMENTS:
         to_nodes = extrapolation(SOLID_ELEMENTS[section.cell_type])[:, None]
-        return SectionStress(nodes, block, np.broadcast_to(np.eye(6), (len(nodes), 6, 6)), to_nodes)
+        return SectionStress(nodes, block, np.broadcast_to(block.D, (len(nodes), 1, 6, 6)), to_nodes)
     given = section.property
     if isinstance(given, BeamSection):
         raise ModelError("no stress recovery for beams: their sections do not say where the stress acts")
@@ -183,8 +185,9 @@ def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain
             "stress needs a HomogeneousSection; an A-B-D matrix does not say the stress of each ply"
         )
     to_nodes = np.broadcast_to(np.eye(len(LAYERS)), (3, len(LAYERS), len(LAYERS)))
-    arrays = layer_strain(corners, block, given, LAYERS)
-    return SectionStress(nodes, arrays, _plane_to_global(element_axes(corners, given)), to_nodes)
+    layers = layer_strain(corners, given, 0.5 * given.thickness * np.array(LAYERS))
+    to_global = _plane_to_global(element_axes(corners, given)) @ given.material.plane_stress
+    return SectionStress(nodes, block, to_global[:, None] @ layers, to_nodes)
 
 
 def _plane_to_global(axes: FloatArray) -> FloatArray:

@@ -15,14 +15,20 @@ from supple.multibody.checks.load_spectrum import (
     warn_of_missing_modes,
 )
 from supple.multibody.compiled.engine import CompiledEngine
+from supple.multibody.compiled.statics import CompiledStatics
+from supple.multibody.equations.static_search import StaticSearch
 from supple.multibody.full.engine import FullEngine
+from supple.multibody.full.statics import FullStatics
 
 __all__ = [
     "Balances",
     "BandCoverage",
     "CompiledEngine",
+    "CompiledStatics",
     "FullEngine",
+    "FullStatics",
     "LoadSpectrum",
+    "StaticSearch",
     "balances",
     "band_coverage",
     "joint_residuals",

@@ -6,24 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from supple.body import FlexibleBody, ModalDamping, RayleighDamping, inertia_gram
+from supple.body import Damping, FlexibleBody, inertia_gram
 from supple.errors import AccuracyError
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface
 from supple.reduction.reduction_basis import ReductionBasis
 from supple.reduction.stopwatch import timed
-from supple.reduction.tensors import internal_force_tensors
+from supple.reduction.tensors import strain_products
 
 LARGEST_GRAM_ERROR = 1e-8
 
 
-def project(
-    body: FlexibleBody, basis: ReductionBasis, *, damping: RayleighDamping | ModalDamping | None = None
-) -> ReducedBody:
+def project(body: FlexibleBody, basis: ReductionBasis, *, damping: Damping | None = None) -> ReducedBody:
     """The reduced body of a basis: q = V gamma in the kinetic and strain energies, exactly.
 
     body : FlexibleBody
     basis : ReductionBasis      of that body
-    damping : RayleighDamping(...) or ModalDamping(...); None: undamped
+    damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
     Raises AccuracyError when the Gram matrix misses its own identity.
     """
     V, r = basis.vectors, basis.r
@@ -32,7 +30,10 @@ def project(
         gram = inertia_gram(body, V)
         _check_gram(body, gram, r)
     with timed(seconds, "tensors"):
-        tensors = internal_force_tensors(body, V)
+        products = strain_products(body, V)
+        tensors = products.internal_force()
+        time = 0.0 if damping is None else damping.retardation_time
+        material = products.material(tensors) if time else None
 
     nodal_basis = body.expansion @ V
     rotations = body.rotation_operator
@@ -44,6 +45,8 @@ def project(
         cubic=tensors.cubic,
         quartic=tensors.quartic,
         damping=np.zeros((r, r)) if damping is None else damping.matrix(tensors.stiffness, np.eye(r)),
+        damping_cubic=None if material is None else time * material.cubic,
+        damping_quartic=None if material is None else time * material.quartic,
         interfaces=tuple(ReducedInterface(i.name, i.position, i.motion @ V) for i in body.interfaces),
         nodes=body.nodes,
         nodal_basis=nodal_basis,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from supple.body import FlexibleBody, Frame, ModalDamping, RayleighDamping
+from supple.body import Damping, FlexibleBody, Frame
 from supple.reduction.bases.linear_basis import LinearBasisRecipe
 from supple.reduction.derivatives.compression import CompressedDerivatives
 from supple.reduction.derivatives.derivative_columns import DerivativeChoice
@@ -17,7 +17,7 @@ def reduce(
     basis: LinearBasisRecipe,
     *,
     derivatives: DerivativeChoice = CompressedDerivatives(10),  # noqa: B008 (it is immutable)
-    damping: RayleighDamping | ModalDamping | None = None,
+    damping: Damping | None = None,
 ) -> ReducedBody:
     """Reduce a body to the coordinates of a linear basis enriched with modal derivatives.
 
@@ -30,7 +30,7 @@ def reduce(
     basis : Rubin(...), CraigBampton(...), CraigBamptonResidual(...), Herting(...), NormalModes(...), Guyan()
             or CompleteBasis()
     derivatives : CompressedDerivatives(n), PickedDerivatives(n) or NoDerivatives()
-    damping : RayleighDamping(...) or ModalDamping(...); None: undamped
+    damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
     Raises
     ------
     ModelError      too many modes or derivatives; a basis that needs interfaces; derivatives of a linear body

@@ -82,7 +82,9 @@ class ReducedBody:
     stiffness : (r, r)          V^T K V
     cubic : (r(r+1)/2, r)       or None: the body is linear
     quartic : (n2, n2)          or None, n2 = r(r+1)/2
-    damping : (r, r)            acts on the rates of gamma
+    damping : (r, r)            acts on the rates of gamma, undeformed
+    damping_cubic : (n2, r)     or None; what the damping gains where it follows the strain rate,
+    damping_quartic : (n2, n2)  D = damping + unpack(damping_cubic @ gamma) + unpack(damping_quartic @ m2)
     interfaces : ReducedInterface, one per virtual node
     nodes : (N, 3)              undeformed positions
     nodal_basis : (n_nodal, r)  nodal displacements (and rotations) per unit gamma
@@ -107,6 +109,8 @@ class ReducedBody:
     rotation_limit: float
     frequencies: np.ndarray
     report: ReductionReport
+    damping_cubic: np.ndarray | None = None
+    damping_quartic: np.ndarray | None = None
 
     def __post_init__(self):
         _set_read_only(self)
@@ -210,8 +214,14 @@ def _check_shapes(body: ReducedBody) -> None:
     }
     if (body.cubic is None) != (body.quartic is None):
         raise ModelError(f"reduced body '{body.name}': give both cubic and quartic tensors, or neither")
+    if (body.damping_cubic is None) != (body.damping_quartic is None):
+        raise ModelError(
+            f"reduced body '{body.name}': give both damping_cubic and damping_quartic, or neither"
+        )
     if body.cubic is not None:
         expected |= {"cubic": (n2, r), "quartic": (n2, n2)}
+    if body.damping_cubic is not None:
+        expected |= {"damping_cubic": (n2, r), "damping_quartic": (n2, n2)}
     for name, shape in expected.items():
         array = getattr(body, name)
         if array.shape != shape:

@@ -83,18 +83,75 @@ def unpack_symmetric(packed: np.ndarray, r: int) -> np.ndarray:
     return packed[..., _pair_number(r)]
 
 
+@dataclass(frozen=True, eq=False)
+class MaterialTensors:
+    """What the material stiffness K_mat(g) = V^T sum w A^T D A V of r coordinates gains by deformation.
+
+        K_mat = K + unpack(cubic @ g) + unpack(quartic @ m2),   m2_(kl) = g_k g_l for k <= l
+
+    It is the tangent without its geometric term: K_mat(g) g_dot is the force of stresses D eps_dot.
+
+    cubic : (n2, r);  quartic : (n2, n2)     packed as in InternalForceTensors
+    """
+
+    cubic: np.ndarray
+    quartic: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class StrainProducts:
+    """Inner products, weighted by w D, of the strains of a basis: force and damping are made of them.
+
+        eps = e_l g_l + E_jk g_j g_k / 2
+
+    stiffness : (r, r)                  V^T K V = sum w e^T D e
+    strain_by_pair : (r, n2) or None    F = sum w e^T D E
+    pair_by_pair : (n2, n2) or None     H = sum w E^T D E          (None for both: a linear body)
+    """
+
+    stiffness: np.ndarray
+    strain_by_pair: np.ndarray | None = None
+    pair_by_pair: np.ndarray | None = None
+
+    def internal_force(self) -> InternalForceTensors:
+        """Cubic = 3 sym(F), quartic = (3/2) sym(H)."""
+        if self.strain_by_pair is None or self.pair_by_pair is None:
+            return InternalForceTensors(self.stiffness)
+        quartic = _fold_quartic(self.pair_by_pair, len(self.stiffness))
+        return InternalForceTensors(self.stiffness, _fold_cubic(self.strain_by_pair), quartic)
+
+    def material(self, force: InternalForceTensors) -> MaterialTensors | None:
+        """The tensors of the tangent less those of K_geo = F^T g + H m2 / 2; None for a linear body.
+
+        force : as `internal_force` made it
+        """
+        if self.strain_by_pair is None or self.pair_by_pair is None:
+            return None
+        first, second = np.triu_indices(len(self.stiffness))
+        once = np.where(first == second, 0.5, 1.0)
+        return MaterialTensors(force.cubic - self.strain_by_pair.T, force.quartic - self.pair_by_pair * once)
+
+
 def internal_force_tensors(body: FlexibleBody, basis: np.ndarray) -> InternalForceTensors:
     """Project the internal force of a body on a basis V, once: f_r(gamma) = V^T f(V gamma), exactly.
 
         e_g = B_g V,  a_g = G_g V,  E_g,(jk) = N(a_j, a_k)
         cubic   = 3 sym(sum w E^T D e),   quartic = (3/2) sym(sum w E^T D E), off-diagonal columns doubled
 
+    Arguments and errors as for `strain_products`.
+    Source: [Wu2019] (49).
+    """
+    return strain_products(body, basis).internal_force()
+
+
+def strain_products(body: FlexibleBody, basis: np.ndarray) -> StrainProducts:
+    """Inner products of the strains of a basis V, summed over all integration points.
+
     Every integration point is reduced first; the sums over points are two matrix products, in chunks.
 
-    body : FlexibleBody (its coordinates q have length n); of a linear body the result is linear
+    body : FlexibleBody (its coordinates q have length n); of a linear body the stiffness alone
     basis : (n, r)
     Raises ModelError when the basis does not fit the body.
-    Source: [Wu2019] (49).
     """
     if basis.ndim != 2 or basis.shape[0] != body.n:
         raise ModelError(
@@ -103,7 +160,7 @@ def internal_force_tensors(body: FlexibleBody, basis: np.ndarray) -> InternalFor
     stiffness = basis.T @ (body.stiffness @ basis)
     stiffness = (stiffness + stiffness.T) / 2
     if body.is_linear:
-        return InternalForceTensors(stiffness)
+        return StrainProducts(stiffness)
     r = basis.shape[1]
     n2 = r * (r + 1) // 2
     nodal_basis = body.expansion @ basis
@@ -114,7 +171,7 @@ def internal_force_tensors(body: FlexibleBody, basis: np.ndarray) -> InternalFor
             linear, quadratic = _stress_scaled_strains(block, chunk, nodal_basis)
             strain_by_pair += linear.T @ quadratic
             pair_by_pair += quadratic.T @ quadratic
-    return InternalForceTensors(stiffness, _fold_cubic(strain_by_pair), _fold_quartic(pair_by_pair, r))
+    return StrainProducts(stiffness, strain_by_pair, pair_by_pair)
 
 
 def _chunks(block: QuadraticStrain, n2: int):
@@ -143,9 +200,14 @@ def _stress_scaled_strains(block: QuadraticStrain, chunk: slice, nodal_basis: np
 
 
 def _square_root(constitutive: np.ndarray) -> np.ndarray:
-    """R with R^T R = D for symmetric D that may be singular (a shell section without coupling, say)."""
+    """R with R^T R = D for symmetric D (..., s, s) that may be singular; as many rows as D has rank.
+
+    A shell has 18 strains and 12 shapes, so that a third of the rows of all sums over elements would be zero.
+    """
     values, vectors = np.linalg.eigh(constitutive)
-    return np.sqrt(np.maximum(values, 0.0))[..., None] * np.swapaxes(vectors, -1, -2)
+    rank = (values > 1e-14 * values[..., -1:]).sum(axis=-1).max()
+    root = np.sqrt(np.maximum(values, 0.0))[..., None] * np.swapaxes(vectors, -1, -2)
+    return root[..., -rank:, :]
 
 
 def _fold_cubic(strain_by_pair: np.ndarray) -> np.ndarray:

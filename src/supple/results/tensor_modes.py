@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,8 +30,7 @@ class TensorModes:
 
     nodes : (N,)                        node numbers
     linear : (N, l, 6, r)               l layers, components xx yy zz yz xz xy in the body's frame
-    quadratic : (N, l', 6, n2) or None  n2 = r(r+1)/2; l' = 1 where all layers share it (a shell's membrane
-                                        alone is nonlinear); None for a linear body
+    quadratic : (N, l, 6, n2) or None   n2 = r(r+1)/2; None for a linear body
     """
 
     nodes: IntArray
@@ -51,7 +50,7 @@ class TensorModes:
     def at(self, coordinates: ArrayLike) -> Array:
         """The field (..., N, l, 6) of coordinates (..., r); ModelError where they are of another number."""
         gamma = self._checked(coordinates)
-        field = self._field(self.linear, gamma.reshape(-1, self.r))
+        field = self._field(gamma.reshape(-1, self.r))
         return field.reshape(*gamma.shape[:-1], *self.linear.shape[:3])
 
     def largest(self, coordinates: ArrayLike, measure: Callable[[Array], Array]) -> Array:
@@ -63,16 +62,24 @@ class TensorModes:
         gamma = self._checked(coordinates)
         rows = gamma.reshape(-1, self.r)
         found = np.empty((len(rows), len(self.nodes)))
-        faces = np.ascontiguousarray(self.linear[:, :: max(1, self.linear.shape[1] - 1)])
-        n_rows = max(1, _FIELD_NUMBERS // max(1, faces[..., 0].size))
+        faces = self._faces()
+        n_rows = max(1, _FIELD_NUMBERS // max(1, faces.linear[..., 0].size))
         for start in range(0, len(rows), n_rows):
             block = slice(start, start + n_rows)
-            found[block] = measure(self._field(faces, rows[block])).max(axis=2)
+            found[block] = measure(faces._field(rows[block])).max(axis=2)
         return found.reshape(*gamma.shape[:-1], -1)
 
-    def _field(self, layers: Array, gamma: Array) -> Array:
-        """(t, N, l, 6) of (t, r), by the linear modes (N, l, 6, r) of some layers."""
-        field = _times(layers, gamma)
+    def _faces(self) -> TensorModes:
+        """The outer layers alone."""
+        step = max(1, self.linear.shape[1] - 1)
+        if step == 1:
+            return self
+        quadratic = None if self.quadratic is None else np.ascontiguousarray(self.quadratic[:, ::step])
+        return TensorModes(self.nodes, np.ascontiguousarray(self.linear[:, ::step]), quadratic)
+
+    def _field(self, gamma: Array) -> Array:
+        """(t, N, l, 6) of (t, r)."""
+        field = _times(self.linear, gamma)
         if self.quadratic is not None:
             j, k = np.triu_indices(self.r)
             field += _times(self.quadratic, gamma[:, j] * gamma[:, k])
@@ -105,17 +112,19 @@ def tensor_modes(body: ReducedBody, recovery: StressRecovery, nodes: ArrayLike |
     n_layers, r = recovery.n_layers, body.r
     rows = (chosen[:, None] * n_layers + np.arange(n_layers)).ravel()
     linear = np.zeros((len(rows), 6, r))
-    quadratic = None if body.is_linear else np.zeros((len(chosen), 6, r * (r + 1) // 2))
+    quadratic = None if body.is_linear else np.zeros((len(rows), 6, r * (r + 1) // 2))
     for section, averaging in zip(recovery.sections, recovery.averaging, strict=True):
-        shares = averaging.tocsr()[rows]
-        for part in _parts(section, shares, r):
-            part.add_to(linear, part.arrays.B @ body.nodal_basis[part.arrays.dofs][:, None])
-        if quadratic is not None:
-            _add_pairs(quadratic, *_nonlinear_points(section, shares), body.nodal_basis)
+        for part in _parts(section, averaging.tocsr()[rows], r):
+            columns = body.nodal_basis[part.arrays.dofs][:, None]
+            part.add_to(linear, part.arrays.B @ columns)
+            if quadratic is not None:
+                for pairs, strains in _pair_strains(part.arrays.N, part.arrays.G @ columns):
+                    part.add_to(quadratic[..., pairs], strains)
+    layered = (len(chosen), n_layers, 6, -1)
     return TensorModes(
         nodes=chosen,
-        linear=linear.reshape(len(chosen), n_layers, 6, r),
-        quadratic=None if quadratic is None else quadratic[:, None],
+        linear=linear.reshape(layered),
+        quadratic=None if quadratic is None else quadratic.reshape(layered),
     )
 
 
@@ -124,9 +133,9 @@ class _Part:
     """Some cells of a section and the nodes that they share in.
 
     rows : (R,)                     places in the field
-    share : csr (R, E g)            what each point gives to them
+    share : csr (R, E g l')         what the tensors of each point give to them
     arrays : QuadraticStrain        of the E cells
-    to_field : (E, 1, 6, s)         tensor of a strain
+    to_field : (E, 6 l', s)         tensors of a strain
     """
 
     rows: IntArray
@@ -137,40 +146,22 @@ class _Part:
     def add_to(self, field: Array, strains: Array) -> None:
         """Add the mean of strains (E, g, s, m) to a field (rows, 6, m)."""
         m = strains.shape[-1]
-        tensors = (self.to_field @ strains).reshape(-1, 6 * m)
+        tensors = (self.to_field[:, None] @ strains).reshape(-1, 6 * m)
         field[self.rows] += (self.share @ tensors).reshape(-1, 6, m)
 
 
 def _parts(section: SectionStress, shares: csr_array, r: int) -> Iterator[_Part]:
     """The cells that give to any row of `shares`, in parts whose tensors fit in memory."""
-    n_points = section.arrays.B.shape[1]
-    cells = np.unique(shares.indices // n_points)
-    size = max(1, _FIELD_NUMBERS // (n_points * 6 * r))
-    by_point = shares.tocsc()
+    n_tensors = section.to_nodes.shape[2]
+    cells = np.unique(shares.indices // n_tensors)
+    size = max(1, _FIELD_NUMBERS // (n_tensors * 6 * r))
+    by_tensor = shares.tocsc()
     for start in range(0, len(cells), size):
         some = cells[start : start + size]
-        share = by_point[:, (some[:, None] * n_points + np.arange(n_points)).ravel()].tocsr()
+        share = by_tensor[:, (some[:, None] * n_tensors + np.arange(n_tensors)).ravel()].tocsr()
         rows = np.flatnonzero(np.diff(share.indptr))
-        to_field = section.to_global[some] @ section.arrays.D
-        yield _Part(rows, share[rows], section.arrays.of(some), to_field[:, None])
-
-
-def _nonlinear_points(section: SectionStress, shares: csr_array) -> tuple[SectionStress, csr_array]:
-    """One layer for all: the gradients of a shell do not vary through its thickness."""
-    n_layers = section.to_nodes.shape[1]
-    if n_layers == 1:
-        return section, shares
-    arrays = section.arrays
-    one = replace(arrays, B=arrays.B[:, :1], G=arrays.G[:, :1], w=arrays.w[:, :1])
-    return replace(section, arrays=one), shares[::n_layers, :: arrays.B.shape[1]]
-
-
-def _add_pairs(quadratic: Array, section: SectionStress, shares: csr_array, basis: Array) -> None:
-    """Add what the pairs of columns give at the points of a section to `quadratic` (N, 6, n2)."""
-    for part in _parts(section, shares, basis.shape[1]):
-        gradients = part.arrays.G @ basis[part.arrays.dofs][:, None]
-        for pairs, strains in _pair_strains(part.arrays.N, gradients):
-            part.add_to(quadratic[..., pairs], strains)
+        to_field = section.of_strain[some].reshape(len(some), -1, section.of_strain.shape[3])
+        yield _Part(rows, share[rows], section.arrays.of(some), to_field)
 
 
 def _pair_strains(form: Array, gradients: Array) -> Iterator[tuple[slice, Array]]:

@@ -5,6 +5,7 @@ from supple.simulation.batch import (
     simulate_batch,
 )
 from supple.simulation.engines import register_engine
+from supple.simulation.equilibrium import Equilibrium, equilibrium
 from supple.simulation.kept_bodies import (
     keep_bodies,
     keep_body,
@@ -23,8 +24,10 @@ from supple.simulation.simulate import (
 
 __all__ = [
     "BatchSolution",
+    "Equilibrium",
     "begin_recorded",
     "continue_recorded",
+    "equilibrium",
     "keep_bodies",
     "keep_body",
     "reduced_bodies",

@@ -8,7 +8,8 @@ Format "supple-reduced-body", version 1 (any HDF5 reader opens it):
                  frame              "mean-axis", or "nodal-fixed" with the attribute frame_interface
                  rotation_limit     rad
     gram, stiffness, damping, frequencies, nodes, nodal_basis
-                 the arrays of ReducedBody; cubic, quartic and rotation_basis where the body has them
+                 the arrays of ReducedBody; cubic, quartic, rotation_basis, damping_cubic and damping_quartic
+                 where the body has them
     interfaces/<i>      i = 0, 1, ...: attribute name, datasets position (3,) and motion (6, r)
     report              the fields of ReductionReport, as in hdf5_record
 
@@ -49,6 +50,8 @@ _ARRAYS = (
     "cubic",
     "quartic",
     "damping",
+    "damping_cubic",
+    "damping_quartic",
     "nodes",
     "nodal_basis",
     "rotation_basis",
@@ -100,6 +103,8 @@ def read_reduced_body(path: Path | str) -> ReducedBody:
                 cubic=_array_or_none(file, "cubic"),
                 quartic=_array_or_none(file, "quartic"),
                 damping=read_array(file, "damping"),
+                damping_cubic=_array_or_none(file, "damping_cubic"),
+                damping_quartic=_array_or_none(file, "damping_quartic"),
                 interfaces=tuple(read_record(group, ReducedInterface) for group in _interface_groups(file)),
                 nodes=read_array(file, "nodes"),
                 nodal_basis=read_array(file, "nodal_basis"),

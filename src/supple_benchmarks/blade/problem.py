@@ -44,7 +44,7 @@ from supple.fem import (
     VON_KARMAN,
     HomogeneousSection,
     Isotropic,
-    MembraneKinematics,
+    ShellKinematics,
     shell_model,
 )
 from supple.importers import NREL5MW_WEBS, WU2019_GRID, nrel5mw_rotor, nrel5mw_stations
@@ -84,7 +84,7 @@ Array = NDArray[np.float64]
 BODY = "blade"
 ROOT = "root"
 FRAMES: dict[str, Frame] = {"nodal-fixed": NodalFixedFrame(ROOT), "mean-axis": MeanAxisFrame()}
-KINEMATICS: dict[str, MembraneKinematics] = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
+KINEMATICS: dict[str, ShellKinematics] = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 SECTION = HomogeneousSection(Isotropic(61.13e9, 0.3, 1474.9), 0.02)
 """Meets 17 740 kg and 0.675 Hz; a thin wall's frequencies hang on E / rho alone."""
@@ -139,7 +139,7 @@ class Blade:
         """Triangles of skin and webs."""
         return loft_blade(nrel5mw_stations(), NREL5MW_WEBS, self.grid)
 
-    def body(self, kinematics: MembraneKinematics = GREEN_LAGRANGE) -> FlexibleBody:
+    def body(self, kinematics: ShellKinematics = GREEN_LAGRANGE) -> FlexibleBody:
         """The flexible blade."""
         model = shell_model(self.mesh, SECTION, kinematics=kinematics)
         return flexible_body(BODY, model, [RigidInterface(ROOT, "root", position=(0.0, 0.0, -HUB_RADIUS))])

@@ -16,7 +16,8 @@ from supple.viz.style import REFERENCE, SOLID
 from supple.viz.time_history import Panel, Series, plot_time_history
 from supple_benchmarks.progress import Progress
 from supple_benchmarks.rotating_beam.report import PUBLISHED_RMS
-from supple_benchmarks.rotating_beam.run import BeamRun, ReducedRun, TipMotion
+from supple_benchmarks.rotating_beam.run import BeamRun, ReducedRun
+from supple_benchmarks.rotating_beam.tip_motion import TipMotion
 
 __all__ = ["animation", "draw_figures"]
 

@@ -26,7 +26,7 @@ from supple.fem import (
     VON_KARMAN,
     HomogeneousSection,
     Isotropic,
-    MembraneKinematics,
+    ShellKinematics,
     shell_model,
 )
 from supple.mesh import Mesh, strip
@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 BODY = "beam"
 ROOT = "root"
 FRAMES: dict[str, Frame] = {"nodal-fixed": NodalFixedFrame(ROOT), "mean-axis": MeanAxisFrame()}
-KINEMATICS: dict[str, MembraneKinematics] = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
+KINEMATICS: dict[str, ShellKinematics] = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class RotatingBeam:
         """The strip."""
         return strip(ROTATING_BEAM.length, self.width, self.n_length, self.n_width)
 
-    def body(self, kinematics: MembraneKinematics) -> FlexibleBody:
+    def body(self, kinematics: ShellKinematics) -> FlexibleBody:
         """The strip, its root section a rigid interface; thickness and modulus follow from EA and EI."""
         beam = ROTATING_BEAM
         thickness = float(np.sqrt(12 * beam.bending_stiffness / beam.axial_stiffness))

@@ -33,42 +33,19 @@ from supple.results.error_measures import MotionError, motion_error
 from supple.results.recovery import displacement_from_axes, node_positions
 from supple.simulation import simulate
 from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
-from supple_benchmarks.beam_motion import spin_up_beam
-from supple_benchmarks.planar_beam import ROTATING_BEAM
 from supple_benchmarks.progress import Announce, Progress
+from supple_benchmarks.rotating_beam.exact_beam import ExactTip, exact_tip
 from supple_benchmarks.rotating_beam.problem import BODY, FRAMES, KINEMATICS, ROOT, RotatingBeam, spin_up_load
+from supple_benchmarks.rotating_beam.tip_motion import TipMotion
 
 __all__ = [
     "BeamRun",
     "FullRun",
     "ReducedRun",
-    "TipMotion",
     "run_rotating_beam",
 ]
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class TipMotion:
-    """Tip displacement seen from axes that turn with the root, (51): axial `u`, transverse `v`, (t,) each."""
-
-    times: Array
-    u: Array
-    v: Array
-
-    def peak(self) -> tuple[float, float]:
-        """Largest deflection and its time, from the parabola through the three samples about the extreme."""
-        i = int(np.clip(np.argmin(self.v), 1, len(self.v) - 2))
-        before, at, after = self.v[i - 1 : i + 2]
-        curvature = before - 2 * at + after
-        shift = 0.5 * (before - after) / curvature if curvature > 0 else 0.0
-        step = self.times[i + 1] - self.times[i]
-        return float(at - 0.25 * (before - after) * shift), float(self.times[i] + shift * step)
-
-    def mean_extension(self, after: float) -> float:
-        """Mean axial displacement from a time on."""
-        return float(self.u[self.times >= after].mean())
 
 
 @dataclass(frozen=True)
@@ -112,20 +89,20 @@ class BeamRun:
     """All runs, and the exact beam's tip motion by speed."""
 
     problem: RotatingBeam
-    exact: dict[float, TipMotion]
+    exact: dict[float, ExactTip]
     full: tuple[FullRun, ...]
     reduced: tuple[ReducedRun, ...]
 
 
 def run_rotating_beam(problem: RotatingBeam, announce: Announce) -> Iterator[BeamRun]:
     """Run the benchmark; yields everything known after each simulation, so that nothing computed is lost."""
-    exact: dict[float, TipMotion] = {}
+    exact: dict[float, ExactTip] = {}
     full: list[FullRun] = []
     reduced: list[ReducedRun] = []
     for speed in problem.speeds:
         spin = SpinUp(speed)
         progress = announce(f"exact beam, {speed:g} rad/s")
-        exact[speed] = _exact_tip(problem, spin)
+        exact[speed] = exact_tip(problem, spin)
         progress(1.0)
         for kinematics in problem.kinematics:
             body = problem.body(KINEMATICS[kinematics])
@@ -140,12 +117,6 @@ def run_rotating_beam(problem: RotatingBeam, announce: Announce) -> Iterator[Bea
                         _run_reduced(problem, spin, body, reference, choice, announce(f"{name}, {label}"))
                     )
                     yield BeamRun(problem, exact, tuple(full), tuple(reduced))
-
-
-def _exact_tip(problem: RotatingBeam, spin: SpinUp) -> TipMotion:
-    motion = spin_up_beam(ROTATING_BEAM, spin, duration=problem.duration, step=0.5 * problem.step)
-    every = round(problem.output_step / (0.5 * problem.step))
-    return TipMotion(motion.times[::every], motion.tip_axial[::every], motion.tip_transverse[::every])
 
 
 @dataclass(frozen=True)

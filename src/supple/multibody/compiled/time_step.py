@@ -28,7 +28,7 @@ from supple.multibody.equations.model import BodyGroup, Model
 from supple.multibody.equations.places import Places, assembled_vector
 from supple.multibody.equations.step_size import next_step, position_rounding
 
-__all__ = ["Controls", "State", "march"]
+__all__ = ["Controls", "State", "march", "position_scale"]
 
 
 class Controls(NamedTuple):
@@ -102,7 +102,7 @@ def _kinds(model: Model) -> np.ndarray:
     return kinds
 
 
-def _position_scale(model: Model) -> jax.Array:
+def position_scale(model: Model) -> jax.Array:
     """What counts as a large change of each freedom, (n,)."""
 
     def of_group(group: BodyGroup) -> tuple[Places, jax.Array]:
@@ -127,7 +127,7 @@ def _relative_residual(
     columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
     norms = jnp.sqrt(_kinds(model) @ jnp.stack(columns, axis=1) ** 2)
     forces = _relative(norms[:, 0], jnp.max(norms[:, 1:], axis=1))
-    accelerations = model.length * jnp.max(jnp.abs(trial / _position_scale(model)), initial=0.0)
+    accelerations = model.length * jnp.max(jnp.abs(trial / position_scale(model)), initial=0.0)
     largest_gap = jnp.max(jnp.abs(terms.constraint_residual), initial=0.0)
     floor = rounding * model.length
     constraint = jnp.where(
@@ -200,7 +200,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
     finds the next one; so the code for either stands once in the compiled program.
     """
     rule = StepRule(controls.coefficients, h)
-    scale = _position_scale(model)
+    scale = position_scale(model)
 
     def unfinished(iteration: _Iteration) -> jax.Array:
         trial = iteration.trial
@@ -248,7 +248,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
 
 
 def _local_error(model: Model, rule: StepRule, start: State, trial: _Trial) -> jax.Array:
-    error = rule.position_error(start.auxiliary, trial.auxiliary) / _position_scale(model)
+    error = rule.position_error(start.auxiliary, trial.auxiliary) / position_scale(model)
     return jnp.max(jnp.abs(error))
 
 

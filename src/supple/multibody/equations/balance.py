@@ -1,6 +1,6 @@
 """Equations of motion of a system of floating bodies with joints: a sum of terms, and its exact tangent.
 
-    M(q) vdot + c(q, v) + f(q) + D v + G(q)^T lambda = Q(t, q, v),        g(q, t) = 0
+    M(q) vdot + c(q, v) + f(q) + D(q) v + G(q)^T lambda = Q(t, q, v),        g(q, t) = 0
 
 assembled from the bodies' 6 + r equations each: force (global), moment about the frame origin (body
 components), deformation. Every term is a file of its own: `inertia`, `internal_force`, `joint_force`,
@@ -22,6 +22,7 @@ from supple.multibody.equations.configuration import (
     turns_by_increment,
 )
 from supple.multibody.equations.floating_inertia import InertiaTerms
+from supple.multibody.equations.internal_force import InternalMatrices
 from supple.multibody.equations.joint_force import LinearizedJoints, constraint_rows, linearized
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.places import Block, assembled_matrix, assembled_vector
@@ -33,8 +34,7 @@ class Linearization(NamedTuple):
     """What the tangent takes over from the evaluation of the equations at the same motion, by group."""
 
     inertia: tuple[InertiaTerms, ...]
-    stiffness: tuple[jax.Array, ...]
-    """Tangents of the bodies' internal forces, (k, r, r)"""
+    internal: tuple[InternalMatrices, ...]
     joints: tuple[LinearizedJoints, ...]
 
 
@@ -58,15 +58,15 @@ class Balance(NamedTuple):
 def balance(model: Model, motion: SystemMotion) -> Balance:
     """All terms of the equations of motion, the joints' equations, and what their tangent needs."""
     n = model.n_velocities
-    inertial, elastic, inertia_terms, stiffness = [], [], [], []
+    inertial, elastic, inertia_terms, matrices = [], [], [], []
     for group in model.groups:
         states = inertia.floating_states(model, group, motion)
         own, terms = inertia.force(group, group.of(motion.configuration.rotations), states)
         inertial.append((group.velocities, own))
         inertia_terms.append(terms)
-        own, tangents = internal_force.force(group, states)
+        own, own_matrices = internal_force.force(group, states)
         elastic.append((group.velocities, own))
-        stiffness.append(tangents)
+        matrices.append(own_matrices)
     applied = [(load.velocities, -nodal_load.force(load, motion)) for load in model.nodal_loads]
     for forces in model.forces:
         applied += [(places, -own) for places, own in marker_force.force(forces, motion)]
@@ -77,7 +77,7 @@ def balance(model: Model, motion: SystemMotion) -> Balance:
         applied=assembled_vector(n, applied),
         joint=assembled_vector(n, joint_force.force(model, joints, motion.multipliers)),
         constraint_residual=joint_force.residuals(model, joints),
-        linearization=Linearization(tuple(inertia_terms), tuple(stiffness), joints),
+        linearization=Linearization(tuple(inertia_terms), tuple(matrices), joints),
     )
 
 
@@ -100,15 +100,15 @@ def tangent(
     """
     turns = turns_by_increment(model, increments)
     blocks = []
-    for group, terms, stiffness in zip(
-        model.groups, linearization.inertia, linearization.stiffness, strict=True
+    for group, terms, matrices in zip(
+        model.groups, linearization.inertia, linearization.internal, strict=True
     ):
         own = inertia.tangent(
             group,
             group.of(motion.configuration.rotations),
             inertia.floating_states(model, group, motion),
             terms,
-            internal_force.tangent(group, stiffness, factors),
+            internal_force.tangent(matrices, factors),
             group.of(turns),
             factors,
         )

@@ -138,15 +138,18 @@ def rigid_gram(body: RigidBody) -> np.ndarray:
     return np.block([[mass * np.eye(3), -mass * cross], [mass * cross, inertia]])
 
 
+_ELASTIC = ("stiffness", "cubic", "quartic", "damping", "damping_cubic", "damping_quartic")
+
+
 def _arrays(body: Any, length: float) -> dict[str, Any]:
     """Inertia and elasticity of a rigid or reduced body."""
     scale = length * np.sqrt(body.mass)
     if isinstance(body, RigidBody):
         empty, gram = np.zeros((0, 0)), rigid_gram(body)
-        elastic = {"stiffness": empty, "cubic": None, "quartic": None, "damping": empty}
+        elastic = dict.fromkeys(_ELASTIC) | {"stiffness": empty, "damping": empty}
     else:
         gram = body.gram
-        elastic = {name: getattr(body, name) for name in ("stiffness", "cubic", "quartic", "damping")}
+        elastic = {name: getattr(body, name) for name in _ELASTIC}
     return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": scale, **elastic}
 
 

@@ -43,6 +43,10 @@ class BodyGroup:
     cubic: Any
     quartic: Any
     damping: Any
+    """(k, r, r), undeformed"""
+    damping_cubic: Any
+    """What it gains by deformation, with the next; None where it does not follow the strain rate."""
+    damping_quartic: Any
     coordinate_scale: Any
     """(k,) size of a coordinate that moves the body by the system's length: `length sqrt(mass)`."""
 

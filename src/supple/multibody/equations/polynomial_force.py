@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-__all__ = ["polynomial_energy", "polynomial_force"]
+__all__ = ["polynomial_damping", "polynomial_energy", "polynomial_force"]
 
 
 def _packing(r: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -37,6 +37,17 @@ def polynomial_force(
     fourth = (quartic @ (coordinates[rows] * coordinates[columns]))[position]
     force = (stiffness + third / 2 + fourth / 3) @ coordinates
     return force, stiffness + third + fourth
+
+
+def polynomial_damping(
+    damping: jax.Array, cubic: jax.Array | None, quartic: jax.Array | None, coordinates: jax.Array
+) -> jax.Array:
+    """D(g) (r, r) of damping that follows the strain rate; `damping` itself where it does not."""
+    if cubic is None or quartic is None:
+        return damping
+    rows, columns, position = _packing(coordinates.shape[0])
+    gained = cubic @ coordinates + quartic @ (coordinates[rows] * coordinates[columns])
+    return damping + gained[position]
 
 
 def polynomial_energy(

@@ -159,6 +159,9 @@ class FullInterior:
     frame_rows: np.ndarray
     """`D`, (6, n), scaled rows"""
     damping: csc_array
+    """What of it does not change with the deformation."""
+    retardation_time: float
+    """Of the damping that follows the strain rate, s; 0 without."""
     pattern: csc_array
     constant: dict[str, np.ndarray]
     """Entries on the pattern of the constant matrices: kind to (number, nnz)."""
@@ -182,8 +185,12 @@ class FullInterior:
             frame_acceleration=state.rotation.T @ state.acceleration,
         )
 
-    def _internal_force(self, coordinates: np.ndarray) -> np.ndarray:
-        return self.full.body.force.internal_force(coordinates)
+    def _damping_force(self, state: InteriorState) -> np.ndarray:
+        constant = self.damping @ state.rates
+        if not self.retardation_time:
+            return constant
+        by_strain = self.full.body.force.strain_rate_force(state.coordinates, state.rates)
+        return constant + self.retardation_time * by_strain
 
     def _load_forces(self, state: InteriorState, place: np.ndarray) -> list[_LoadForces]:
         """Of every nodal load, where the nodes are at `place` (N, 3)."""
@@ -204,9 +211,8 @@ class FullInterior:
         inertia = np.concatenate(
             [rotation @ terms.frame[:3], terms.frame[3:], body.expansion.T @ terms.nodal.ravel()]
         )
-        internal = np.concatenate(
-            [np.zeros(6), self._internal_force(state.coordinates) + self.damping @ state.rates]
-        )
+        elastic = body.force.internal_force(state.coordinates)
+        internal = np.concatenate([np.zeros(6), elastic + self._damping_force(state)])
         nodal = np.zeros_like(terms.nodal)
         moment = np.zeros(3)
         place = body.nodes + self._nodal(state.coordinates)[:, :3]
@@ -227,12 +233,14 @@ class FullInterior:
         """A factor of the mass matrix on the pattern, whose symbolic analysis serves every tangent."""
         return factorize_general(self._matrix(self.constant["mass"][0]))
 
-    def _stiffness_data(self, coordinates: np.ndarray) -> np.ndarray:
+    def _elastic_data(self, coordinates: np.ndarray, factors: StepFactors) -> np.ndarray:
+        """Of the internal force and the damping by strain rate, but without the change of D(q) with q."""
         if self.full.is_linear:
-            return self.constant["stiffness"][0]
+            return factors.by_position * self.constant["stiffness"][0]
+        material = 1 + self.retardation_time * factors.by_velocity / factors.by_position
         data = np.zeros(self.pattern.nnz)
-        data[self.tangent_places] = self.full.body.assembly.tangent(coordinates).data
-        return data
+        data[self.tangent_places] = self.full.body.assembly.tangent(coordinates, material=material).data
+        return factors.by_position * data
 
     def eliminate(
         self,
@@ -278,7 +286,7 @@ class FullInterior:
     ) -> _Factored:
         data = factors.by_velocity * self.constant["damping"][0]
         if factors.by_position:
-            data = data + factors.by_position * self._stiffness_data(coordinates)
+            data = data + self._elastic_data(coordinates, factors)
         for kind, weight in FullInertia.weights(angular_velocity, angular_acceleration, factors).items():
             data = data + weight @ self.constant[kind]
         factor = self._analysed.refactorize(self._matrix(data))
@@ -383,7 +391,10 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -
     body = full.body
     inertia = FullInertia(body)
     none = csc_array(body.mass.shape)
-    damping = none if full.damping is None else csc_array(full.damping.matrix(body.stiffness, body.mass))
+    retardation_time = 0.0 if full.damping is None or body.is_linear else full.damping.retardation_time
+    damping = none
+    if full.damping is not None:
+        damping = csc_array(full.damping.matrix(none if retardation_time else body.stiffness, body.mass))
     matrices: dict[str, list[Any]] = {
         **inertia.matrices,
         "stiffness": [csc_array(body.stiffness)],
@@ -406,6 +417,7 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -
         interface_rows=full.interface_motions,
         frame_rows=_unit_rows(full.frame.constraint(body)),
         damping=damping,
+        retardation_time=retardation_time,
         pattern=pattern,
         constant={
             kind: np.array([_on_pattern(pattern, matrix) for matrix in group])

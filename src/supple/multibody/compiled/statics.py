@@ -1,0 +1,105 @@
+"""Machines of rigid and reduced bodies at rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.integrate import StepFactors
+from supple.multibody.compiled.compiled_machine import CompiledMachine
+from supple.multibody.compiled.elimination import solve_bordering_column
+from supple.multibody.compiled.time_step import position_scale
+from supple.multibody.equations.balance import Balance, balance, tangent
+from supple.multibody.equations.compiler_options import STARTING
+from supple.multibody.equations.configuration import Configuration, SystemMotion
+from supple.multibody.equations.joint_force import constraint_rows
+from supple.multibody.equations.model import Model
+from supple.multibody.equations.static_search import StaticCorrection, StaticState, Unbalance
+
+__all__ = ["CompiledStatics"]
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledStatics:
+    """A `StaticMachine` whose steps are compiled."""
+
+    machine: CompiledMachine
+
+    def unbalance(self, state: StaticState, time: float) -> Unbalance:
+        """The residuals at rest."""
+        model = self.machine.model
+        terms = _balance(model, jnp.asarray(float(time)), state.configuration, jnp.asarray(state.multipliers))
+        columns = [np.asarray(getattr(terms, name)) for name in ("internal", "applied", "joint", "residual")]
+        squares = np.zeros((len(columns), 3))
+        for part in model.slices:
+            ends = (part.start, part.start + 3, part.start + 6)
+            own = [np.add.reduceat(np.append(column[: part.stop], 0.0) ** 2, ends) for column in columns]
+            squares += np.array(own)
+        scale = np.sqrt(squares[:3].max(axis=0))
+        relative = np.sqrt(squares[3]) / np.where(scale > 0, scale, 1.0)
+        gap = float(np.max(abs(np.asarray(terms.constraint_residual)), initial=0.0)) / float(model.length)
+        return Unbalance(relative, gap, terms)
+
+    def correction(self, state: StaticState, time: float, unbalance: Unbalance, k: float) -> StaticCorrection:
+        """One implicit step of length k."""
+        change = _correction(
+            self.machine.model,
+            jnp.asarray(float(time)),
+            state.configuration,
+            jnp.asarray(state.multipliers),
+            unbalance.terms,
+            jnp.asarray(k),
+        )
+        increment, multipliers = (np.asarray(part) for part in change)
+        return StaticCorrection(increment, multipliers)
+
+    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
+        """The configuration after an increment (n,)."""
+        return self.machine.moved(configuration, increment)
+
+    @property
+    def position_scale(self) -> np.ndarray:
+        """What counts as a large change of each freedom, (n,)."""
+        return np.asarray(position_scale(self.machine.model))
+
+
+def _at_rest(
+    model: Model, time: jax.Array, configuration: Configuration, multipliers: jax.Array
+) -> SystemMotion:
+    none = jnp.zeros(model.n_velocities)
+    return SystemMotion(time, configuration, none, none, multipliers)
+
+
+@partial(jax.jit, compiler_options=STARTING)
+def _balance(model: Model, time: jax.Array, configuration: Configuration, multipliers: jax.Array) -> Balance:
+    return balance(model, _at_rest(model, time, configuration, multipliers))
+
+
+@partial(jax.jit, compiler_options=STARTING)
+def _correction(
+    model: Model,
+    time: jax.Array,
+    configuration: Configuration,
+    multipliers: jax.Array,
+    terms: Balance,
+    k: jax.Array,
+) -> tuple[jax.Array, jax.Array]:
+    """Increment of the configuration (n,), change of the multipliers (m,)."""
+    motion = _at_rest(model, time, configuration, multipliers)
+    n, m = model.n_velocities, multipliers.shape[0]
+    matrix = tangent(model, motion, terms.linearization, jnp.zeros(n), StepFactors(k, jnp.zeros(())))
+    rows = constraint_rows(model, terms.linearization.joints)
+    # Rows of one size: multipliers in parts of what the matrix holds.
+    size = jnp.max(jnp.abs(jnp.diag(matrix)))
+    bordered = jnp.block(
+        [
+            [matrix, size * rows.T, terms.residual[:, None]],
+            [size * rows, jnp.zeros((m, m)), (size / k * terms.constraint_residual)[:, None]],
+        ]
+    )
+    change = -solve_bordering_column(bordered)
+    return k * change[:n], size * change[n:]

@@ -1,0 +1,58 @@
+"""Machines with full bodies at rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.integrate import StepFactors
+from supple.multibody.equations.configuration import Configuration
+from supple.multibody.equations.static_search import StaticCorrection, StaticState, Unbalance
+from supple.multibody.full.full_system import FullState, FullSystem
+
+__all__ = ["FullStatics"]
+
+
+@dataclass(frozen=True, eq=False)
+class FullStatics:
+    """A `StaticMachine` by sparse bordered steps."""
+
+    machine: FullSystem
+
+    def unbalance(self, state: StaticState, time: float) -> Unbalance:
+        """The residuals at rest."""
+        terms = self.machine.evaluate(self._still(state, time), 0.0)
+        gaps = [terms.constraint_residual, *terms.frame_residuals]
+        gap = float(np.max(abs(np.concatenate(gaps)), initial=0.0)) / float(self.machine.model.length)
+        return Unbalance(terms.relative_residual[:3], gap, terms)
+
+    def correction(
+        self,
+        state: StaticState,  # noqa: ARG002 - the terms say all
+        time: float,  # noqa: ARG002
+        unbalance: Unbalance,
+        k: float,
+    ) -> StaticCorrection:
+        """One implicit step of length k."""
+        terms = unbalance.terms
+        targets = (-terms.constraint_residual / k, tuple(-own / k for own in terms.frame_residuals))
+        change, multipliers, frame_multipliers = self.machine.correction(
+            terms, targets, np.zeros(self.machine.n), StepFactors(k, 0.0)
+        )
+        return StaticCorrection(k * change, multipliers, frame_multipliers)
+
+    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
+        """The configuration after an increment (n,)."""
+        return self.machine.moved(configuration, increment)
+
+    @property
+    def position_scale(self) -> np.ndarray:
+        """What counts as a large change of each freedom, (n,)."""
+        return self.machine.position_scale
+
+    def _still(self, state: StaticState, time: float) -> FullState:
+        none = np.zeros(self.machine.n)
+        return FullState(
+            time, state.configuration, none, none, none, state.multipliers, state.frame_multipliers
+        )

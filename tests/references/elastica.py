@@ -1,0 +1,27 @@
+"""The elastica: an inextensible, unshearable cantilever under a dead force across its tip, by shooting."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+
+def elastica(bending_stiffness, length, tip_force):
+    """Tip (along, across, rotation) of a cantilever that lies along x, clamped at its root.
+
+    E I theta'' = -P cos theta,  theta(0) = 0,  theta'(L) = 0. The rotation of the tip is shot for, from there
+    to the root: a tip at rest leaves the root behind, one along the force turns it as much.
+    """
+    load = tip_force / bending_stiffness
+
+    def shot(tip):
+        def rates(_, y):
+            angle, bend, _, _ = y
+            return [bend, -load * np.cos(angle), np.cos(angle), np.sin(angle)]
+
+        return solve_ivp(rates, (length, 0.0), [tip, 0.0, 0.0, 0.0], rtol=1e-11, atol=1e-12).y[:, -1]
+
+    tip = brentq(lambda angle: shot(angle)[0], 0.0, np.pi / 2, xtol=1e-13)
+    _, _, along, across = shot(tip)
+    return -along, -across, tip

@@ -1,0 +1,123 @@
+"""Static equilibria: closed forms, one engine against the other, what cannot rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
+from supple.errors import ConvergenceError
+from supple.fem import HomogeneousSection, Isotropic, shell_model
+from supple.integrate import FixedStep, Run
+from supple.machine import (
+    GROUND,
+    At,
+    Ball,
+    DeadForce,
+    Fixed,
+    Placed,
+    Ramp,
+    Revolute,
+    Scaled,
+    System,
+    TorsionSpringDamper,
+)
+from supple.mesh import strip
+from supple.multibody import StaticSearch
+from supple.reduction import CraigBampton, NoDerivatives, reduce
+from supple.simulation import equilibrium, simulate
+
+E, LENGTH, WIDTH, THICKNESS = 2.1e11, 1.0, 0.1, 5e-3
+BENDING = E * WIDTH * THICKNESS**3 / 12
+
+
+def cantilever(tip_force, frame, reduced=False):
+    model = shell_model(
+        strip(length=LENGTH, width=WIDTH, n_length=10, n_width=2),
+        HomogeneousSection(Isotropic(E, 0.0, 7850.0), THICKNESS),
+    )
+    body = flexible_body("strip", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
+    form = FullBody(body, frame)
+    if reduced:
+        form = reduce(body.linearized(), frame, CraigBampton(2), derivatives=NoDerivatives())
+    clamp = Fixed(first=GROUND, second=At("strip", "root"))
+    force = DeadForce(body="strip", at="tip", force=Scaled((0.0, 0.0, tip_force), Ramp(1.0, 1.0)))
+    return System((Placed(form),), (clamp,), (force,))
+
+
+def tip(found):
+    (placed,) = found.system.bodies
+    interface = placed.body.interface("tip")
+    local = interface.position + (interface.motion @ placed.coordinates)[:3]
+    return placed.position + placed.rotation @ local
+
+
+def test_a_chain_of_links_hangs_straight_down():
+    link = [
+        RigidBody(
+            name=f"link {i}",
+            mass=1.0,
+            inertia=np.eye(3),
+            centre=np.zeros(3),
+            points={"top": (0, 0, 0.5), "end": (0, 0, -0.5)},
+        )
+        for i in range(3)
+    ]
+    bodies, z = [], 0.0
+    for i, each in enumerate(link):  # laid out sideways, along x
+        bodies.append(Placed(each, position=(0.5 + i, 0, 0), rotation=(0, -np.pi / 2, 0)))
+    ends = [GROUND, At("link 0", "end"), At("link 1", "end")]
+    joints = [Ball(first=end, second=At(each.name, "top")) for end, each in zip(ends, link, strict=True)]
+    found = equilibrium(System(bodies, joints, gravity=(0, 0, -9.81)))
+    for i, placed in enumerate(found.system.bodies):
+        assert np.allclose(placed.position, (0, 0, z - 0.5 - i), atol=1e-9)
+    carried = [np.linalg.norm(found.joint_forces[joint.name]) for joint in joints]
+    assert np.allclose(carried, 9.81 * np.array([3.0, 2.0, 1.0]), rtol=1e-9)
+
+
+def test_a_spinning_spring_balances_a_weight():
+    """`k phi = m g L cos phi` of a rod on a hinge with a torsion spring: solved by hand for phi."""
+    rod = RigidBody(
+        name="rod", mass=2.0, inertia=np.eye(3), centre=np.zeros(3), points={"hinge": (-0.5, 0, 0)}
+    )
+    hinge = Revolute(first=GROUND, second=At("rod", "hinge"), axis=(0, 1, 0))
+    spring = TorsionSpringDamper(
+        first=GROUND, second=At("rod", "hinge"), axis=(0, 1, 0), stiffness=20.0, damping=0.0
+    )
+    system = System((Placed(rod, position=(0.5, 0, 0)),), (hinge,), (spring,), gravity=(0, 0, -9.81))
+    found = equilibrium(system)
+    x, _, z = found.system.bodies[0].position
+    phi = np.arctan2(-z, x)
+    assert 20.0 * phi == pytest.approx(2.0 * 9.81 * 0.5 * np.cos(phi), rel=1e-8)
+    assert np.hypot(x, z) == pytest.approx(0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("frame", [NodalFixedFrame("root"), MeanAxisFrame()], ids=["fixed", "mean"])
+def test_small_deflections_are_those_of_a_beam(frame):
+    load = 0.01
+    found = equilibrium(cantilever(load, frame), time=1.0)
+    expected = load * LENGTH**3 / (3 * BENDING)
+    assert tip(found)[2] == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("reduced", [False, True], ids=["full", "reduced"])
+def test_a_run_from_the_equilibrium_stays_there(reduced):
+    system = cantilever(2.0, NodalFixedFrame("root"), reduced)
+    found = equilibrium(system, time=1.0)
+    start = tip(found)
+    run = Run(1.05, start=1.0, output_step=0.01, step=FixedStep(5e-3))
+    motion = simulate(found.system, run).bodies["strip"]
+    moved = abs(motion.coordinates - found.system.bodies[0].coordinates).max()
+    assert moved < 1e-7 * abs(start[2])
+    assert found.iterations < 30
+
+
+def test_what_nothing_holds_has_no_equilibrium():
+    free = RigidBody(name="stone", mass=1.0, inertia=np.eye(3), centre=np.zeros(3))
+    with pytest.raises(ConvergenceError, match="no equilibrium at t = 0 after 20 iterations"):
+        equilibrium(System((free,), gravity=(0, 0, -9.81)), search=StaticSearch(max_iterations=20))
+
+
+def test_a_search_needs_positive_numbers():
+    with pytest.raises(ValueError, match="largest_move of a static search must be positive"):
+        StaticSearch(largest_move=0.0)
