@@ -31,7 +31,7 @@ class Statistics:
     largest_turn: float = 0.0
 
     def __add__(self, other: Statistics) -> Statistics:
-        def joined(name: str) -> float:
+        def joined(name: str) -> Any:
             own, others = getattr(self, name), getattr(other, name)
             return max(own, others) if name in LARGEST else own + others
 

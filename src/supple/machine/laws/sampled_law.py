@@ -47,14 +47,21 @@ class Jumps(NamedTuple):
 def sampled(law: Callable[[Any], Any], times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
     """Values of a law at times (k,), (k, m), and its derivatives up to an order, (k, m) each."""
     # One program for any number of times: they go in blocks of one size.
-    blocks = np.pad(times, (0, -len(times) % BLOCK), mode="edge").reshape(-1, BLOCK)
+    size = max(1, min(BLOCK, MOST_NUMBERS // _numbers(law)))
+    blocks = np.pad(times, (0, -len(times) % size), mode="edge").reshape(-1, size)
     parts = [jax.device_get(_of_block(law, order, jnp.asarray(block))) for block in blocks]
     return [np.concatenate(each)[: len(times)] for each in zip(*parts, strict=True)]
 
 
+def _numbers(law: Callable[[Any], Any]) -> int:
+    """How many numbers a law gives at a time."""
+    shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
+    return max(1, int(np.prod(shape)))
+
+
 @partial(jax.jit, static_argnums=1, compiler_options={"xla_backend_optimization_level": 0})
 def _of_block(law: Any, order: int, times: jax.Array) -> list[jax.Array]:
-    functions = [lambda time: jnp.ravel(jnp.asarray(law(time), dtype=float))]
+    functions: list[Callable[[Any], Any]] = [lambda time: jnp.ravel(jnp.asarray(law(time), dtype=float))]
     for _ in range(order):
         functions.append(_rate(functions[-1]))
     return [jax.vmap(function)(times) for function in functions]
@@ -91,12 +98,12 @@ def sampled_instants(law: Callable[[Any], Any], begin: float, end: float) -> np.
     """Times strictly between at which a function of unknown shape jumps (both sides) or turns back, (k,)."""
     if not end > begin:
         return np.zeros(0)
-    shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
-    n = min(N_SAMPLES, MOST_NUMBERS // max(1, int(np.prod(shape))))
+    numbers = _numbers(law)
+    n = min(N_SAMPLES, MOST_NUMBERS // numbers)
     times = np.linspace(begin, end, max(n, 2) + 1)
 
     # Three numbers see what any of many components does.
-    mix = np.random.default_rng(0).standard_normal((int(np.prod(shape)), 3))
+    mix = np.random.default_rng(0).standard_normal((numbers, 3))
 
     def of_times(at: np.ndarray) -> np.ndarray:
         (values,) = sampled(law, at)

@@ -8,6 +8,7 @@ that jumps where a step ends is seen as well as a step can. A prescribed motion 
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -84,7 +85,7 @@ def missed_between_steps(
     return Missed(share, float(start[worst]))
 
 
-def warn_of_missed_loads(system: System, run: Run, *, besides: set[str] = frozenset()) -> None:
+def warn_of_missed_loads(system: System, run: Run, *, besides: Collection[str] = ()) -> None:
     """Warn ResolutionWarning of each load and prescribed motion that varies within fixed steps.
 
     besides : names of joints of which more has been said already

@@ -254,7 +254,7 @@ def _local_error(model: Model, rule: StepRule, start: State, trial: _Trial) -> j
 
 def _turn(model: Model, increments: jax.Array) -> jax.Array:
     """Largest rotation of a body within a step, rad."""
-    turns = jnp.stack([increments[part.start + 3 : part.start + 6] for part in model.slices])
+    turns = model.frames.take(increments)[:, 3:]
     return jnp.sqrt(jnp.max(jnp.sum(turns**2, axis=1)))
 
 
