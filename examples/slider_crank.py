@@ -34,6 +34,7 @@ from supple.reduction import (
 )
 from supple.results import stress_modes
 from supple.simulation import simulate
+from supple.units import SI
 from supple.viz import Panel, Series, plot_time_history
 from supple_benchmarks.machines.slider_crank import SliderCrank, slider_position
 
@@ -93,4 +94,4 @@ if __name__ == "__main__":
     assert missed["with attachment modes"] < 0.01
 
     curves = [Series(name, solution.times, values) for name, values in stresses.items()]
-    plot_time_history(Path("slider_crank.png"), [Panel("von Mises stress (Pa)", curves)])
+    plot_time_history(Path("slider_crank.png"), [Panel("von Mises stress (Pa)", curves)], units=SI)

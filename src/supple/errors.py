@@ -73,6 +73,10 @@ class LoadSpectrumWarning(SuppleWarning):
     """Loads that excite modes which a reduced body lacks."""
 
 
+class UnitsWarning(SuppleWarning):
+    """Numbers that are implausible in the units said of them."""
+
+
 class RedundantConstraintWarning(SuppleWarning):
     """Joints that constrain the same motion twice; the redundant rows are named and left out."""
 

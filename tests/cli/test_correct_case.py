@@ -125,6 +125,7 @@ def test_loads_beyond_the_modes_of_a_fixed_size_are_named(case):
     text = text.replace(
         'kind = "ramp", value = 1.0, duration = 0.4', 'kind = "sine", amplitude = 1e-3, frequency_hz = 100'
     )
+    text = 'units = { time = "s" }\n' + text
     case.write_text(text.replace("output_step = 0.02", "output_step = 0.001"))
     output = call("run", case, "-o", case.parent / "out")
     assert "its spectrum reaches to 100 Hz, where body 'strip' has 3 modes, 2 of which" in output

@@ -110,6 +110,8 @@ def test_node_sets_that_no_mesh_has_are_named_with_their_lines(case_folder):
 
 
 def test_info_of_case_mesh_and_result(case_folder):
+    case = case_folder / "strip.toml"
+    case.write_text('units = { time = "s" }\n' + case.read_text())
     assert "shell, basis rubin; interfaces: root" in call("info", case_folder / "strip.toml")
     mesh = call("info", case_folder / "strip.inp")
     assert "27 nodes" in mesh
@@ -156,6 +158,7 @@ def test_pictures_and_animation_are_drawn(case_folder, monkeypatch):
     drawn = {path.name for path in (case_folder / "out").iterdir()}
     pictures = {f"strip-{what}.png" for what in ("mesh", "modes", "deformed")}
     assert drawn == pictures | {
+        "machine.png",
         "tracked-motion.png",
         "joint-forces.png",
         "motion.gif",

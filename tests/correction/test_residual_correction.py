@@ -98,8 +98,9 @@ def at_rest(system, r):
     """One instant of a system of one body that rests undeformed, its joints without force."""
     zero, none = np.zeros((1, 3)), np.zeros((1, r))
     motion = FloatingMotion(zero, np.eye(3)[None], none, zero, zero, none, zero, zero, none)
-    forces = {joint.name: np.zeros((1, joint.n_constraints)) for joint in system.joints}
-    return Solution(np.zeros(1), {"beam": motion}, forces, Statistics())
+    forces = {joint.name: np.zeros((1, 6)) for joint in system.joints}
+    multipliers = {joint.name: np.zeros((1, joint.n_constraints)) for joint in system.joints}
+    return Solution(np.zeros(1), {"beam": motion}, forces, Statistics(), multipliers=multipliers)
 
 
 def held_deflection(body, held, load):

@@ -149,7 +149,7 @@ def test_only_names_a_group():
 
 def test_unused_nodes(changed):
     path = changed(TEXT_2, "$Nodes\n6\n", "$Nodes\n7\n9 5 5 5\n")
-    with pytest.raises(MeshError, match=r"format_2_text\.msh: 1 orphan node \(0\).*at \(5, 5, 5\)"):
+    with pytest.raises(MeshError, match=r"format_2_text\.msh: 1 orphan node \(9\).*at \(5, 5, 5\)"):
         read_gmsh(path)
     mesh = read_gmsh(path, unused_nodes=UnusedNodes.DROP)
     np.testing.assert_array_equal(mesh.nodes, read_gmsh(TEXT_2).nodes)

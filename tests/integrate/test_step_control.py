@@ -31,7 +31,7 @@ def test_first_adaptive_step_must_not_exceed_the_largest():
 
 def test_smallest_step_must_not_exceed_the_first():
     with pytest.raises(ValueError, match=r"the smallest step \(1e-09\) exceeds the first \(1e-10\)"):
-        FixedStep(1e-10)
+        FixedStep(1e-10, smallest=1e-9)
     with pytest.raises(ValueError, match=r"the smallest step \(0.001\) exceeds the first \(1e-06\)"):
         AdaptiveStep(smallest=1e-3)
 

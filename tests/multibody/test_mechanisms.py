@@ -113,7 +113,7 @@ def test_motor_does_the_work(crank_rocker, rod):
     for name, length in (("crank", CRANK), ("coupler", COUPLER), ("rocker", ROCKER)):
         motion = solution.bodies[name]
         kinetic += (motion.velocity**2).sum(axis=1) / 2 + length**2 / 24 * motion.angular_velocity[:, 2] ** 2
-    power = -solution.joint_forces["motor"][:, 5] * 2 * t
+    power = -solution.multipliers["motor"][:, 5] * 2 * t
     work = np.concatenate([[0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(t))])
     assert np.abs(work - kinetic).max() < 5e-3 * kinetic.max()
 

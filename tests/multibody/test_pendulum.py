@@ -79,7 +79,7 @@ def test_hinge_carries_weight_and_centripetal_force(pendulum):
     along = MASS * GRAVITY * np.cos(angle) + MASS * ARM * exact_rate_squared(angle)
     up = solution.bodies["bob"].rotation[:, :, 2]
     joint_axes = axes_along((1, 0, 0))
-    on_ground = solution.joint_forces["hinge"][:, :3] @ joint_axes.T
+    on_ground = solution.multipliers["hinge"][:, :3] @ joint_axes.T
     np.testing.assert_allclose(-np.einsum("ti,ti->t", on_ground, up), along, atol=1e-3 * along.max())
 
 

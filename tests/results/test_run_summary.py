@@ -1,4 +1,4 @@
-"""Joint loads and the numbers of a run, from a solution made up of known multipliers."""
+"""Joint loads and the numbers of a run, from a solution made up of known joint forces."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from supple.results import joint_loads, summarize, tracked_motion
 
 @pytest.fixture
 def hinged(rod, make):
-    """A rod on a hinge, and three instants at which the hinge's multipliers are known."""
+    """A rod on a hinge, and three instants at which the hinge's forces are known."""
     hinge = Revolute(name="hinge", first=GROUND, second=At("rod", "left"), axis=(0.0, 1.0, 0.0))
     made = make(n_times=3)
-    multipliers = np.zeros((3, 5))
-    multipliers[1], multipliers[2] = [-3.0, 0.0, 4.0, 0.0, 12.0], [1.0, 2.0, 2.0, -5.0, 0.0]
-    solution = type(made)(made.times, {"rod": made.bodies["hub"]}, {"hinge": multipliers}, made.statistics)
+    forces = np.zeros((3, 6))
+    forces[1], forces[2] = [3.0, 0.0, -4.0, 0.0, -12.0, 0.0], [-1.0, -2.0, -2.0, 5.0, 0.0, 0.0]
+    solution = type(made)(made.times, {"rod": made.bodies["hub"]}, {"hinge": forces}, made.statistics)
     return System(bodies=(Placed(rod("rod", 2.0)),), joints=(hinge,)), solution
 
 
-def test_a_joint_acts_on_its_second_end_against_its_multipliers(hinged):
+def test_the_loads_of_a_joint_are_the_components_of_the_solution_by_kind(hinged):
     loads = joint_loads(*hinged)["hinge"]
     np.testing.assert_array_equal(loads["force"][1:], [[3.0, 0.0, -4.0], [-1.0, -2.0, -2.0]])
-    np.testing.assert_array_equal(loads["moment"][1:], [[0.0, -12.0], [5.0, 0.0]])
+    np.testing.assert_array_equal(loads["moment"][1:], [[0.0, -12.0, 0.0], [5.0, 0.0, 0.0]])
 
 
 def test_the_summary_finds_the_largest_values_and_their_times(hinged):
@@ -32,6 +32,8 @@ def test_the_summary_finds_the_largest_values_and_their_times(hinged):
     numbers = summarize(system, solution, {"rod.right": place})
     joint = numbers["joints"]["hinge"]
     assert (joint["largest force"], joint["time of largest force"]) == (5.0, solution.times[1])
+    assert joint["acts on"] == "rod.left"
+    assert joint["axes"].startswith("joint axes that turn with the first end")
     assert (joint["largest moment"], joint["time of largest moment"]) == (12.0, solution.times[1])
     np.testing.assert_array_equal(joint["last force"], [-1.0, -2.0, -2.0])
     assert numbers["bodies"]["rod"] == {"kind": "rigid", "mass": 1.0}

@@ -31,7 +31,8 @@ def test_output_at_the_times_asked_for(pendulum):
     motion = solution.bodies["bob"]
     assert motion.rotation.shape == (11, 3, 3)
     assert motion.coordinates.shape == (11, 0)
-    assert solution.joint_forces["hinge"].shape == (11, 5)
+    assert solution.multipliers["hinge"].shape == (11, 5)
+    assert solution.joint_forces["hinge"].shape == (11, 6)
 
 
 def test_steps_default_to_the_output_step(pendulum):

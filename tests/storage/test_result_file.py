@@ -298,8 +298,8 @@ def test_missing_foreign_and_truncated_files(tmp_path, solution):
 def test_another_version_is_refused(tmp_path, solution):
     path = write_solution(tmp_path / "run.h5", solution, case=CASE)
     with h5py.File(path, "r+") as file:
-        file.attrs["version"] = 2
-    with pytest.raises(ResultFileError, match="format version 2, and this supple reads version 1"):
+        file.attrs["version"] = 1
+    with pytest.raises(ResultFileError, match="format version 1, and this supple reads version 2"):
         read_solution(path)
 
 

@@ -6,6 +6,7 @@ from PIL import Image
 
 from supple.errors import ModelError
 from supple.mesh import CellType, block, strip
+from supple.units import SI
 from supple.viz import Camera, NodalField, animate, plot_contour, skin_of, stress_field
 
 FROM_ABOVE = Camera.looking(along=[0.0, 0.0, -1.0], up=[0.0, 1.0, 0.0])
@@ -26,7 +27,7 @@ def colours(path):
 
 
 def test_stress_is_read_in_megapascals():
-    field = stress_field(np.array([1.0e6, 2.5e8]))
+    field = stress_field(np.array([1.0e6, 2.5e8]), SI)
     np.testing.assert_allclose(field.values, [1.0, 250.0])
     assert "MPa" in field.label
 

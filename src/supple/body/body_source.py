@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
@@ -14,9 +17,12 @@ from supple.body.labelled_superelement import NodalMatrices, labelled_supereleme
 from supple.body.model_check import ModelCheck, check_elements, check_model, check_nodal_matrices
 from supple.body.nastran_body import nastran_model
 from supple.body.superelement import read_superelement
+from supple.errors import ModelError
 from supple.fem import GREEN_LAGRANGE, FiniteElementModel, ShellKinematics
-from supple.importers import Connection, read_matrix, read_nastran
+from supple.importers import Connection, numbers_of, read_matrix, read_nastran
 from supple.mesh import Mesh
+
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,12 +32,14 @@ class BodySource:
     check : of the nodal matrices, before the interfaces; with so many elastic modes
     body : of that name with those interfaces; ModelError for whatever is wrong with the model
     connections : RBE2 and RBE3 elements that may be interfaces
+    numbers : node numbers of the ids of its file
     mesh, model : with elements, also of a body that is made linear; matrices have none
     """
 
     check: Callable[[int], ModelCheck]
     body: Callable[[str, Sequence[RigidInterface | AveragingInterface]], FlexibleBody]
     connections: Callable[[], Sequence[Connection]] = tuple
+    numbers: Callable[[IntArray], IntArray] = np.asarray
     mesh: Mesh | None = None
     model: Callable[[], FiniteElementModel] | None = None
 
@@ -45,6 +53,7 @@ def elements_source(
         lambda n_frequencies: check_elements(model(), n_frequencies=n_frequencies),
         lambda name, interfaces: flexible_body(name, model(), interfaces),
         lambda: connections,
+        mesh.numbers_of,
         mesh,
         model,
     )
@@ -85,7 +94,18 @@ def labelled_matrices_source(
         lambda n: check_nodal_matrices(read(), n_frequencies=n, rigid_tolerance=exact),
         lambda name, interfaces: labelled_superelement(name, read(), interfaces, rigid_tolerance=exact),
         lambda: read().connections,
+        lambda ids: _numbers(read().node_ids, ids),
     )
+
+
+def _numbers(ids: IntArray, wanted: IntArray) -> IntArray:
+    number, known = numbers_of(ids, wanted)
+    if not known.all():
+        lost = np.asarray(wanted)[~known][0]
+        raise ModelError(
+            f"no node of the matrices has the id {lost}; their ids are {ids.min()} to {ids.max()}"
+        )
+    return number
 
 
 def matrices_source(*, nodes: Path, stiffness: Path, mass: Path, dofs_per_node: int) -> BodySource:

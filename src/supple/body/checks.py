@@ -53,14 +53,15 @@ def checked_nodal_matrix(
     return result
 
 
-def check_nodes(body: str, nodes: NDArray[np.float64]) -> None:
+def check_nodes(body: str, nodes: NDArray[np.float64], node_ids: NDArray[np.int64] | None = None) -> None:
     """Nodes are an (N, 3) array of finite numbers."""
     if nodes.ndim != 2 or nodes.shape[1] != 3 or len(nodes) == 0:
         raise ModelError(f"body '{body}': nodes have shape {nodes.shape}; give (N, 3)")
     bad = np.flatnonzero(~np.all(np.isfinite(nodes), axis=1))
     if bad.size:
+        called = bad[0] if node_ids is None else node_ids[bad[0]]
         raise ModelError(
-            f"body '{body}': node {bad[0]} has the coordinates {nodes[bad[0]]}, which are not finite"
+            f"body '{body}': node {called} has the coordinates {nodes[bad[0]]}, which are not finite"
         )
 
 

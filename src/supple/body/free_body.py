@@ -43,10 +43,11 @@ def free_body(
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
     """Eliminate rigid interfaces, M = T^T M_nodal T and K likewise, and check what every free body obeys."""
-    check_nodes(name, nodes)
+    node_ids = None if model is None else model.mesh.node_ids
+    check_nodes(name, nodes, node_ids)
     M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node)
     K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node)
-    virtual = virtual_nodes(name, nodes, dofs_per_node, interfaces)
+    virtual = virtual_nodes(name, nodes, dofs_per_node, interfaces, node_ids)
     rigid = [node for node in virtual if node.is_rigid]
 
     T = rigid_elimination(nodes, dofs_per_node, [(node.node_ids, node.position) for node in rigid])

@@ -51,7 +51,7 @@ class BodyInterface:
 
     position : (3,) in the mesh axes
     motion   : csr (6, n), q_v = (u_v, theta_v) = motion @ q
-    node_ids : (k,) nodes it is made of
+    node_ids : (k,) numbers of the nodes it is made of
     """
 
     name: str

@@ -25,6 +25,9 @@ from supple.mesh import Mesh
 
 FloatArray = NDArray[np.float64]
 
+LOWEST_FREQUENCIES = "lowest free frequencies"
+"""Names the finding that lists them, in cycles per unit of time."""
+
 # Against the highest eigenvalue looked at: rigid modes come out at some 1e-9 of it, the slowest elastic modes
 # of slender parts at some 1e-4.
 ZERO_MODE = 1e-6
@@ -65,7 +68,7 @@ class ModelCheck:
     mass         : mass, centre and inertia that the mass matrix gives to rigid motion
     rigid_energy : (6,) strain energy of the six rigid motions against that of their nodes moving alone
     n_zero_modes : modes without strain energy, 6 for a free body; None where they could not be counted
-    frequencies  : Hz, of the lowest elastic modes of the free body
+    frequencies  : cycles per unit of time, of the lowest elastic modes of the free body
     """
 
     findings: tuple[Finding, ...]
@@ -150,6 +153,7 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
         model.mass,
         dofs_per_node=model.dofs_per_node,
         n_frequencies=n_frequencies,
+        node_ids=model.mesh.node_ids,
         mesh_mass=mesh_mass_properties(model),
     )
     return replace(check, findings=(*check.findings, _cells_twice(model.mesh), *_middle_nodes(model.mesh)))
@@ -178,7 +182,8 @@ def _cells_twice(mesh: Mesh) -> Finding:
         if again.size:
             return Finding(
                 "cells on the same nodes",
-                f"{again.size} places with several {kind.name} cells, first at cell {again.min()}",
+                f"{again.size} places with several {kind.name} cells, first at cell "
+                f"{mesh.cell_ids[kind][again.min()]}",
                 Verdict.DOUBTFUL,
                 "their mass and stiffness add up; if a part lies there twice, remove it once",
             )
@@ -200,7 +205,7 @@ def _middle_nodes(mesh: Mesh) -> list[Finding]:
     shared = np.intersect1d(linear, quadratic)
     if not shared.size:
         return []
-    first, second = divmod(int(shared[0]), mesh.n_nodes)
+    first, second = mesh.node_ids[list(divmod(int(shared[0]), mesh.n_nodes))]
     return [
         Finding(
             "linear cells on quadratic ones",
@@ -326,16 +331,24 @@ def _grounding(
     )
 
 
-def _units(nodes: FloatArray, K: sparse.csc_array, M: sparse.csc_array, dofs_per_node: int) -> Finding:
-    """Node spacing times sqrt(K_ii / M_ii): about the speed of sound."""
-    if len(nodes) < 2:
-        return Finding("units", "a single node tells nothing")
+def wave_speed(nodes: FloatArray, stiffness: Any, mass: Any, *, dofs_per_node: int) -> float:
+    """Node spacing times sqrt(K_ii / M_ii), the medians: some 2 to 6 times the speed of sound.
+
+    Parameters as for `check_model`; at least two nodes.
+    """
+    K, M = stiffness, mass
     rates = np.divide(
         K.diagonal(), M.diagonal(), out=np.zeros(len(nodes) * dofs_per_node), where=M.diagonal() > 0
     )
     fastest = rates.reshape(-1, dofs_per_node)[:, :3].max(axis=1)
     spacing = np.median(KDTree(nodes).query(nodes, k=2)[0][:, 1])
-    speed = float(spacing * np.sqrt(max(float(np.median(fastest)), 0.0)))
+    return float(spacing * np.sqrt(max(float(np.median(fastest)), 0.0)))
+
+
+def _units(nodes: FloatArray, K: sparse.csc_array, M: sparse.csc_array, dofs_per_node: int) -> Finding:
+    if len(nodes) < 2:
+        return Finding("units", "a single node tells nothing")
+    speed = wave_speed(nodes, K, M, dofs_per_node=dofs_per_node)
     extent = float(np.ptp(nodes, axis=0).max())
     seen = f"size {extent:.3g}, waves travel about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
     if USUAL_SPEEDS[0] <= speed <= USUAL_SPEEDS[1]:
@@ -372,7 +385,7 @@ def _modes(
     found = [_zero_modes(zero, pairs.vectors[:, :zero], M, R, labels, dofs_per_node)]
     if frequencies:
         listed = ", ".join(f"{value:.4g}" for value in frequencies)
-        found.append(Finding("lowest free frequencies", f"{listed} Hz"))
+        found.append(Finding(LOWEST_FREQUENCIES, listed))
     return found, zero, frequencies
 
 

@@ -36,15 +36,20 @@ def virtual_nodes(
     nodes: NDArray[np.float64],
     dofs_per_node: int,
     interfaces: Sequence[RigidInterface | AveragingInterface],
+    labels: NDArray[np.int64] | None = None,
 ) -> tuple[VirtualNode, ...]:
-    """Resolve interfaces given by node numbers; ModelError for each way in which one can be impossible."""
+    """Resolve interfaces given by node numbers; ModelError for each way in which one can be impossible.
+
+    labels : (N,) ids of the nodes, for messages; their numbers when omitted
+    """
+    labels = np.arange(len(nodes)) if labels is None else labels
     held_by: dict[int, str] = {}
     placed: dict[str, VirtualNode] = {}
     for interface in interfaces:
         where = f"body '{body}', interface '{interface.name}'"
         if interface.name in placed:
             raise ModelError(f"{where}: another interface has this name; names must differ")
-        node_ids = _node_ids(where, interface, len(nodes))
+        node_ids = _node_ids(where, interface, labels)
         points = nodes[node_ids]
         if dofs_per_node == 3 and are_collinear(points):
             raise ModelError(
@@ -55,7 +60,7 @@ def virtual_nodes(
             twice = [node for node in node_ids.tolist() if node in held_by]
             if twice:
                 raise ModelError(
-                    f"{where}: node {twice[0]} (one of {len(twice)}) is already rigid in interface "
+                    f"{where}: node {labels[twice[0]]} (one of {len(twice)}) is already rigid in interface "
                     f"'{held_by[twice[0]]}'; a node can belong to one rigid interface only"
                 )
             held_by.update(dict.fromkeys(node_ids.tolist(), interface.name))
@@ -93,7 +98,10 @@ def interface_motions(
     return tuple(result)
 
 
-def _node_ids(where: str, interface: RigidInterface | AveragingInterface, n_nodes: int) -> NDArray[np.int64]:
+def _node_ids(
+    where: str, interface: RigidInterface | AveragingInterface, labels: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    n_nodes = len(labels)
     given = np.atleast_1d(np.asarray(interface.nodes))
     if given.size == 0:
         raise ModelError(f"{where}: it has no nodes")
@@ -106,7 +114,7 @@ def _node_ids(where: str, interface: RigidInterface | AveragingInterface, n_node
         raise ModelError(f"{where}: there is no node {outside[0]}; the body's nodes are 0 to {n_nodes - 1}")
     unique, counts = np.unique(given, return_counts=True)
     if np.any(counts > 1):
-        raise ModelError(f"{where}: node {unique[np.argmax(counts)]} is listed {counts.max()} times")
+        raise ModelError(f"{where}: node {labels[unique[np.argmax(counts)]]} is listed {counts.max()} times")
     return read_only(given, np.int64)
 
 

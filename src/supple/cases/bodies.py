@@ -137,7 +137,9 @@ class Body(CheckedTable):
             taken = {each.connection for each in self.interface}
             taken |= {each.nodes for each in self.interface if each.kind == "rigid"}
             check_rigid_connections(self.name, self.mesh or "", connections, taken)
-            body = source.body(self.name, [each.build(connections) for each in self.interface])
+            body = source.body(
+                self.name, [each.build(connections, source.numbers) for each in self.interface]
+            )
         except ModelError:
             source.check(0).raise_if_refused(self.name)
             raise

@@ -24,6 +24,7 @@ from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mista
 from supple.integrate import Run
 from supple.machine import SplitBody, System
 from supple.mesh import Mesh
+from supple.units import UnitSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +48,11 @@ class Case:
     def title(self) -> str:
         """One line for tables and pictures."""
         return self.tables.title
+
+    @property
+    def units(self) -> UnitSystem:
+        """What its numbers are in, as far as it says so."""
+        return UnitSystem.stated(self.tables.units)
 
     @property
     def folder(self) -> Path:

@@ -17,7 +17,9 @@ from supple.cases.loads import Load
 from supple.cases.output import Output
 from supple.cases.simulation import Simulation
 from supple.cases.springs import Spring
+from supple.errors import ModelError
 from supple.importers.toml import ZERO, CheckedTable, KeyPath, Mistakes, Raw, Rule, Vector, table, tables
+from supple.units import UnitSystem
 
 
 class CaseTables(CheckedTable):
@@ -26,7 +28,8 @@ class CaseTables(CheckedTable):
     title: str = Field(description="one line for tables and pictures")
     gravity: Vector = Field(ZERO, description="global axes, m/s2")
     units: dict[str, str] = Field(
-        default_factory=dict, description="a note only: the numbers must be one consistent set"
+        default_factory=dict,
+        description='such as { length = "mm", mass = "t", time = "s" }; nothing is converted',
     )
     body: Annotated[tuple[Body, ...], Field(strict=False)]
     joint: Annotated[tuple[Joint, ...], Field(strict=False)] = ()
@@ -36,6 +39,16 @@ class CaseTables(CheckedTable):
     output: Output = Field(default_factory=lambda: Output.model_validate({}))
 
 
+def _units_are_one_set(raw: Raw) -> Mistakes:
+    units = raw.get("units", {})
+    if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
+        return
+    try:
+        UnitSystem.stated(units)
+    except ModelError as error:
+        yield ("units",), str(error)
+
+
 RULES: tuple[Rule, ...] = (
     *bodies.RULES,
     *joints.RULES,
@@ -43,6 +56,7 @@ RULES: tuple[Rule, ...] = (
     *springs.RULES,
     *simulation.RULES,
     *output.RULES,
+    _units_are_one_set,
     ends_exist,
 )
 """What one key demands of another; each section states its own."""

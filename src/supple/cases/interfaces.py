@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
@@ -19,7 +19,9 @@ class Interface(CheckedTable):
 
     name: str = Field(min_length=1, description="used as BODY.NAME by joints, loads and output")
     nodes: str | None = Field(None, description="a node set of the mesh")
-    node_indices: NodeIndices | None = Field(None, description="node numbers from 0, instead of a node set")
+    node_indices: NodeIndices | None = Field(
+        None, description="ids of nodes in the mesh file, instead of a node set; from 0 where it has none"
+    )
     connection: str | None = Field(
         None, description="rbe2_ID or rbe3_ID of a Nastran mesh, instead of nodes, kind and position"
     )
@@ -28,15 +30,18 @@ class Interface(CheckedTable):
         None, description="body axes, m; elastic bodies: the set's centroid if left out"
     )
 
-    def build(self, connections: Sequence[Connection]) -> RigidInterface | AveragingInterface:
+    def build(
+        self, connections: Sequence[Connection], numbers: Callable[[np.ndarray], np.ndarray]
+    ) -> RigidInterface | AveragingInterface:
         """The interface of an elastic body.
 
         connections : of the body's files
+        numbers : node numbers of ids of its file
         """
         if self.connection is not None:
             return connection_interface(connection_named(self.connection, connections), self.name)
         kind = RigidInterface if self.kind == "rigid" else AveragingInterface
-        nodes = self.nodes if self.nodes is not None else np.array(self.node_indices)
+        nodes = self.nodes if self.nodes is not None else numbers(np.array(self.node_indices))
         return kind(self.name, nodes, position=self.position)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from supple.cases.case import Case
+from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import Progress, silent
 from supple.correction import Round, SelfCorrectionError, correct_recorded, correction_numbers
 from supple.integrate import Solution, Validity
@@ -53,8 +54,9 @@ def run_case(
     SuppleError             whatever the build and the simulation find wrong; what was computed is kept
     """
     folder.mkdir(parents=True, exist_ok=True)
+    warn_of_units(case)
     for body in reduced_bodies(case.system, case.flexible):
-        warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body)
+        warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body, case.units)
     rounds: list[Round] = []
     try:
         system, solution = _simulated(
@@ -63,8 +65,9 @@ def run_case(
     except SelfCorrectionError:
         _write_report(case, folder, correction_numbers(rounds), {})
         raise
+    warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
     tracked = tracked_places(system, solution, {name: case.place(name) for name in case.parts.output.track})
-    numbers = summarize(system, solution, tracked)
+    numbers = summarize(system, solution, tracked, units=case.units)
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_report(case, folder, result.rounds, result.numbers)
     _draw(case, result, folder, progress)
@@ -76,7 +79,7 @@ def _simulated(
 ) -> tuple[System, Solution]:
     """The motion, and the system it is of; rounds of a self-correction are added as they are finished."""
     given = (case.system, replace(case.run, validity=validity))
-    path, of_file = folder / f"{case.path.stem}.h5", {"case": case.text, "title": case.title}
+    path, of_file = folder / f"{case.path.stem}.h5", {"case": case.text, "metadata": _metadata(case)}
     if case.starts:
         corrected = correct_recorded(
             *given, case.starts, path, **of_file, resume=resume, announce=rounds.append, progress=progress
@@ -90,6 +93,10 @@ def _simulated(
     return simulate_kept(*given, path, case.made_here, **of_file, resume=resume, progress=simulating)
 
 
+def _metadata(case: Case) -> dict[str, str]:
+    return {"title": case.title} | ({"units": str(case.units)} if str(case.units) else {})
+
+
 def _write_report(
     case: Case, folder: Path, rounds: Sequence[Mapping[str, Any]], numbers: Mapping[str, Any]
 ) -> None:
@@ -100,7 +107,7 @@ def _write_report(
         # Imported here: a run without pictures does not wait for the drawing library.
         from supple.viz import plot_rounds
 
-        plot_rounds(folder / "self_correction.png", rounds)
+        plot_rounds(folder / "self_correction.png", rounds, units=case.units)
 
 
 def _draw(case: Case, result: CaseResult, folder: Path, progress: Progress) -> None:
@@ -113,11 +120,12 @@ def _draw(case: Case, result: CaseResult, folder: Path, progress: Progress) -> N
     elements = case.elements if output.colour == "von-mises" else None
     if output.pictures:
         case.notify("drawing pictures")
-        draw_run(folder, *run, tracked=result.tracked, elements=elements)
+        draw_run(folder, *run, tracked=result.tracked, elements=elements, units=case.units)
     if output.animation:
         animate_run(
             folder / "motion.gif",
             *run,
             elements=elements,
+            units=case.units,
             progress=lambda share: progress("drawing the animation", share),
         )

@@ -134,7 +134,7 @@ def _nodes(interface: Interface, source: SplitSource) -> IntArray:
         return connection_named(interface.connection, source.whole.connections()).nodes
     if interface.nodes is not None:
         return source.mesh.whole.nodes_of(interface.nodes)
-    return np.array(interface.node_indices)
+    return source.whole.numbers(np.array(interface.node_indices))
 
 
 def _parts(split: _SplitTable) -> Iterator[Body]:

@@ -9,10 +9,12 @@ from rich.markup import escape
 from rich.table import Table
 
 from supple.body import ModelCheck, Verdict, labelled_matrices_source, nastran_source
+from supple.body.model_check import LOWEST_FREQUENCIES
 from supple.cases import read_case
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES
 from supple.terminal import console
+from supple.units import UNNAMED, UnitSystem, measured
 
 _VERDICTS = {
     Verdict.OK: "[green]OK[/green]",
@@ -32,32 +34,38 @@ def print_check(path: Path, *, n_frequencies: int) -> None:
     SuppleError  a file that cannot be read, or of another kind
     """
     refused = []
-    for name, check in _checks(path, n_frequencies):
-        console.print(check_table(name, check))
+    for name, check, units in _checks(path, n_frequencies):
+        console.print(check_table(name, check, units))
         if not check.is_accepted:
             refused.append(name)
     if refused:
         raise ModelError(f"{', '.join(refused)}: refused; see the lines marked 'problem'")
 
 
-def check_table(name: str, check: ModelCheck) -> Table:
-    """The findings of a check as a table."""
+def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Table:
+    """The findings of a check as a table, frequencies in Hz where the unit of time is said."""
+    hertz, factor = units.frequency_shown
     table = Table("", "what", "seen", title=escape(f"Check of {name}"))
     for finding in check.findings:
         seen = f"{finding.seen}\n-> {finding.remedy}" if finding.remedy else finding.seen
+        if finding.what == LOWEST_FREQUENCIES:
+            listed = ", ".join(f"{factor * frequency:.4g}" for frequency in check.frequencies)
+            seen = measured(listed, hertz)
         table.add_row(_VERDICTS[finding.verdict], finding.what, escape(seen))
     return table
 
 
-def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck]]:
+def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, UnitSystem]]:
     suffix = path.suffix.lower()
     if suffix in NASTRAN_SUFFIXES:
-        yield str(path), nastran_source(path).check(n_frequencies)
+        yield str(path), nastran_source(path).check(n_frequencies), UNNAMED
     elif suffix in HDF5_SUFFIXES:
-        yield str(path), labelled_matrices_source(nodes=path, stiffness=path, mass=path).check(n_frequencies)
+        source = labelled_matrices_source(nodes=path, stiffness=path, mass=path)
+        yield str(path), source.check(n_frequencies), UNNAMED
     elif suffix == ".toml":
-        for name, source in read_case(path).sources.items():
-            yield f"body '{name}'", source.check(n_frequencies)
+        case = read_case(path)
+        for name, source in case.sources.items():
+            yield f"body '{name}'", source.check(n_frequencies), case.units
     else:
         complete = ", ".join((".toml", *NASTRAN_SUFFIXES, *HDF5_SUFFIXES))
         raise ImportFormatError(

@@ -12,6 +12,7 @@ from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, read_mesh
 from supple.results.descriptions import Row, describe_mesh, describe_reduced_body, describe_result
 from supple.storage import holds_reduced_body, read_reduced_body
 from supple.terminal import print_rows
+from supple.units import measured
 
 
 def print_info(path: Path) -> None:
@@ -38,7 +39,9 @@ def print_info(path: Path) -> None:
 
 
 def _describe_case(path: Path) -> Iterator[Row]:
-    case = read_case(path).tables
+    read = read_case(path)
+    case, time = read.tables, read.units.time
+    yield "units", str(read.units) or "not said"
     yield "what", case.title
     for body in case.body:
         basis = f", basis {body.reduction.basis}" if body.reduction else ""
@@ -52,4 +55,7 @@ def _describe_case(path: Path) -> Iterator[Row]:
     for spring in case.spring:
         yield "spring", f"{spring.kind}: {spring.first} - {spring.second}"
     run = case.simulation
-    yield "simulation", f"{run.duration:g} s, stored every {run.output_step:g} s"
+    yield (
+        "simulation",
+        f"{measured(f'{run.duration:g}', time)}, stored every {measured(f'{run.output_step:g}', time)}",
+    )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from supple.cases import read_case
 from supple.errors import CaseError
-from supple.results import body_numbers
+from supple.results import body_numbers, unit_names
 from supple.results.descriptions import describe_reduction
 from supple.results.run_tables import body_table
 from supple.simulation import keep_body, reduced_bodies
@@ -31,7 +31,8 @@ def reduce_case(path: Path, folder: Path) -> None:
             'reduction = { basis = "error-controlled", tolerance = 1e-3, modes = 10 }; one that corrects '
             "itself is written by supple run"
         )
-    print_table(*body_table({"bodies": {body.name: body_numbers(body) for body in bodies}}))
+    numbers = {body.name: body_numbers(body, case.units) for body in bodies}
+    print_table(*body_table({"units": unit_names(case.units), "bodies": numbers}))
     for body in bodies:
         print_rows(f"Reduction of {body.name}", describe_reduction(body.report))
         written = keep_body(body, folder)

@@ -6,7 +6,14 @@ from pathlib import Path
 
 from supple import cases
 from supple.correction import SelfCorrectionError, correction_numbers
-from supple.results.run_tables import body_table, correction_table, cost_line, joint_table, place_table
+from supple.results.run_tables import (
+    body_table,
+    correction_table,
+    cost_line,
+    joint_table,
+    motion_table,
+    place_table,
+)
 from supple.terminal import Steps, console, print_table, progress_bars
 
 
@@ -20,16 +27,19 @@ def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = F
         try:
             result = cases.run_case(case, folder, resume=resume, strict=strict, progress=steps.share)
         except SelfCorrectionError as error:
-            print_table(*correction_table(correction_numbers(error.rounds)))
+            print_table(*correction_table(correction_numbers(error.rounds), case.units))
             raise
         steps.finish()
     numbers = result.numbers
     if result.rounds:
-        print_table(*correction_table(result.rounds))
+        print_table(*correction_table(result.rounds, case.units))
     print_table(*body_table(numbers))
     print_table(*joint_table(numbers))
     if numbers["tracked"]:
-        print_table(*place_table(numbers))
+        print_table(*motion_table(numbers))
+        deflections = place_table(numbers)
+        if deflections.rows:
+            print_table(*deflections)
     for name, body in numbers["bodies"].items():
         if "eigenvalues" in body:
             console.print(f"{name}: {body['eigenvalues']}", highlight=False)

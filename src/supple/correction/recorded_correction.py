@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 from supple.correction.correction_folder import CorrectionFolder
 from supple.correction.correction_rounds import CorrectedSystem, ReductionStart, Round, SelfCorrectionError
@@ -18,8 +19,10 @@ from supple.integrate import Run, Validity
 from supple.machine import System
 from supple.multibody.checks.validity import watch
 from supple.simulation import keep_bodies
+from supple.simulation.recorded_run import joint_ends
 from supple.simulation.watched_run import report_resolution, warn_of_unseen_laws
 from supple.storage import ResultFile, write_solution
+from supple.storage.result_reader import Metadata
 
 ROUNDS_FOLDER = "self_correction"
 
@@ -31,7 +34,7 @@ def correct_recorded(
     path: Path | str,
     *,
     case: str,
-    title: str = "",
+    metadata: Metadata = MappingProxyType({}),
     resume: bool = False,
     announce: Announce | None = None,
     progress: CorrectionProgress | None = None,
@@ -43,7 +46,7 @@ def correct_recorded(
     system, run, starts, announce, progress : as for `self_correct`; the validity of the run is that of the
         run that is accepted alone, for a basis that is too small may well leave it
     path : result file to write; `self_correction/` and `NAME-reduced.h5` lie beside it
-    case, title     kept in the file, to continue it and for the record
+    case, metadata  kept in the file, to continue it and for the record
     resume : go on with the rounds that a run left behind which was cut off
 
     Raises
@@ -76,7 +79,7 @@ def correct_recorded(
     except SelfCorrectionError as error:
         best = archive.motion(best_round(correction_numbers(rounds)))
         raise SelfCorrectionError(f"{error}, and on disk: the best is {best}", tuple(rounds)) from error
-    metadata = {"title": title, "self_correction": json.dumps(correction_numbers(rounds))}
+    metadata = {**metadata, **joint_ends(system), "self_correction": json.dumps(correction_numbers(rounds))}
     write_solution(path, corrected.solution, case=case, metadata=metadata)
     keep_bodies(corrected.system, starts, path.parent)
     limits = watch(corrected.system, run.validity)

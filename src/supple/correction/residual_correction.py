@@ -178,7 +178,7 @@ def _expanded(
     system = prepared.system
     names = [placed.body.name for placed in system.bodies]
     multipliers = np.concatenate(
-        [np.zeros(0)] + [solution.joint_forces[joint.name][instant] for joint in system.joints]
+        [np.zeros(0)] + [solution.multipliers[joint.name][instant] for joint in system.joints]
     )
     acceleration = joined("acceleration", "angular_acceleration", "coordinate_accelerations")
     return FullState(

@@ -169,7 +169,8 @@ def _solid_block(mesh: Mesh, section: Section) -> QuadraticStrain:
     if not isinstance(material, Isotropic):
         raise ModelError(f"a solid needs an Isotropic material, not {type(material).__name__}")
     element = SOLID_ELEMENTS[section.cell_type]
-    return solid_strain(element, section.corners(mesh), _dofs(section.nodes(mesh), 3), material)
+    ids = mesh.cell_ids[section.cell_type][section.cells]
+    return solid_strain(element, section.corners(mesh), _dofs(section.nodes(mesh), 3), material, ids)
 
 
 def _model(

@@ -58,18 +58,18 @@ def sections(mesh: Mesh, given: Property | Mapping[str, Property]) -> tuple[Sect
         for kind, cells in mesh.cells_of(name).items()
     )
     for kind, cells in mesh.cells.items():
-        count = np.zeros(len(cells), dtype=int)
+        count, ids = np.zeros(len(cells), dtype=int), mesh.cell_ids[kind]
         for section in found:
             if section.cell_type is kind:
                 count[section.cells] += 1
         if (count == 0).any():
             raise ModelError(
-                f"{(count == 0).sum()} of {len(cells)} {kind.name} cells, first {np.argmin(count)}, are in "
-                f"none of the cell sets {sorted(given)}; give every cell a property"
+                f"{(count == 0).sum()} of {len(cells)} {kind.name} cells, first {ids[np.argmin(count)]}, "
+                f"are in none of the cell sets {sorted(given)}; give every cell a property"
             )
         if (count > 1).any():
             raise ModelError(
-                f"{(count > 1).sum()} {kind.name} cells, first {np.argmax(count > 1)}, are in more than one "
-                f"of the cell sets {sorted(given)}; give every cell one property"
+                f"{(count > 1).sum()} {kind.name} cells, first {ids[np.argmax(count > 1)]}, are in more than "
+                f"one of the cell sets {sorted(given)}; give every cell one property"
             )
     return found

@@ -20,6 +20,7 @@ from supple.mesh.cell_type import CellType
 from supple.mesh.reference_cell import reference_nodes, shape_functions, shape_gradients
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +40,11 @@ class SolidElement:
 
 
 def solid_strain(
-    element: SolidElement, corners: FloatArray, dofs: NDArray[np.int64], material: Isotropic
+    element: SolidElement,
+    corners: FloatArray,
+    dofs: IntArray,
+    material: Isotropic,
+    cell_ids: IntArray | None = None,
 ) -> QuadraticStrain:
     """Quadratic-strain arrays of solid elements.
 
@@ -49,6 +54,7 @@ def solid_strain(
     ----------
     corners : float array (E, k, 3)     positions of all nodes of each cell, m
     dofs : int array (E, 3k)            nodal freedoms
+    cell_ids : int array (E,)           for messages; numbers from 0 when omitted
 
     Raises
     ------
@@ -58,7 +64,7 @@ def solid_strain(
     rule = element.strain_rule
     reference = shape_gradients(element.cell_type, rule.points)
     jacobian = _jacobian(corners, reference)
-    volume = _positive_volume(element.cell_type, corners, jacobian)
+    volume = _positive_volume(element.cell_type, corners, jacobian, cell_ids)
     gradients = (reference @ np.linalg.inv(jacobian)).swapaxes(2, 3)
     G = np.zeros((n_cells, len(rule.points), 3, 3, k, 3))
     for component in range(3):
@@ -114,13 +120,16 @@ def _jacobian(corners: FloatArray, reference: FloatArray) -> FloatArray:
     return np.einsum("eki,pkj->epij", corners, reference, optimize=True)
 
 
-def _positive_volume(cell_type: CellType, corners: FloatArray, jacobian: FloatArray) -> FloatArray:
+def _positive_volume(
+    cell_type: CellType, corners: FloatArray, jacobian: FloatArray, cell_ids: IntArray | None
+) -> FloatArray:
     volume = np.linalg.det(jacobian)
     smallest = volume.min(axis=1)
     if smallest.min() <= 0:
         bad = int(np.flatnonzero(smallest <= 0)[0])
+        called = bad if cell_ids is None else cell_ids[bad]
         raise MeshError(
-            f"{cell_type.name} cell {bad}, centred at {corners[bad].mean(axis=0)}, turns over at an "
+            f"{cell_type.name} cell {called}, centred at {corners[bad].mean(axis=0)}, turns over at an "
             f"integration point (Jacobian {smallest[bad]:.3e}); straighten its sides or refine there"
         )
     return volume

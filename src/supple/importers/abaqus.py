@@ -128,6 +128,8 @@ def read_abaqus(
         {name: numbers_of(nodes.ids, ids)[0] for name, ids in node_sets.items()},
         cell_sets,
         origins,
+        nodes.ids,
+        {kind: np.concatenate(parts) for kind, parts in cell_ids.items()},
     ).to_mesh(only=only, unused_nodes=unused_nodes)
 
 

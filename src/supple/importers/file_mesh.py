@@ -38,7 +38,9 @@ class CellOrigin:
 class FileMesh:
     """Nodes, cells and sets as a file has them, numbered from 0 in its order.
 
-    Where formats have lines, `cell_origins` says for each cell of a type which element it is.
+    node_ids : (N,) what the file calls its nodes; None where it does not
+    cell_ids : {CellType: (E,)} what it calls its elements; two cells of one element share its id
+    cell_origins : where formats have lines, for each cell of a type which element it is
     """
 
     path: Path
@@ -47,6 +49,8 @@ class FileMesh:
     node_sets: dict[str, IntArray]
     cell_sets: dict[str, dict[CellType, IntArray]]
     cell_origins: Mapping[CellType, tuple[CellOrigin, ...]] = field(default_factory=dict)
+    node_ids: IntArray | None = None
+    cell_ids: Mapping[CellType, IntArray] = field(default_factory=dict)
 
     def to_mesh(self, *, only: str | None, unused_nodes: UnusedNodes) -> Mesh:
         """The checked mesh: of one cell set and its nodes, or of everything."""
@@ -54,11 +58,17 @@ class FileMesh:
         if only is not None or unused_nodes is UnusedNodes.DROP:
             chosen = chosen._used()
         try:
-            return Mesh(chosen.nodes, chosen.cells, chosen.node_sets, chosen.cell_sets)
+            return Mesh(
+                chosen.nodes,
+                chosen.cells,
+                chosen.node_sets,
+                chosen.cell_sets,
+                chosen.node_ids,  # type: ignore[arg-type]  # None for numbers
+                chosen.cell_ids,
+            )
         except MeshError as error:
-            raise MeshError(
-                f"{chosen._place_of(error)}: {error} (numbers count from 0, in the order of the file)"
-            ) from error
+            count = " (numbers count from 0, in the order of the file)" if chosen.node_ids is None else ""
+            raise MeshError(f"{chosen._place_of(error)}: {error}{count}") from error
 
     def _place_of(self, error: MeshError) -> str:
         origins = self.cell_origins.get(CellType[error.kind]) if isinstance(error, CellError) else None
@@ -91,6 +101,7 @@ class FileMesh:
             cells=cells,
             cell_sets={n: members for n, members in cell_sets.items() if members},
             cell_origins=origins,
+            cell_ids={kind: ids[kept[kind]] for kind, ids in self.cell_ids.items() if kind in kept},
         )
 
     def _used(self) -> FileMesh:
@@ -102,6 +113,7 @@ class FileMesh:
         return replace(
             self,
             nodes=self.nodes[used],
+            node_ids=None if self.node_ids is None else self.node_ids[used],
             cells={kind: number[array] for kind, array in self.cells.items()},
             node_sets={name: members for name, members in node_sets.items() if members.size},
         )

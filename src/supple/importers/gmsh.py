@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
 from supple.importers.file_mesh import FileMesh, UnusedNodes
+from supple.importers.gmsh_tags import GmshTags, read_gmsh_tags
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
 from supple.mesh import CellType, Mesh
 
@@ -32,6 +33,7 @@ class _Block:
     dimension: int
     cells: IntArray
     groups: dict[str, BoolArray]
+    ids: IntArray
 
 
 def read_gmsh(
@@ -65,17 +67,21 @@ def read_gmsh(
             f"{path}: not readable as a Gmsh mesh ({type(error).__name__}: {error}); save it from Gmsh anew, "
             "as format 2.2 or 4.1, whole, and with either all entities in physical groups or none"
         ) from error
-    blocks = _blocks(path, read, names)
+    tags = read_gmsh_tags(path)
+    blocks = _blocks(path, read, names, tags)
     node_sets = {
         name: np.unique(np.concatenate([b.cells[b.groups[name]].ravel() for b in blocks if name in b.groups]))
         for name in dict.fromkeys(name for block in blocks for name in block.groups)
     }
     asked = [block for block in blocks if only in block.groups] or blocks
     dimension = max(block.dimension for block in asked)
-    cells, cell_sets = _cells_by_type(path, read.points, [b for b in blocks if b.dimension == dimension])
-    return FileMesh(path, np.asarray(read.points, dtype=np.float64), cells, node_sets, cell_sets).to_mesh(
-        only=only, unused_nodes=unused_nodes
-    )
+    chosen = [block for block in blocks if block.dimension == dimension]
+    cells, cell_sets, cell_ids = _cells_by_type(path, read.points, chosen)
+    return FileMesh(
+        *(path, np.asarray(read.points, dtype=np.float64), cells, node_sets, cell_sets),
+        node_ids=None if tags is None else tags.nodes,
+        cell_ids={} if tags is None else cell_ids,
+    ).to_mesh(only=only, unused_nodes=unused_nodes)
 
 
 def _whole_text(path: Path) -> str:
@@ -116,7 +122,11 @@ def _line(text: str, place: int) -> int:
     return text.count("\n", 0, place) + 1
 
 
-def _blocks(path: Path, read: meshio.Mesh, names: dict[tuple[int, int], str]) -> list[_Block]:
+def _blocks(
+    path: Path, read: meshio.Mesh, names: dict[tuple[int, int], str], file_tags: GmshTags | None
+) -> list[_Block]:
+    ends = np.cumsum([len(block.data) for block in read.cells]).tolist()
+    ids = np.arange(ends[-1] if ends else 0) if file_tags is None else file_tags.elements
     untagged = [np.zeros(len(block.data), dtype=np.int64) for block in read.cells]
     tags = [np.asarray(part) for part in read.cell_data.get("gmsh:physical", untagged)]
     named = {
@@ -141,7 +151,7 @@ def _blocks(path: Path, read: meshio.Mesh, names: dict[tuple[int, int], str]) ->
         for name, parts in named.items():
             if parts[i].size:
                 groups.setdefault(name, np.zeros(len(cells), dtype=bool))[parts[i]] = True
-        blocks.append(_Block(block.type, block.dim, cells, groups))
+        blocks.append(_Block(block.type, block.dim, cells, groups, ids[ends[i] - len(cells) : ends[i]]))
     if not blocks:
         raise ImportFormatError(f"{path}: no cells; mesh the geometry before saving it")
     return blocks
@@ -149,7 +159,7 @@ def _blocks(path: Path, read: meshio.Mesh, names: dict[tuple[int, int], str]) ->
 
 def _cells_by_type(
     path: Path, points: NDArray[np.float64], blocks: list[_Block]
-) -> tuple[dict[CellType, IntArray], dict[str, dict[CellType, IntArray]]]:
+) -> tuple[dict[CellType, IntArray], dict[str, dict[CellType, IntArray]], dict[CellType, IntArray]]:
     by_kind: dict[CellType, list[_Block]] = {}
     for block in blocks:
         if block.type_name == _QUADRILATERAL:
@@ -159,7 +169,8 @@ def _cells_by_type(
                 raise ImportFormatError(
                     f"{path}: quadrilateral {crossed[0]} (of its block, from 0): {CROSSED}"
                 )
-            split = _Block("triangle", 2, split_quadrilaterals(points, block.cells), groups)
+            halves = split_quadrilaterals(points, block.cells)
+            split = _Block("triangle", 2, halves, groups, np.repeat(block.ids, 2))
             by_kind.setdefault(CellType.TRIANGLE3, []).append(split)
         elif block.type_name in _CELL_TYPES:
             by_kind.setdefault(_CELL_TYPES[block.type_name], []).append(block)
@@ -171,16 +182,18 @@ def _cells_by_type(
             )
     cells: dict[CellType, IntArray] = {}
     cell_sets: dict[str, dict[CellType, IntArray]] = {}
+    cell_ids: dict[CellType, IntArray] = {}
     for kind, parts in by_kind.items():
         repeated = np.vstack([part.cells for part in parts])
         first, number = _first_of_each(repeated)
         cells[kind] = repeated[first]
+        cell_ids[kind] = np.concatenate([part.ids for part in parts])[first]
         for name in dict.fromkeys(name for part in parts for name in part.groups):
             inside = np.concatenate(
                 [part.groups.get(name, np.zeros(len(part.cells), bool)) for part in parts]
             )
             cell_sets.setdefault(name, {})[kind] = np.unique(number[inside])
-    return cells, cell_sets
+    return cells, cell_sets, cell_ids
 
 
 def _first_of_each(cells: IntArray) -> tuple[IntArray, IntArray]:

@@ -14,10 +14,18 @@ from supple.integrate.generalized_alpha import (
 from supple.integrate.motion import FloatingMotion, Motion, motion_from_arrays, register_motion
 from supple.integrate.run import leg_size, run
 from supple.integrate.run_options import Run, Validity
-from supple.integrate.solution import Solution, Statistics, concatenate
+from supple.integrate.solution import (
+    JOINT_AXES,
+    JOINT_COMPONENTS,
+    Solution,
+    Statistics,
+    concatenate,
+)
 from supple.integrate.step_control import AdaptiveStep, FixedStep, StepControl, Tolerances
 
 __all__ = [
+    "JOINT_AXES",
+    "JOINT_COMPONENTS",
     "AdaptiveStep",
     "Coefficients",
     "Engine",

@@ -9,7 +9,12 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["LARGEST", "Solution", "Statistics", "concatenate"]
+__all__ = ["JOINT_AXES", "JOINT_COMPONENTS", "LARGEST", "Solution", "Statistics", "concatenate"]
+
+JOINT_COMPONENTS = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
+"""Columns of the forces of a joint."""
+JOINT_AXES = "joint axes that turn with the first end, z along the axis of the joint"
+"""What these components are along."""
 
 
 @dataclass(frozen=True)
@@ -51,14 +56,17 @@ class Solution:
     bodies: Mapping[str, Any]
     """Body name to its `Motion`, of the kind that belongs to the form of the body."""
     joint_forces: Mapping[str, np.ndarray]
-    """Joint name to (t, m) Lagrange multipliers, in the order of the joint's constraint equations: forces and
-    moments of the joint on its first end, along the first end's joint axes (z is the joint's axis)."""
+    """Joint name to (t, 6) force and moment on the joint's second end, at that end's point: x, y, z of the
+    force, then of the moment, along the joint axes that turn with the first end (z is the joint's axis)."""
     statistics: Statistics
     stopped: str | None = None
     """Why the run ended before its last output time, in words; None where it did not."""
     engine_state: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
     """What the engine has to know besides the motion to go on from the last output time exactly, in its own
     words; empty where that is not known."""
+    multipliers: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
+    """Joint name to (t, m) Lagrange multipliers of its constraint equations, in their order, whose signs and
+    units they have: what the engine solves for. Empty for an engine that has none."""
 
     def at(self, rows: slice | np.ndarray) -> Solution:
         """The solution at some of its output times, by their numbers; its cost remains that of the whole."""
@@ -67,6 +75,7 @@ class Solution:
             bodies={name: motion.at(rows) for name, motion in self.bodies.items()},
             joint_forces={name: forces[rows] for name, forces in self.joint_forces.items()},
             statistics=self.statistics,
+            multipliers={name: own[rows] for name, own in self.multipliers.items()},
         )
 
 
@@ -90,4 +99,7 @@ def concatenate(parts: Sequence[Solution]) -> Solution:
         statistics=sum((part.statistics for part in parts), Statistics()),
         stopped=last.stopped,
         engine_state=last.engine_state,
+        multipliers={
+            name: np.concatenate([part.multipliers[name] for part in parts]) for name in first.multipliers
+        },
     )

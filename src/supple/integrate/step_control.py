@@ -21,6 +21,10 @@ def _check_smallest(smallest: float, first: float) -> None:
         )
 
 
+# Of the first step: relative, so that a run does not depend on the unit of time.
+SMALLEST = 1e-6
+
+
 @dataclass(frozen=True)
 class FixedStep:
     """Steps of one size, in the unit of time; a step that does not converge is halved, and reported.
@@ -29,9 +33,12 @@ class FixedStep:
     """
 
     size: float
-    smallest: float = 1e-9
+    smallest: float = None  # type: ignore[assignment]
+    """Below it the run ends; a millionth of the size when omitted."""
 
     def __post_init__(self) -> None:
+        if self.smallest is None:
+            object.__setattr__(self, "smallest", SMALLEST * self.size)
         _check_positive(size=self.size, smallest=self.smallest)
         _check_smallest(self.smallest, self.size)
 
@@ -62,9 +69,12 @@ class AdaptiveStep:
     first: float = 1e-6
     largest: float = 1e-2
     tolerance: float = 1e-6
-    smallest: float = 1e-12
+    smallest: float = None  # type: ignore[assignment]
+    """Below it the run ends; a millionth of the first when omitted."""
 
     def __post_init__(self) -> None:
+        if self.smallest is None:
+            object.__setattr__(self, "smallest", SMALLEST * self.first)
         _check_positive(
             first=self.first, largest=self.largest, tolerance=self.tolerance, smallest=self.smallest
         )

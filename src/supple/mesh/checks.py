@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,27 +31,64 @@ def check_mesh(
     cells: Mapping[CellType, IntArray],
     node_sets: Mapping[str, IntArray],
     cell_sets: Mapping[str, Mapping[CellType, IntArray]],
+    node_ids: IntArray,
+    cell_ids: Mapping[CellType, IntArray],
 ) -> None:
-    """Raise MeshError at the first mistake; later checks may rely on earlier ones."""
-    _check_node_coordinates(nodes)
+    """Raise MeshError at the first mistake, in the mesh's ids; later checks may rely on earlier ones."""
+    names = _Names(node_ids, cell_ids)
+    _check_node_coordinates(nodes, names)
     _check_cell_arrays(cells)
-    _check_cell_node_range(nodes, cells)
-    _check_repeated_nodes(cells)
-    _check_orphan_nodes(nodes, cells)
+    _check_cell_node_range(nodes, cells, names)
+    _check_repeated_nodes(cells, names)
+    _check_orphan_nodes(nodes, cells, names)
     _check_node_sets(nodes, node_sets)
     _check_cell_sets(cells, cell_sets)
-    _check_cell_geometry(nodes, cells)
-    _check_connected(nodes, cells)
+    _check_cell_geometry(nodes, cells, names)
+    _check_connected(nodes, cells, names)
 
 
-def _check_node_coordinates(nodes: FloatArray) -> None:
+def check_ids(
+    nodes: FloatArray,
+    cells: Mapping[CellType, IntArray],
+    node_ids: IntArray,
+    cell_ids: Mapping[CellType, IntArray],
+) -> None:
+    """Raise MeshError where there is not one id a node and cell, or two nodes share one."""
+    if node_ids.shape != np.shape(nodes)[:1]:
+        raise MeshError(f"node ids have shape {node_ids.shape} for {len(nodes)} nodes; give one id a node")
+    unique, count = np.unique(node_ids, return_counts=True)
+    if (count > 1).any():
+        raise MeshError(f"{count.max()} nodes have the id {unique[np.argmax(count)]}; node ids must differ")
+    for kind, array in cells.items():
+        if cell_ids[kind].shape != np.shape(array)[:1]:
+            raise MeshError(
+                f"ids of cells {kind.name} have shape {cell_ids[kind].shape} for {len(array)} cells; "
+                "give one id a cell"
+            )
+
+
+class _Names(NamedTuple):
+    """What nodes and cells are called in messages."""
+
+    node_ids: IntArray
+    cell_ids: Mapping[CellType, IntArray]
+
+    def nodes(self, numbers: IntArray) -> str:
+        """Ids of some nodes, as a list."""
+        return str(self.node_ids[numbers].tolist())
+
+
+def _check_node_coordinates(nodes: FloatArray, names: _Names) -> None:
     if nodes.ndim != 2 or nodes.shape[1] != 3 or not len(nodes):
         raise MeshError(
             f"nodes have shape {nodes.shape}; expected (N, 3) with N >= 1, one row x, y, z a node"
         )
     bad = np.flatnonzero(~np.isfinite(nodes).all(axis=1))
     if bad.size:
-        raise MeshError(f"{_some('node', bad)} not finite; node {bad[0]} is at {_point(nodes[bad[0]])}")
+        raise MeshError(
+            f"{_some('node', names.node_ids[bad])} not finite; node {names.node_ids[bad[0]]} "
+            f"is at {_point(nodes[bad[0]])}"
+        )
 
 
 def _check_cell_arrays(cells: Mapping[CellType, IntArray]) -> None:
@@ -63,37 +101,40 @@ def _check_cell_arrays(cells: Mapping[CellType, IntArray]) -> None:
             raise MeshError(f"cells {kind.name} are empty; leave the type out instead")
 
 
-def _check_cell_node_range(nodes: FloatArray, cells: Mapping[CellType, IntArray]) -> None:
+def _check_cell_node_range(nodes: FloatArray, cells: Mapping[CellType, IntArray], names: _Names) -> None:
     for kind, array in cells.items():
+        ids = names.cell_ids[kind]
         bad = np.flatnonzero(((array < 0) | (array >= len(nodes))).any(axis=1))
         if bad.size:
             raise MeshError(
-                f"{_some(f'{kind.name} cell', bad)} naming nodes outside 0 .. {len(nodes) - 1}; "
-                f"cell {bad[0]} has nodes {array[bad[0]].tolist()}; node numbers start at 0"
+                f"{_some(f'{kind.name} cell', ids[bad])} naming nodes outside 0 .. {len(nodes) - 1}; "
+                f"cell {ids[bad[0]]} has nodes {array[bad[0]].tolist()}; node numbers start at 0"
             )
 
 
-def _check_repeated_nodes(cells: Mapping[CellType, IntArray]) -> None:
+def _check_repeated_nodes(cells: Mapping[CellType, IntArray], names: _Names) -> None:
     for kind, array in cells.items():
+        ids = names.cell_ids[kind]
         ordered = np.sort(array, axis=1)
         bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
         if bad.size:
             raise CellError(
-                f"{_some(f'{kind.name} cell', bad)} with a node named twice; cell {bad[0]} has nodes "
-                f"{array[bad[0]].tolist()}; write collapsed cells as their own, simpler type",
+                f"{_some(f'{kind.name} cell', ids[bad])} with a node named twice; cell {ids[bad[0]]} has "
+                f"nodes {names.nodes(array[bad[0]])}; write collapsed cells as their own, simpler type",
                 kind.name,
                 int(bad[0]),
             )
 
 
-def _check_orphan_nodes(nodes: FloatArray, cells: Mapping[CellType, IntArray]) -> None:
+def _check_orphan_nodes(nodes: FloatArray, cells: Mapping[CellType, IntArray], names: _Names) -> None:
     used = np.zeros(len(nodes), dtype=bool)
     for array in cells.values():
         used[array] = True
     bad = np.flatnonzero(~used)
     if bad.size:
         raise MeshError(
-            f"{_some('orphan node', bad)}: no cell uses them, so nothing holds them; node {bad[0]} is at "
+            f"{_some('orphan node', names.node_ids[bad])}: no cell uses them, so nothing holds them; node "
+            f"{names.node_ids[bad[0]]} is at "
             f"{_point(nodes[bad[0]])}; drop unused nodes (readers: unused_nodes=UnusedNodes.DROP)"
         )
 
@@ -126,30 +167,33 @@ def _check_members(what: str, members: IntArray, count: int, of_what: str) -> No
         raise MeshError(f"{what} names {values[counts > 1][0]} more than once; name each member once")
 
 
-def _check_cell_geometry(nodes: FloatArray, cells: Mapping[CellType, IntArray]) -> None:
+def _check_cell_geometry(nodes: FloatArray, cells: Mapping[CellType, IntArray], names: _Names) -> None:
     for kind, array in cells.items():
         if kind.dimension == 1:
-            _check_line_lengths(nodes, array)
+            _check_line_lengths(nodes, array, names)
         elif kind.dimension == 2:
-            _check_flat_triangles(nodes, array)
+            _check_flat_triangles(nodes, array, names)
         else:
-            _check_solid_jacobians(nodes, kind, array)
+            _check_solid_jacobians(nodes, kind, array, names)
 
 
-def _check_line_lengths(nodes: FloatArray, lines: IntArray) -> None:
+def _check_line_lengths(nodes: FloatArray, lines: IntArray, names: _Names) -> None:
+    kind = CellType.LINE2
     length = np.linalg.norm(nodes[lines[:, 1]] - nodes[lines[:, 0]], axis=1)
     bad = np.flatnonzero(length <= SHORTEST_LINE * np.ptp(nodes, axis=0).max())
     if bad.size:
         raise CellError(
-            f"{_some('degenerate LINE2 cell', bad)}, with (almost) no length; {_cell(nodes, lines, bad[0])}; "
+            f"{_some('degenerate LINE2 cell', names.cell_ids[kind][bad])}, with (almost) no length; "
+            f"{_cell(nodes, kind, lines, bad[0], names)}; "
             "move or merge its nodes, or remove it",
             "LINE2",
             int(bad[0]),
         )
 
 
-def _check_flat_triangles(nodes: FloatArray, triangles: IntArray) -> None:
+def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names) -> None:
     """A triangle in space has no wrong side, so only its height against its longest edge is judged."""
+    kind = CellType.TRIANGLE3
     corners = nodes[triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     twice_area = np.linalg.norm(
@@ -158,16 +202,16 @@ def _check_flat_triangles(nodes: FloatArray, triangles: IntArray) -> None:
     bad = np.flatnonzero(twice_area <= FLATTEST_TRIANGLE * longest**2)
     if bad.size:
         raise CellError(
-            f"{_some('degenerate TRIANGLE3 cell', bad)}, with (almost) no area; "
-            f"{_cell(nodes, triangles, bad[0])}; move or merge its nodes, or remove it",
+            f"{_some('degenerate TRIANGLE3 cell', names.cell_ids[kind][bad])}, with (almost) no area; "
+            f"{_cell(nodes, kind, triangles, bad[0], names)}; move or merge its nodes, or remove it",
             "TRIANGLE3",
             int(bad[0]),
         )
 
 
-def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray) -> None:
+def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, names: _Names) -> None:
     """The Jacobian det dx/dxi must be positive at the cell's own nodes."""
-    corners = nodes[array]
+    corners, ids = nodes[array], names.cell_ids[kind]
     extent = np.ptp(corners, axis=1).max(axis=1)
     gradients = shape_gradients(kind, reference_nodes(kind))
     smallest = np.full(len(array), np.inf)
@@ -176,22 +220,23 @@ def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray) -
     bad = np.flatnonzero(smallest < -FLATTEST_SOLID * extent**3)
     if bad.size:
         raise CellError(
-            f"{_some(f'inverted {kind.name} cell', bad)}: the Jacobian is negative at a node; "
-            f"{_cell(nodes, array, bad[0])}; reorder its nodes as CellType.{kind.name} says, or remesh there",
+            f"{_some(f'inverted {kind.name} cell', ids[bad])}: the Jacobian is negative at a node; "
+            f"{_cell(nodes, kind, array, bad[0], names)}; reorder its nodes as CellType.{kind.name} says, "
+            "or remesh there",
             kind.name,
             int(bad[0]),
         )
     bad = np.flatnonzero(smallest <= FLATTEST_SOLID * extent**3)
     if bad.size:
         raise CellError(
-            f"{_some(f'degenerate {kind.name} cell', bad)}, with (almost) no volume at a node; "
-            f"{_cell(nodes, array, bad[0])}; move its nodes, or remesh there",
+            f"{_some(f'degenerate {kind.name} cell', ids[bad])}, with (almost) no volume at a node; "
+            f"{_cell(nodes, kind, array, bad[0], names)}; move its nodes, or remesh there",
             kind.name,
             int(bad[0]),
         )
 
 
-def _check_connected(nodes: FloatArray, cells: Mapping[CellType, IntArray]) -> None:
+def _check_connected(nodes: FloatArray, cells: Mapping[CellType, IntArray], names: _Names) -> None:
     # Linking each node of a cell to the next is enough to connect them all.
     start = np.concatenate([array[:, :-1].ravel() for array in cells.values()])
     end = np.concatenate([array[:, 1:].ravel() for array in cells.values()])
@@ -201,8 +246,9 @@ def _check_connected(nodes: FloatArray, cells: Mapping[CellType, IntArray]) -> N
         sizes = np.sort(np.bincount(part))[::-1]
         first = np.flatnonzero(part != np.argmax(np.bincount(part)))[0]
         raise MeshError(
-            f"the mesh falls into {n_parts} disconnected parts, of {_first_few(sizes)} nodes; node {first} "
-            f"at {_point(nodes[first])} is not in the largest; merge coincident nodes, or make each part its "
+            f"the mesh falls into {n_parts} disconnected parts, of {_first_few(sizes)} nodes; node "
+            f"{names.node_ids[first]} at {_point(nodes[first])} is not in the largest; merge coincident "
+            "nodes, or make each part its "
             "own mesh (readers: only='name of its cell set')"
         )
 
@@ -215,10 +261,10 @@ def _first_few(numbers: IntArray) -> str:
     return ", ".join(map(str, numbers[:5].tolist())) + (", ..." if len(numbers) > 5 else "")
 
 
-def _cell(nodes: FloatArray, array: IntArray, number: int) -> str:
+def _cell(nodes: FloatArray, kind: CellType, array: IntArray, number: int, names: _Names) -> str:
     members = array[number]
     corners = ", ".join(_point(nodes[node]) for node in members[:4]) + (", ..." if len(members) > 4 else "")
-    return f"cell {number} has nodes {members.tolist()} at {corners}"
+    return f"cell {names.cell_ids[kind][number]} has nodes {names.nodes(members)} at {corners}"
 
 
 def _point(position: FloatArray) -> str:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
-from supple.mesh.checks import check_mesh
+from supple.mesh.checks import check_ids, check_mesh
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -27,6 +27,10 @@ class Mesh:
     cells : {CellType: int array (E, k)}   node numbers of each cell, 0-based, ordered as `CellType` says
     node_sets : {name: int array}       node numbers; kept in the order given (an edge may run root to tip)
     cell_sets : {name: {CellType: int array}}   cell numbers within their type
+    node_ids : int array (N,)           what the nodes are called: ids of the file they are from, each once;
+                                        their numbers when omitted
+    cell_ids : {CellType: int array (E,)}   what the cells are called, likewise; cells may share an id,
+                                        as the two triangles of a quadrilateral do
 
     All arrays are copied and read-only.
 
@@ -40,6 +44,8 @@ class Mesh:
     cells: Mapping[CellType, IntArray]
     node_sets: Mapping[str, IntArray] = field(default_factory=dict)
     cell_sets: Mapping[str, Mapping[CellType, IntArray]] = field(default_factory=dict)
+    node_ids: IntArray = field(default=None)  # type: ignore[assignment]  # numbers, once it is built
+    cell_ids: Mapping[CellType, IntArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         nodes = np.array(self.nodes, dtype=np.float64)
@@ -52,7 +58,16 @@ class Mesh:
             )
             for name, members in self.cell_sets.items()
         }
-        check_mesh(nodes, cells, node_sets, cell_sets)
+        node_ids = np.arange(len(nodes)) if self.node_ids is None else self.node_ids
+        node_ids = _numbers(node_ids, "node ids")
+        cell_ids = {
+            kind: _numbers(self.cell_ids.get(kind, np.arange(len(array))), f"ids of cells {kind.name}")
+            for kind, array in cells.items()
+        }
+        check_ids(nodes, cells, node_ids, cell_ids)
+        check_mesh(nodes, cells, node_sets, cell_sets, node_ids, cell_ids)
+        object.__setattr__(self, "node_ids", node_ids)
+        object.__setattr__(self, "cell_ids", MappingProxyType(cell_ids))
         object.__setattr__(self, "nodes", nodes)
         object.__setattr__(self, "cells", MappingProxyType(cells))
         object.__setattr__(self, "node_sets", MappingProxyType(node_sets))
@@ -61,7 +76,10 @@ class Mesh:
     def __reduce__(self):
         # Mapping proxies do not pickle; building anew also keeps the arrays read-only.
         cell_sets = {name: dict(members) for name, members in self.cell_sets.items()}
-        return Mesh, (self.nodes, dict(self.cells), dict(self.node_sets), cell_sets)
+        return Mesh, (
+            *(self.nodes, dict(self.cells), dict(self.node_sets), cell_sets),
+            *(self.node_ids, dict(self.cell_ids)),
+        )
 
     def __repr__(self) -> str:
         cells = ", ".join(f"{len(array)} {kind.name}" for kind, array in self.cells.items())
@@ -83,6 +101,25 @@ class Mesh:
         if name not in self.node_sets:
             raise MeshError(f"no node set '{name}' in this mesh; it has {_listed(self.node_sets)}")
         return self.node_sets[name]
+
+    def numbers_of(self, ids: ArrayLike) -> IntArray:
+        """Node numbers of node ids; MeshError for an id that no node has."""
+        wanted = _numbers(ids, "node ids")
+        order = np.argsort(self.node_ids, kind="stable")
+        place = np.minimum(np.searchsorted(self.node_ids[order], wanted), self.n_nodes - 1)
+        found = order[place]
+        lost = wanted[self.node_ids[found] != wanted]
+        if lost.size:
+            raise MeshError(
+                f"no node of this mesh has the id {lost[0]}; its ids are {self.node_ids.min()} to "
+                f"{self.node_ids.max()}" + ("" if self.has_own_ids else ", numbered from 0")
+            )
+        return found
+
+    @property
+    def has_own_ids(self) -> bool:
+        """Whether its nodes are called otherwise than by their numbers."""
+        return not np.array_equal(self.node_ids, np.arange(self.n_nodes))
 
     def cells_of(self, name: str) -> Mapping[CellType, IntArray]:
         """Cell numbers, by type, of a named cell set; MeshError lists the sets there are."""

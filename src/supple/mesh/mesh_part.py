@@ -56,6 +56,8 @@ def mesh_part(
         {kind: np.searchsorted(nodes, mesh.cells[kind][numbers]) for kind, numbers in kept.items()},
         sets,
         _cell_sets(mesh, kept),
+        mesh.node_ids[nodes],
+        {kind: mesh.cell_ids[kind][numbers] for kind, numbers in kept.items()},
     )
     return MeshPart(part, nodes, kept)
 

@@ -9,6 +9,7 @@ from supple.results.error_measures import (
 )
 from supple.results.joint_loads import (
     joint_loads,
+    joint_meanings,
 )
 from supple.results.node_motion import (
     NodeMotion,
@@ -18,9 +19,11 @@ from supple.results.recovery import (
     displacement_from_axes,
     node_positions,
 )
+from supple.results.round_off import without_noise
 from supple.results.run_summary import (
     body_numbers,
     summarize,
+    unit_names,
 )
 from supple.results.stress_history import (
     von_mises_history,
@@ -49,6 +52,7 @@ __all__ = [
     "deflections",
     "displacement_from_axes",
     "joint_loads",
+    "joint_meanings",
     "motion_error",
     "node_displacements",
     "node_motion",
@@ -60,6 +64,8 @@ __all__ = [
     "summarize",
     "tracked_motion",
     "tracked_places",
+    "unit_names",
     "von_mises_history",
     "von_mises_strain_history",
+    "without_noise",
 ]

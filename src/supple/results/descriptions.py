@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from supple.integrate import JOINT_COMPONENTS
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody
 from supple.reduction.reduced_body import ReductionReport
 from supple.storage import read_header, read_solution
+from supple.units import UNNAMED, UnitSystem, measured
 
 Row = tuple[str, str]
 
@@ -28,13 +30,15 @@ def describe_mesh(mesh: Mesh) -> Iterator[Row]:
         yield f"cell set {name}", f"{sum(len(cells) for cells in members.values())} cells"
 
 
-def describe_reduced_body(body: ReducedBody) -> Iterator[Row]:
+def describe_reduced_body(body: ReducedBody, units: UnitSystem = UNNAMED) -> Iterator[Row]:
     """Size, mass, lowest frequencies, what is proven of them, and interfaces."""
     kind = "linear" if body.is_linear else "nonlinear"
     yield "what", body.name
     yield "coordinates", f"{body.r} of {len(body.nodal_basis)} freedoms, {kind}; {body.frame}"
-    yield "mass", f"{body.mass:g}"
-    yield "lowest frequencies", f"{_listed(body.frequencies[:6] / (2 * np.pi))} Hz in its frame"
+    yield "mass", measured(f"{body.mass:g}", units.mass)
+    hertz, factor = units.frequency_shown
+    lowest = _listed(factor * body.frequencies[:6] / (2 * np.pi))
+    yield "lowest frequencies", f"{measured(lowest, hertz)} in its frame"
     if body.report.certificate is not None:
         yield "eigenvalues", str(body.report.certificate)
     for interface in body.interfaces:
@@ -63,15 +67,17 @@ def describe_result(path: Path) -> Iterator[Row]:
     """
     header, unfinished = read_header(path), "cut off, or still running; supple run CASE --resume continues it"
     yield "what", "complete" if header.complete else unfinished
+    units = UnitSystem.parsed(str(header.metadata.get("units", "")))
     for name, value in header.metadata.items():
         yield name, str(value)
     if header.n_times:
         solution = read_solution(path)
-        yield "times", f"{header.n_times}, from {solution.times[0]:g} to {solution.times[-1]:g} s"
+        span = f"{header.n_times}, from {solution.times[0]:g} to {solution.times[-1]:g}"
+        yield "times", measured(span, units.time)
         for name, motion in solution.bodies.items():
             yield f"body {name}", f"{motion.coordinates.shape[1]} coordinates"
-        for name, forces in solution.joint_forces.items():
-            yield f"joint {name}", f"{forces.shape[1]} forces and moments"
+        for name in solution.joint_forces:
+            yield f"joint {name}", f"{', '.join(JOINT_COMPONENTS)} on its second end"
     cost = header.statistics
     yield "cost", f"{cost.steps} steps, {cost.iterations} iterations, {cost.seconds:.2f} s"
 

@@ -12,49 +12,64 @@ from supple.body import FullBody, RigidBody
 from supple.integrate import Solution, Statistics
 from supple.machine import System
 from supple.reduction import ReducedBody, clamped_modes
-from supple.results.joint_loads import joint_loads
+from supple.results.joint_loads import joint_loads, joint_meanings
 from supple.results.tracked_motion import TrackedMotion
+from supple.units import UNNAMED, UnitSystem, headed
 
 N_FREQUENCIES = 5
+_QUANTITIES = ("length", "mass", "time", "force", "moment", "stress", "energy")
 
 
 def summarize(
-    system: System, solution: Solution, tracked: Mapping[str, TrackedMotion] = MappingProxyType({})
+    system: System,
+    solution: Solution,
+    tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
+    *,
+    units: UnitSystem = UNNAMED,
 ) -> dict[str, Any]:
-    """Numbers of a finished run: bodies, tracked places, joint forces, cost.
+    """Numbers of a finished run: bodies, tracked places, joint forces, cost, and what they are in.
 
     tracked : motions of places, by their names
+    units : of the model; frequencies are in Hz, all else as it was computed
     """
+    meanings = joint_meanings(system)
     return {
-        "bodies": {placed.body.name: body_numbers(placed.body) for placed in system.bodies},
+        "units": unit_names(units),
+        "bodies": {placed.body.name: body_numbers(placed.body, units) for placed in system.bodies},
         "tracked": {name: _place_numbers(place, solution.times) for name, place in tracked.items()},
         "joints": {
-            name: _joint_numbers(loads, solution.times)
+            name: {**meanings[name], **_joint_numbers(loads, solution.times)}
             for name, loads in joint_loads(system, solution).items()
         },
         "statistics": cost_numbers(solution.statistics),
     }
 
 
-def body_numbers(body: RigidBody | FullBody | ReducedBody) -> dict[str, Any]:
-    """Kind, size, mass and frequencies of a body."""
-    return {"kind": body.kind, **_NUMBERS_OF[body.kind](body)}
+def unit_names(units: UnitSystem) -> dict[str, str]:
+    """Of each quantity of a report the name of its unit; quantities without a name are left out."""
+    named = {what: getattr(units, what) for what in _QUANTITIES} | {"frequency": units.frequency_shown.unit}
+    return {what: unit for what, unit in named.items() if unit}
 
 
-def _numbers_of_rigid(body: RigidBody) -> dict[str, Any]:
+def body_numbers(body: RigidBody | FullBody | ReducedBody, units: UnitSystem = UNNAMED) -> dict[str, Any]:
+    """Kind, size, mass and frequencies (Hz, or one over the time where no unit is said) of a body."""
+    return {"kind": body.kind, **_NUMBERS_OF[body.kind](body, units)}
+
+
+def _numbers_of_rigid(body: RigidBody, _: UnitSystem) -> dict[str, Any]:
     return {"mass": body.mass}
 
 
-def _numbers_of_full(body: FullBody) -> dict[str, Any]:
+def _numbers_of_full(body: FullBody, _: UnitSystem) -> dict[str, Any]:
     return {"nodes": len(body.nodes), "coordinates": body.n_coordinates}
 
 
-def _numbers_of_reduced(body: ReducedBody) -> dict[str, Any]:
+def _numbers_of_reduced(body: ReducedBody, units: UnitSystem) -> dict[str, Any]:
     held = {
-        i.name: _hertz(clamped_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies)
+        i.name: _shown(clamped_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies, units)
         for i in body.interfaces
     }
-    proven = body.report.certificate
+    proven, hertz = body.report.certificate, units.frequency_shown.unit
     return {
         "mass": body.mass,
         "nodes": len(body.nodes),
@@ -64,27 +79,30 @@ def _numbers_of_reduced(body: ReducedBody) -> dict[str, Any]:
         "derivative columns": len(body.report.derivatives),
         "dropped columns": list(body.report.dropped),
         "largest singular value dropped": float(np.max(body.report.singular_values_dropped, initial=0.0)),
-        "frequencies in the frame, Hz": _hertz(body.frequencies[:N_FREQUENCIES]),
-        "frequencies held, Hz": held,
+        headed("frequencies in the frame", hertz): _shown(body.frequencies[:N_FREQUENCIES], units),
+        headed("frequencies held", hertz): held,
         **({} if proven is None else {"eigenvalues": str(proven)}),
         "seconds": dict(body.report.seconds),
     }
 
 
-_NUMBERS_OF: Mapping[str, Callable[[Any], dict[str, Any]]] = MappingProxyType(
+_NUMBERS_OF: Mapping[str, Callable[[Any, UnitSystem], dict[str, Any]]] = MappingProxyType(
     {"rigid": _numbers_of_rigid, "full": _numbers_of_full, "reduced": _numbers_of_reduced}
 )
 """What there is to say of a body of each form."""
 
 
-def _hertz(omega: np.ndarray) -> np.ndarray:
-    return omega / (2 * np.pi)
+def _shown(omega: np.ndarray, units: UnitSystem) -> np.ndarray:
+    return units.frequency_shown.factor * omega / (2 * np.pi)
 
 
 def _place_numbers(place: TrackedMotion, times: np.ndarray) -> dict[str, Any]:
     peaks = np.argmax(np.abs(place.deflection), axis=0)
     return {
+        "lowest position": place.position.min(axis=0),
+        "highest position": place.position.max(axis=0),
         "seen from": place.seen_from,
+        "elastic": place.is_elastic,
         "largest deflection": place.deflection[peaks, range(3)],
         "at time": times[peaks],
         "last deflection": place.deflection[-1],

@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from supple.integrate import Statistics
+from supple.results.round_off import without_noise
+from supple.units import UNNAMED, UnitSystem, headed
 
 
 class TextTable(NamedTuple):
@@ -20,56 +22,94 @@ class TextTable(NamedTuple):
 
 def body_table(numbers: Mapping[str, Any]) -> TextTable:
     """Size and lowest frequencies, a row per body and place it is held at; numbers as of `summarize`."""
-    heads = ("body", "kind", "mass", "nodes", "coordinates", "held at", "lowest frequencies, Hz")
-    return TextTable(
-        "Bodies", heads, [row for each in numbers["bodies"].items() for row in _body_rows(*each)]
+    units = numbers["units"]
+    hertz = units.get("frequency", "")
+    heads = (
+        *("body", "kind", headed("mass", units.get("mass", "")), "nodes", "coordinates", "held at"),
+        headed("lowest frequencies", hertz),
     )
+    rows = [row for name, body in numbers["bodies"].items() for row in _body_rows(name, body, hertz)]
+    return TextTable("Bodies", heads, rows)
 
 
-def _body_rows(name: str, body: Mapping[str, Any]) -> Iterable[list[str]]:
+def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[str]]:
     cells = [name, body["kind"], _number(body.get("mass")), _count(body.get("nodes"))]
     coordinates = _count(body.get("coordinates"))
     if body["kind"] == "reduced":
         coordinates = f"{coordinates} of {body['freedoms']}"
-    held = {"(its frame)": body.get("frequencies in the frame, Hz", ())} | body.get(
-        "frequencies held, Hz", {}
-    )
+    held = {"(its frame)": body.get(headed("frequencies in the frame", hertz), ())}
+    held |= body.get(headed("frequencies held", hertz), {})
     for row, (place, frequencies) in enumerate(held.items()):
         head = [*cells, coordinates] if row == 0 else [""] * 5
         if len(frequencies) or row == 0:
             yield [*head, place if len(frequencies) else "", _vector(frequencies, digits=4)]
 
 
-def place_table(numbers: Mapping[str, Any]) -> TextTable:
-    """One row per axis of each tracked place; numbers as of `summarize`."""
+def motion_table(numbers: Mapping[str, Any]) -> TextTable:
+    """Where each tracked place has been, one row per global axis; numbers as of `summarize`."""
     rows = []
     for name, place in numbers["tracked"].items():
+        ends = without_noise([place[f"{which} position"] for which in ("lowest", "highest", "last")])
         for axis, letter in enumerate("xyz"):
-            head = [name, place["seen from"]] if axis == 0 else ["", ""]
-            values = (place[key][axis] for key in ("largest deflection", "at time", "last deflection"))
-            rows.append([*head, letter, *(_number(value) for value in values)])
-    heads = ("place", "seen from", "axis", "largest deflection", "at time", "at the end")
+            values = ends[:, axis]
+            rows.append([name if axis == 0 else "", letter, *(_number(value) for value in values)])
+    length = numbers["units"].get("length", "")
+    heads = (
+        "place",
+        "global axis",
+        *(headed(which, length) for which in ("lowest", "highest", "at the end")),
+    )
     return TextTable("Tracked motion", heads, rows)
+
+
+def place_table(numbers: Mapping[str, Any]) -> TextTable:
+    """Deflection of each tracked place of an elastic body, one row per axis; numbers as of `summarize`."""
+    rows = []
+    for name, place in numbers["tracked"].items():
+        moved = [place[f"{which} position"] for which in ("lowest", "highest")]
+        largest, last = (
+            without_noise(place[f"{which} deflection"], like=moved) for which in ("largest", "last")
+        )
+        for axis, letter in enumerate("xyz") if place["elastic"] else ():
+            head = [name, place["seen from"]] if axis == 0 else ["", ""]
+            when = place["at time"][axis] if largest[axis] else 0.0
+            values = (largest[axis], when, last[axis])
+            rows.append([*head, letter, *(_number(value) for value in values)])
+    length, time = (numbers["units"].get(what, "") for what in ("length", "time"))
+    heads = (
+        *("place", "seen from", "axis", headed("largest deflection", length)),
+        *(headed("at time", time), headed("at the end", length)),
+    )
+    return TextTable("Deflection", heads, rows)
 
 
 def joint_table(numbers: Mapping[str, Any]) -> TextTable:
     """Force and moment on the second end of each joint; numbers as of `summarize`."""
-    rows = []
+    rows, units = [], numbers["units"]
+    scales = {
+        what: [joint.get(f"largest {what}", 0.0) for joint in numbers["joints"].values()]
+        for what in ("force", "moment")
+    }
     for name, joint in numbers["joints"].items():
         for row, what in enumerate(what for what in ("force", "moment") if f"largest {what}" in joint):
-            largest = (_number(joint[f"{size} {what}"]) for size in ("largest", "time of largest"))
-            rows.append([name if row == 0 else "", what, *largest, _vector(joint[f"last {what}"])])
-    heads = ("joint", "on its second end", "largest", "at time", "at the end (x, y, z of the joint)")
+            head = [name, joint["acts on"]] if row == 0 else ["", ""]
+            largest = float(without_noise(joint[f"largest {what}"], like=scales[what]))
+            when = joint[f"time of largest {what}"] if largest else 0.0
+            last = _vector(without_noise(joint[f"last {what}"], like=scales[what]))
+            rows.append([*head, headed(what, units.get(what, "")), _number(largest), _number(when), last])
+    time = headed("at time", units.get("time", ""))
+    heads = ("joint", "acts on", "what", "largest", time, "x, y, z of the joint at the end")
     return TextTable("Joints", heads, rows)
 
 
-def correction_table(numbers: Sequence[Mapping[str, Any]]) -> TextTable:
-    """One row a round and body; numbers as of `correction_numbers`."""
+def correction_table(numbers: Sequence[Mapping[str, Any]], units: UnitSystem = UNNAMED) -> TextTable:
+    """One row a round and body; numbers as of `correction_numbers`, lengths in those units."""
     rows = []
     for each in numbers:
         errors = (_error(each[key]) for key in ("estimated_error", "allowed", "indicator"))
         rows.append([each["body"], str(each["round"]), str(each["size"]), *errors, f"{each['seconds']:.1f}"])
-    heads = ("body", "round", "coordinates", "estimated error", "allowed", "missing motion", "seconds")
+    lengths = (headed(what, units.length) for what in ("estimated error", "allowed", "missing motion"))
+    heads = ("body", "round", "coordinates", *lengths, "seconds")
     return TextTable("Self-correction", heads, rows)
 
 

@@ -19,14 +19,17 @@ from supple.results.recovery import displacement_from_axes, node_positions
 class TrackedMotion:
     """A place of a body over time.
 
-    position : (t, 3)        global, m
+    position : (t, 3)        in global axes, unit of length
     seen_from : str          the body's first interface, or "" when the body has none to look from
-    deflection : (t, 3)      displacement as seen from there, in the mesh axes that turn with it, m
+    deflection : (t, 3)      displacement as seen from there, in the mesh axes that turn with it;
+                             zero of a rigid body
+    is_elastic : bool        whether the body deforms
     """
 
     position: np.ndarray
     seen_from: str
     deflection: np.ndarray
+    is_elastic: bool = True
 
 
 def tracked_motion(body: BodyForm, motion: FloatingMotion, at: str | ArrayLike) -> TrackedMotion:
@@ -53,7 +56,7 @@ def tracked_motion(body: BodyForm, motion: FloatingMotion, at: str | ArrayLike) 
         displacement = node_displacements(body, motion.coordinates, nodes).mean(axis=1)
     position = _in_space(motion, rest + displacement)
     if not (body.n_coordinates and body.interfaces):
-        return TrackedMotion(position, "", displacement)
+        return TrackedMotion(position, "", displacement, body.n_coordinates > 0)
     origin, axes = _base_axes(body, motion)
     base = body.interfaces[0]
     deflection = displacement_from_axes(position, origin, axes, rest - base.position)

@@ -12,8 +12,10 @@ from supple.machine import Placed, System
 from supple.multibody import CompiledStatics, FullStatics
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.consistent_start import consistent_start
-from supple.multibody.equations.floating_solution import joint_forces
+from supple.multibody.equations.floating_solution import body_motions, joint_multipliers
+from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.static_search import StaticSearch, StaticState, search_equilibrium
 from supple.multibody.full.full_system import FullSystem
 
@@ -25,7 +27,7 @@ class Equilibrium:
     """A machine at rest.
 
     system       : System       its bodies placed and deformed as they rest: `simulate` starts there
-    joint_forces : {name: (c,)} multipliers of each joint's equations
+    joint_forces : {name: (6,)} force and moment on each joint's second end, as in a `Solution`
     iterations   : int          that the search took
     """
 
@@ -71,9 +73,24 @@ def equilibrium(
         statics, model, frames = CompiledStatics(compiled), compiled.model, ()
     start = StaticState(configuration, np.zeros(len(model.active)), frames)
     found, iterations = search_equilibrium(statics, start, time, search, progress)
-    return Equilibrium(
-        _placed(still, found), joint_forces(still, model.active, np.asarray(found.multipliers)), iterations
+    multipliers = joint_multipliers(still, model.active, np.asarray(found.multipliers))
+    return Equilibrium(_placed(still, found), _joint_forces(still, found, time, multipliers), iterations)
+
+
+def _joint_forces(
+    system: System, state: StaticState, time: float, multipliers: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """`joint_wrenches` of one instant at rest."""
+    sizes = np.array([6 + placed.body.n_coordinates for placed in system.bodies])
+    slices = tuple(
+        slice(int(end - size), int(end)) for end, size in zip(np.cumsum(sizes), sizes, strict=True)
     )
+    still = np.zeros((1, int(sizes.sum())))
+    configuration = Configuration(*(np.asarray(part)[None] for part in state.configuration))
+    motions = body_motions(system, slices, configuration, still, still)
+    of_instant = {name: own[None] for name, own in multipliers.items()}
+    forces = joint_wrenches(system, np.array([time]), motions, of_instant)
+    return {name: force[0] for name, force in forces.items()}
 
 
 def _at_rest(placed: Placed) -> Placed:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from pathlib import Path
+from types import MappingProxyType
 
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
 from supple.simulation.kept_bodies import keep_bodies, with_kept_bodies
 from supple.simulation.recorded_run import begin_recorded, continue_recorded
+from supple.storage.result_reader import Metadata
 
 
 def simulate_kept(
@@ -18,7 +20,7 @@ def simulate_kept(
     kept: Collection[str],
     *,
     case: str,
-    title: str = "",
+    metadata: Metadata = MappingProxyType({}),
     resume: bool = False,
     progress: Progress | None = None,
 ) -> tuple[System, Solution]:
@@ -26,9 +28,8 @@ def simulate_kept(
 
     Parameters
     ----------
-    system, run, path, case, progress : as for `begin_recorded`
+    system, run, path, case, metadata, progress : as for `begin_recorded`
     kept : names of the bodies to keep, as far as they are reduced; others have files of their own
-    title : kept in the file, for the record
     resume : continue the run that was cut off, with the bodies that it began with
 
     Returns
@@ -44,4 +45,4 @@ def simulate_kept(
         system = with_kept_bodies(system, kept, path.parent)
         return system, continue_recorded(system, run, path, case=case, progress=progress)
     keep_bodies(system, kept, path.parent)
-    return system, begin_recorded(system, run, path, case=case, metadata={"title": title}, progress=progress)
+    return system, begin_recorded(system, run, path, case=case, metadata=metadata, progress=progress)

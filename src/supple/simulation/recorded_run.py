@@ -12,6 +12,7 @@ from supple.machine import System
 from supple.simulation.recorded_columns import check_columns, columns_of
 from supple.simulation.watched_run import watched_run
 from supple.storage import ResultFile, read_header, read_last_instant, read_solution
+from supple.storage.dataset_labels import second_end_key
 from supple.storage.result_reader import Metadata
 
 
@@ -31,7 +32,8 @@ def begin_recorded(
     ----------
     system, run, progress, check : as for `simulate`
     path : file to write; its folder is made
-    case, metadata      kept in the file, to continue it and for the record
+    case, metadata      kept in the file, to continue it and for the record; "units", `str` of a UnitSystem,
+                        name the units of its arrays
 
     Raises
     ------
@@ -39,10 +41,15 @@ def begin_recorded(
     errors of `simulate`; what was computed until then is kept in the file
     """
     Path(path).parent.mkdir(parents=True, exist_ok=True)
-    metadata = {**metadata, **columns_of(system)}
+    metadata = {**metadata, **joint_ends(system), **columns_of(system)}
     return _recorded(
         system, run, ResultFile.create(path, case=case, metadata=metadata), None, progress, check
     )
+
+
+def joint_ends(system: System) -> Metadata:
+    """Metadata that say which end the forces of each joint act on."""
+    return {second_end_key(joint.name): str(joint.second) for joint in system.joints}
 
 
 def continue_recorded(

@@ -1,16 +1,18 @@
 """Result files: simulations on disk, kept as they run.
 
-Format "supple-result", version 1, an HDF5 file (any HDF5 reader opens it):
+Format "supple-result", version 2, an HDF5 file (any HDF5 reader opens it):
 
     attributes   format        "supple-result"
-                 version       1
+                 version       2
                  case          the text of the case that was run, for the record and for continuing it
                  metadata      JSON object of further names and values
     complete     scalar        1 once the run has ended, 0 while it runs or where it was cut off
     times        (t,)          output times
     bodies/<name>/<field>      (t, ...) the arrays of the body's motion, of the kind that the attribute `kind`
                                of the group names; floating where it is missing: position, rotation, ...
-    joint_forces/<name>        (t, m) Lagrange multipliers of each joint
+    joint_forces/<name>        (t, 6) force and moment of each joint; its attributes `columns`, `acts_on`,
+                               `axes` and `unit` say which component, on which end, along which axes
+    multipliers/<name>         (t, m) Lagrange multipliers of each joint, to continue the run
     commits      (k, 8)        one row per chunk written: its number of times, then its steps, iterations,
                                rejected steps, seconds, seconds of compilation, and the largest local error
                                and turn of a step (6 columns in older files)
@@ -41,6 +43,7 @@ import numpy as np
 from supple.errors import ResultFileError
 from supple.integrate.solution import Solution, Statistics
 from supple.storage.atomic_write import replacing
+from supple.storage.dataset_labels import dataset_labels
 from supple.storage.disk_space import reserve_space
 from supple.storage.file_errors import file_errors
 from supple.storage.result_reader import (
@@ -230,6 +233,8 @@ def _write_whole(path: Path, header: ResultHeader, solution: Solution | None) ->
         if solution is not None:
             for name, array in to_arrays(solution).items():
                 _create_growing(file, name, array)
+                for key, value in dataset_labels(name, header.metadata).items():
+                    file[name].attrs[key] = value
             for group, kind in motion_kinds(solution).items():
                 file[group].attrs["kind"] = kind
             for key, value in solution.engine_state.items():

@@ -18,7 +18,7 @@ from supple.storage.file_errors import file_errors
 from supple.storage.solution_arrays import Array, from_arrays, statistics_from_rows
 
 FORMAT = "supple-result"
-VERSION = 1
+VERSION = 2
 
 Metadata = Mapping[str, str | int | float | bool]
 

@@ -20,11 +20,12 @@ _COUNTS = ("steps", "iterations", "rejected_steps")
 
 
 def to_arrays(solution: Solution) -> dict[str, Array]:
-    """Arrays by path: times, bodies/<name>/<field>, joint_forces/<name>."""
+    """Arrays by path: times, bodies/<name>/<field>, joint_forces/<name>, multipliers/<name>."""
     arrays = {"times": solution.times}
     for name, motion in solution.bodies.items():
         arrays |= {f"bodies/{_quoted(name)}/{field}": array for field, array in motion.arrays().items()}
     arrays |= {f"joint_forces/{_quoted(name)}": force for name, force in solution.joint_forces.items()}
+    arrays |= {f"multipliers/{_quoted(name)}": own for name, own in solution.multipliers.items()}
     return {path: np.asarray(array, dtype=np.float64) for path, array in arrays.items()}
 
 
@@ -45,6 +46,7 @@ def from_arrays(
     """
     motions: dict[str, dict[str, Array]] = {}
     joint_forces: dict[str, Array] = {}
+    multipliers: dict[str, Array] = {}
     for path, array in arrays.items():
         array.setflags(write=False)
         match path.split("/"):
@@ -52,11 +54,20 @@ def from_arrays(
                 motions.setdefault(name, {})[field] = array
             case ["joint_forces", name]:
                 joint_forces[unquote(name)] = array
+            case ["multipliers", name]:
+                multipliers[unquote(name)] = array
     bodies = {
         unquote(name): motion_from_arrays(kinds.get(f"bodies/{name}", FloatingMotion.kind), motion)
         for name, motion in motions.items()
     }
-    return Solution(arrays["times"], bodies, joint_forces, statistics, engine_state=engine_state)
+    return Solution(
+        arrays["times"],
+        bodies,
+        joint_forces,
+        statistics,
+        engine_state=engine_state,
+        multipliers=multipliers,
+    )
 
 
 def statistics_row(statistics: Statistics) -> Array:

@@ -4,6 +4,8 @@ from supple.viz.animation import animate
 from supple.viz.camera import Camera
 from supple.viz.contour import plot_contour, stress_field
 from supple.viz.eigenvalue_error import plot_eigenvalue_error
+from supple.viz.glyphs import Glyphs, glyphs_of
+from supple.viz.machine_picture import plot_machine
 from supple.viz.mesh_plot import NodalField, displacement_magnitude, plot_mesh
 from supple.viz.mesh_skin import Skin, skin_of
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
@@ -21,6 +23,7 @@ __all__ = [
     "SOLID",
     "Actor",
     "Camera",
+    "Glyphs",
     "NodalField",
     "Panel",
     "Response",
@@ -33,10 +36,12 @@ __all__ = [
     "animate_run",
     "displacement_magnitude",
     "draw_run",
+    "glyphs_of",
     "mode_titles",
     "plot_contour",
     "plot_eigenvalue_error",
     "plot_error_over_parameter",
+    "plot_machine",
     "plot_mesh",
     "plot_mode_shapes",
     "plot_response_errors",

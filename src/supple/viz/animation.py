@@ -17,7 +17,9 @@ from PIL import Image
 
 from supple.errors import ModelError
 from supple.storage.atomic_write import replacing
+from supple.units import UNNAMED, UnitSystem, measured
 from supple.viz.camera import Camera
+from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.mesh_plot import check_nodes, draw_cross, draw_length_bar
 from supple.viz.mesh_skin import Skin
 from supple.viz.shaded_surface import Page, page_around, render, show
@@ -37,30 +39,33 @@ def animate(
     path: Path | str,
     times: Array,
     positions: Array,
-    skin: Skin,
+    skin: Skin | None,
     *,
+    glyphs: Glyphs | None = None,
     values: Array | None = None,
     values_label: str = "",
     traced_nodes: Sequence[int] = (),
     camera: Camera | None = None,
     frames_per_second: float = 20.0,
     n_columns: int = 640,
-    length_unit: str = "m",
+    units: UnitSystem = UNNAMED,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
     """Animate a body in space as a GIF that repeats, one frame per given time.
 
     Parameters
     ----------
-    times : array (t,)              s, shown in the picture
+    times : array (t,)              shown in the picture
     positions : array (t, N, 3)     of the nodes, as `node_positions` recovers them
-    skin : Skin                     what is seen of the mesh
+    skin : Skin                     what is seen of the mesh; None with positions (t, 0, 3)
+    glyphs : Glyphs                 of what has no mesh, at the same times
     values : array (t, N)           nodal scalar to colour by, in one scale throughout; NaN is plain
     values_label : str              what they are, with their unit, under a colour bar; no bar without
     traced_nodes : node numbers     whose paths are drawn
     camera : Camera                 a three-quarter view of the whole motion by default
     frames_per_second : float       up to 50, which is as fast as viewers play
     n_columns : int                 pixels across
+    units : UnitSystem              what the length bar and the clock are in
     progress : callable             called with the share of frames done, ending at 1
 
     Raises
@@ -69,10 +74,13 @@ def animate(
     ResultFileError     the file cannot be written
     """
     _check(path, times, positions, skin, values, traced_nodes, frames_per_second)
+    _check_glyphs(glyphs, skin, len(times))
     if values_label and values is None:
         raise ModelError(f"cannot draw a colour bar of '{values_label}': give the values, too")
-    camera = camera or Camera.three_quarter(positions.reshape(-1, 3))
-    page = page_around(camera.project(positions)[0], n_columns, least_aspect=0.25)
+    seen = positions if glyphs is None else np.concatenate([positions, glyphs.points], axis=1)
+    camera = camera or Camera.three_quarter(seen.reshape(-1, 3))
+    margin = 0.04 if glyphs is None else 0.08  # marks reach beyond their places
+    page = page_around(camera.project(seen)[0], n_columns, margin=margin, least_aspect=0.25)
     scale = ScalarMappable(cmap=colormaps[COLOUR_MAP].with_extremes(bad=SURFACE_COLOUR))
     if values is not None:
         scale.set_norm(Normalize(np.nanmin(values), np.nanmax(values)))
@@ -84,16 +92,21 @@ def animate(
         figure, axes = _stage(page, scale, values_label)
         canvas = FigureCanvasAgg(figure)
         image = show(axes, np.zeros((page.n_rows, page.n_columns, 4)), page)
+        drawn = None if glyphs is None else DrawnGlyphs(axes, glyphs, camera)
         draw_cross(axes, camera)
-        draw_length_bar(axes, page, length_unit)
+        draw_length_bar(axes, page, units)
         clock = axes.text(0.98, 0.97, "", transform=axes.transAxes, ha="right", va="top")
         paths = [axes.plot([], [], color=COLOURS[1], linewidth=0.9, zorder=1.5)[0] for _ in traced_nodes]
         traced = camera.project(positions[:, list(traced_nodes)])[0]
-        frames = []
+        frames, digits = [], _digits(times)
         for i, time in enumerate(times):
             frame_values = None if values is None else values[i]
-            image.set_data(render(positions[i], skin, camera, page, values=frame_values, colouring=colouring))
-            clock.set_text(f"t = {time:.2f} s")
+            if skin is not None:
+                picture = render(positions[i], skin, camera, page, values=frame_values, colouring=colouring)
+                image.set_data(picture)
+            if drawn is not None:
+                drawn.show(i)
+            clock.set_text(measured(f"t = {time:.{digits}f}", units.time))
             for k, line in enumerate(paths):
                 line.set_data(*traced[: i + 1, k].T)
             canvas.draw()
@@ -102,6 +115,12 @@ def animate(
                 progress((i + 1) / len(times))
     _save_gif(Path(path), frames, frames_per_second)
     return Path(path)
+
+
+def _digits(times: Array) -> int:
+    """Decimals by which one frame's time differs from the next one's, two at least."""
+    step = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
+    return max(2, int(np.ceil(-np.log10(step)))) if step > 0.0 else 2
 
 
 def _stage(page: Page, scale: ScalarMappable, label: str) -> tuple[Figure, Axes]:
@@ -152,11 +171,18 @@ def _indexed(frame: Array8, palette: Image.Image) -> Image.Image:
     return indexed
 
 
+def _check_glyphs(glyphs: Glyphs | None, skin: Skin | None, n_times: int) -> None:
+    if skin is None and (glyphs is None or glyphs.is_empty):
+        raise ModelError("cannot animate nothing: give a skin, or glyphs")
+    if glyphs is not None and len(glyphs.lines) != n_times:
+        raise ModelError(f"cannot animate glyphs at {len(glyphs.lines)} times beside {n_times} frames")
+
+
 def _check(
     path: Path | str,
     times: Array,
     positions: Array,
-    skin: Skin,
+    skin: Skin | None,
     values: Array | None,
     traced_nodes: Sequence[int],
     frames_per_second: float,
@@ -168,8 +194,9 @@ def _check(
             f"cannot animate positions of shape {np.shape(positions)} at {len(times)} times: "
             "give (t, N, 3) and (t,) with at least one frame"
         )
-    for frame in positions:
-        check_nodes(frame, skin)
+    if skin is not None:
+        for frame in positions:
+            check_nodes(frame, skin)
     if values is not None and (
         values.shape != positions.shape[:2] or np.isinf(values).any() or np.isnan(values).all()
     ):

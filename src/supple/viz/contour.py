@@ -13,17 +13,20 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
+from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.camera import Camera
 from supple.viz.mesh_plot import NodalField, check_nodes, checked_values, draw_surface
 from supple.viz.mesh_skin import Skin
 from supple.viz.style import COLOUR_MAP, INK, save_figure, textbook_style
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
-def stress_field(stress: Array) -> NodalField:
-    """Field of von Mises stresses (N,) given in Pa, to be read in MPa."""
-    return NodalField("von Mises stress (MPa)", 1e-6 * np.asarray(stress))
+def stress_field(stress: Array, units: UnitSystem = UNNAMED) -> NodalField:
+    """Field of von Mises stresses (N,), to be read in MPa, or psi; as they are where no unit is said."""
+    unit, factor = units.stress_shown
+    return NodalField(labelled("von Mises stress", unit), factor * np.asarray(stress))
 
 
 def plot_contour(
@@ -33,10 +36,11 @@ def plot_contour(
     field: NodalField,
     *,
     n_bands: int = 10,
+    node_ids: IntArray | None = None,
     undeformed: Array | None = None,
     camera: Camera | None = None,
     title: str = "",
-    length_unit: str = "m",
+    units: UnitSystem = UNNAMED,
 ) -> Path:
     """Draw a field in bands of colour on a body, deformed or not, its largest visible value marked.
 
@@ -47,7 +51,8 @@ def plot_contour(
     nodes : array (N, 3)            positions to draw
     field : NodalField              such as stress_field(modes.von_mises(gamma))
     n_bands : int                   at most so many bands, at least 2
-    undeformed, camera, title, length_unit : as for plot_mesh
+    node_ids : int array (N,)       what the nodes are called, such as mesh.node_ids; their numbers if omitted
+    undeformed, camera, title, units : as for plot_mesh
 
     Raises
     ------
@@ -67,10 +72,10 @@ def plot_contour(
             undeformed=undeformed,
             camera=camera,
             title=title,
-            length_unit=length_unit,
+            units=units,
             scale=_bands(float(values.min()), float(values.max()), n_bands),
         )
-        _mark(axes, camera, nodes, int(seen[values.argmax()]), field)
+        _mark(axes, camera, nodes, int(seen[values.argmax()]), field, node_ids)
         return save_figure(figure, path)
 
 
@@ -81,7 +86,9 @@ def _bands(low: float, high: float, n_bands: int) -> ScalarMappable:
     return ScalarMappable(BoundaryNorm(edges, colormaps[COLOUR_MAP].N), COLOUR_MAP)
 
 
-def _mark(axes: Axes, camera: Camera, nodes: Array, node: int, field: NodalField) -> None:
+def _mark(
+    axes: Axes, camera: Camera, nodes: Array, node: int, field: NodalField, node_ids: IntArray | None
+) -> None:
     """A ring around the node, and its value beside it, towards the middle of the picture."""
     x, y = camera.project(nodes[node])[0]
     axes.plot([x], [y], "o", markersize=7.0, markerfacecolor="none", markeredgecolor=INK, zorder=4.0)
@@ -89,7 +96,7 @@ def _mark(axes: Axes, camera: Camera, nodes: Array, node: int, field: NodalField
     bottom, top = axes.get_ylim()
     rightwards, upwards = x < 0.5 * (left + right), y < 0.5 * (bottom + top)
     axes.annotate(
-        f"largest {field.values[node]:.4g}, node {node}",
+        f"largest {field.values[node]:.4g}, node {node if node_ids is None else node_ids[node]}",
         (x, y),
         xytext=(9.0 if rightwards else -9.0, 12.0 if upwards else -12.0),
         textcoords="offset points",

@@ -16,6 +16,7 @@ from matplotlib.transforms import Affine2D, Affine2DBase, ScaledTranslation, Tra
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
+from supple.units import UNNAMED, UnitSystem, labelled, measured
 from supple.viz.camera import Camera
 from supple.viz.feature_edges import feature_edges
 from supple.viz.mesh_skin import Skin
@@ -51,9 +52,9 @@ class NodalField:
     values: Array
 
 
-def displacement_magnitude(displacements: Array, unit: str = "m") -> NodalField:
+def displacement_magnitude(displacements: Array, units: UnitSystem = UNNAMED) -> NodalField:
     """Field of the lengths of nodal displacements (N, 3)."""
-    return NodalField(f"displacement ({unit})", np.linalg.norm(displacements, axis=1))
+    return NodalField(labelled("displacement", units.length), np.linalg.norm(displacements, axis=1))
 
 
 def plot_mesh(
@@ -65,7 +66,7 @@ def plot_mesh(
     undeformed: Array | None = None,
     camera: Camera | None = None,
     title: str = "",
-    length_unit: str = "m",
+    units: UnitSystem = UNNAMED,
 ) -> Path:
     """Draw a shaded surface in space, lengths true to scale, with an axis cross and a length bar.
 
@@ -76,6 +77,7 @@ def plot_mesh(
     colour_by : NodalField          colours and colour bar; one plain colour without
     undeformed : array (N, 3)       its outline is drawn pale, behind
     camera : Camera                 a three-quarter view by default
+    units : UnitSystem              what the length bar is in
 
     Raises
     ------
@@ -90,7 +92,7 @@ def plot_mesh(
             undeformed=undeformed,
             camera=camera,
             title=title,
-            length_unit=length_unit,
+            units=units,
         )
         return save_figure(figure, path)
 
@@ -103,7 +105,7 @@ def draw_surface(
     undeformed: Array | None,
     camera: Camera | None,
     title: str,
-    length_unit: str,
+    units: UnitSystem,
     scale: ScalarMappable | None = None,
 ) -> tuple[Figure, Axes, Camera]:
     """The picture of plot_mesh before it is saved, to be drawn inside textbook_style.
@@ -132,7 +134,7 @@ def draw_surface(
         draw_outline(axes, undeformed, skin, camera)
     show(axes, picture, page)
     draw_cross(axes, camera)
-    draw_length_bar(axes, page, length_unit)
+    draw_length_bar(axes, page, units)
     axes.set_title(title)
     return figure, axes, camera
 
@@ -175,14 +177,14 @@ def draw_cross(axes: Axes, camera: Camera) -> None:
             cross.text(1.35 * tip[0], 1.35 * tip[1], name, ha="center", va="center", fontsize=7.5)
 
 
-def draw_length_bar(axes: Axes, page: Page, unit: str) -> None:
+def draw_length_bar(axes: Axes, page: Page, units: UnitSystem) -> None:
     """A bar of round length, about a sixth of the width, in the lower right corner."""
     width, height = page.high - page.low
     length = _round_length(width / 6.0)
     right, bottom = page.high[0] - 0.02 * width, page.low[1] + 0.03 * height
     axes.plot([right - length, right], [bottom, bottom], color=INK, linewidth=1.5, zorder=3.0)
     axes.annotate(
-        f"{length:g} {unit}",
+        measured(f"{length:g}", units.length),
         (right - 0.5 * length, bottom),
         xytext=(0.0, 2.5),
         textcoords="offset points",

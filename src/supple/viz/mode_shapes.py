@@ -10,6 +10,7 @@ from matplotlib import colormaps
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
+from supple.units import UNNAMED, UnitSystem, measured
 from supple.viz.camera import Camera
 from supple.viz.mesh_plot import check_nodes, draw_cross, draw_outline
 from supple.viz.mesh_skin import Skin
@@ -21,9 +22,13 @@ Array = NDArray[np.float64]
 _PIXELS_PER_INCH = 200
 
 
-def mode_titles(frequencies: Array) -> list[str]:
-    """Such as "mode 1:  0.675 Hz", of frequencies (m,) in Hz."""
-    return [f"mode {i}:  {frequency:.3g} Hz" for i, frequency in enumerate(frequencies, start=1)]
+def mode_titles(frequencies: Array, units: UnitSystem = UNNAMED) -> list[str]:
+    """Such as "mode 1:  0.675 Hz", of frequencies (m,), one over the unit of time."""
+    unit, factor = units.frequency_shown
+    return [
+        measured(f"mode {i}:  {factor * frequency:.3g}", unit)
+        for i, frequency in enumerate(frequencies, start=1)
+    ]
 
 
 def plot_mode_shapes(

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
 
 from supple.errors import ModelError
+from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import PALE_INK, draw_curve, new_figure, save_figure, textbook_style
 from supple.viz.time_history import Series
 
@@ -28,14 +29,18 @@ class Response:
 
 
 def plot_response_errors(
-    path: Path | str, responses: Sequence[Response], *, until: float | None = None
+    path: Path | str,
+    responses: Sequence[Response],
+    *,
+    until: float | None = None,
+    units: UnitSystem = UNNAMED,
 ) -> Path:
     """Draw each response on the left, and the distance of every model from the reference on the right.
 
     Parameters
     ----------
     responses : one row of panels each, all of the same models
-    until : s       marked, where comparing ends (chaos takes over)
+    until : time    marked, where comparing ends (chaos takes over)
 
     Raises
     ------
@@ -71,7 +76,7 @@ def plot_response_errors(
         handles, labels = grid[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=2)
         for axes in grid[-1]:
-            axes.set_xlabel("time (s)")
+            axes.set_xlabel(labelled("time", units.time))
         figure.align_ylabels(grid)
         return save_figure(figure, path)
 

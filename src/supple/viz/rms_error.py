@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.results.error_measures import MotionError
+from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import (
     COLOURS,
     SOLID,
@@ -31,7 +32,7 @@ def plot_rms_error(
     errors: Mapping[str, MotionError],
     *,
     published: Bounds = MappingProxyType({}),
-    length_unit: str = "m",
+    units: UnitSystem = UNNAMED,
 ) -> Path:
     """RMS errors over time on a logarithmic axis, with published bounds as labelled dashed lines.
 
@@ -55,8 +56,8 @@ def plot_rms_error(
         _draw_bounds(axes, published, list(errors))
         axes.set_yscale("log")
         axes.set_xlim(min(e.times[0] for e in errors.values()), max(e.times[-1] for e in errors.values()))
-        axes.set_xlabel("time (s)")
-        axes.set_ylabel(f"RMS error ({length_unit})")
+        axes.set_xlabel(labelled("time", units.time))
+        axes.set_ylabel(labelled("RMS error", units.length))
         legend_above(axes, len(errors))
         return save_figure(figure, path)
 

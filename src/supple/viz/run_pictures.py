@@ -1,4 +1,4 @@
-"""The pictures of a run: meshes, modes, deformed bodies, tracked motion, joint forces, and an animation."""
+"""The pictures of a run: meshes, modes, deformation, the machine, tracked motion, joint forces, a film."""
 
 from __future__ import annotations
 
@@ -20,13 +20,18 @@ from supple.results import (
     joint_loads,
     node_positions,
     von_mises_history,
+    without_noise,
 )
+from supple.units import UNNAMED, UnitSystem, labelled, measured
 from supple.viz.animation import animate
 from supple.viz.camera import Camera
 from supple.viz.contour import plot_contour, stress_field
+from supple.viz.glyphs import glyphs_of
+from supple.viz.machine_picture import plot_machine
 from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
 from supple.viz.mesh_skin import Skin, skin_of
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
+from supple.viz.scene import Actor, scene_of
 from supple.viz.time_history import Panel, Series, plot_time_history
 
 ElasticBody = ReducedBody | FullBody
@@ -49,6 +54,7 @@ def draw_run(
     *,
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
     elements: Elements | None = None,
+    units: UnitSystem = UNNAMED,
 ) -> list[Path]:
     """Draw everything but the animation: mesh, modes and deformation of the bodies, what is tracked, joints.
 
@@ -58,6 +64,7 @@ def draw_run(
     meshes : of the elastic bodies to draw, by name; each has faces
     tracked : motions of places, by their names
     elements : of these bodies, by name, to draw their von Mises stress too; see `von_mises_history`
+    units : of the model; without names no unit is written
 
     Returns
     -------
@@ -71,17 +78,25 @@ def draw_run(
         def path(what: str, name: str = body.name) -> Path:
             return folder / f"{name}-{what}.png"
 
-        pictures.append(plot_mesh(path("mesh"), mesh.nodes, surface, title=body.name))
+        pictures.append(plot_mesh(path("mesh"), mesh.nodes, surface, title=body.name, units=units))
         if body.name in reduced:
-            pictures.append(_draw_modes(path("modes"), reduced[body.name], surface))
-        pictures.append(_draw_deformed(path("deformed"), body, solution, surface))
+            pictures.append(_draw_modes(path("modes"), reduced[body.name], surface, units))
+        pictures.append(_draw_deformed(path("deformed"), body, solution, surface, units))
         if elements is not None:
-            pictures.append(_draw_stress(path("stress"), body, elements[body.name], solution, surface))
+            model = elements[body.name]
+            pictures.append(_draw_stress(path("stress"), body, model, mesh, solution, units))
+    machine = _draw_machine(folder / "machine.png", system, solution, meshes, units)
+    if machine is not None:
+        pictures.append(machine)
     if tracked:
-        pictures.append(_draw_tracked(folder / "tracked-motion.png", tracked, solution.times))
-    panels = _joint_panels(system, solution)
+        pictures.append(_draw_tracked(folder / "tracked-motion.png", tracked, solution.times, units))
+    panels = _joint_panels(system, solution, units)
     if panels:
-        pictures.append(plot_time_history(folder / "joint-forces.png", panels))
+        pictures.append(
+            plot_time_history(
+                folder / "joint-forces.png", panels, n_columns=len(panels) // len("xyz"), units=units
+            )
+        )
     return pictures
 
 
@@ -92,46 +107,69 @@ def animate_run(
     meshes: Mapping[str, Mesh],
     *,
     elements: Elements | None = None,
+    units: UnitSystem = UNNAMED,
     progress: Callable[[float], None] | None = None,
 ) -> Path | None:
-    """Animate all bodies that have a mesh, coloured by deflection or stress; None when there is none.
+    """Animate a machine: meshes coloured by deflection or stress, rigid bodies and joints as glyphs.
 
-    Parameters as for `draw_run`; `progress` hears of the share that is drawn.
+    Parameters as for `draw_run`; `progress` hears of the share that is drawn. None when there is neither.
     """
     chosen = _instants(solution.times, N_FRAMES)
-    positions, values, surfaces, traced, n_nodes = [], [], [], [], 0
+    stress_unit, stress_factor = units.stress_shown
+    actors, traced, n_nodes = [], [], 0
     for body, mesh in _drawn(system, meshes):
         motion = solution.bodies[body.name].at(chosen)
         deflection = np.linalg.norm(deflections(body, motion), axis=2)
-        positions.append(node_positions(body, motion))
-        if elements is None:
-            values.append(deflection)
-        else:
-            values.append(1e-6 * von_mises_history(body, elements[body.name], motion.coordinates))
-        surface = skin_of(mesh)
-        surfaces.append(Skin(surface.triangles + n_nodes, surface.mesh_lines.copy()))
+        values = deflection
+        if elements is not None:
+            values = stress_factor * von_mises_history(body, elements[body.name], motion.coordinates)
+        actors.append(Actor(skin_of(mesh), node_positions(body, motion), values))
         # The path of the node that moves most against its body tells how the body swings.
         traced.append(n_nodes + int(np.argmax(deflection.max(axis=0))))
         n_nodes += len(mesh.nodes)
-    if not positions:
+    glyphs = glyphs_of(system, solution, chosen)
+    if not actors and glyphs.is_empty:
         return None
-    together = Skin(
-        np.concatenate([surface.triangles for surface in surfaces]),
-        np.concatenate([surface.mesh_lines for surface in surfaces]),
-    )
-    moving = np.concatenate(positions, axis=1)
+    scene = scene_of(actors) if actors else None
+    moving = scene.positions if scene is not None else np.empty((len(chosen), 0, 3))
+    label = labelled("deflection", units.length)
+    if elements is not None:
+        label = labelled("von Mises stress", stress_unit)
+    seen = np.concatenate([moving, glyphs.points], axis=1) if not glyphs.is_empty else moving
     return animate(
         path,
         solution.times[chosen],
         moving,
-        together,
-        camera=_upright_camera(moving, system.gravity),
-        values=np.concatenate(values, axis=1),
-        values_label="deflection (m)" if elements is None else "von Mises stress (MPa)",
+        None if scene is None else scene.skin,
+        glyphs=None if glyphs.is_empty else glyphs,
+        camera=_upright_camera(seen, system.gravity),
+        values=None if scene is None else scene.values,
+        values_label="" if scene is None else label,
         traced_nodes=traced,
         frames_per_second=FRAMES_PER_SECOND,
+        units=units,
         progress=progress,
     )
+
+
+def _draw_machine(
+    path: Path, system: System, solution: Solution, meshes: Mapping[str, Mesh], units: UnitSystem
+) -> Path | None:
+    """The whole machine where it starts; None where it has neither rigid bodies nor joints."""
+    start = np.array([0])
+    glyphs = glyphs_of(system, solution, start)
+    if glyphs.is_empty:
+        return None
+    actors = [
+        Actor(skin_of(mesh), node_positions(body, solution.bodies[body.name].at(start)))
+        for body, mesh in _drawn(system, meshes)
+    ]
+    scene = scene_of(actors) if actors else None
+    nodes = np.empty((0, 3)) if scene is None else scene.positions[0]
+    camera = _upright_camera(np.concatenate([nodes[None], glyphs.points], axis=1), system.gravity)
+    title = measured(f"t = {solution.times[0]:.4g}", units.time)
+    skin = None if scene is None else scene.skin
+    return plot_machine(path, nodes, skin, glyphs, camera=camera, title=title, units=units)
 
 
 def _upright_camera(positions: np.ndarray, gravity: np.ndarray) -> Camera | None:
@@ -151,21 +189,20 @@ def _drawn(system: System, meshes: Mapping[str, Mesh]) -> list[tuple[ElasticBody
     return [(elastic[name], mesh) for name, mesh in meshes.items() if name in elastic]
 
 
-def _draw_modes(path: Path, body: ReducedBody, surface: Skin) -> Path:
+def _draw_modes(path: Path, body: ReducedBody, surface: Skin, units: UnitSystem) -> Path:
     """Modes of the body clamped at its first interface, or in its frame when it has none."""
     if body.interfaces:
         modes = clamped_modes(body, body.interfaces[0].name, n_modes=N_MODES)
-        return plot_mode_shapes(
-            path, body.nodes, surface, modes.shapes, mode_titles(modes.frequencies / (2 * np.pi))
-        )
+        titles = mode_titles(modes.frequencies / (2 * np.pi), units)
+        return plot_mode_shapes(path, body.nodes, surface, modes.shapes, titles)
     values, vectors = np.linalg.eigh(body.stiffness)
-    shapes = body.expand(vectors[:, :N_MODES].T)
-    return plot_mode_shapes(
-        path, body.nodes, surface, shapes, mode_titles(np.sqrt(values[:N_MODES]) / (2 * np.pi))
-    )
+    titles = mode_titles(np.sqrt(values[:N_MODES]) / (2 * np.pi), units)
+    return plot_mode_shapes(path, body.nodes, surface, body.expand(vectors[:, :N_MODES].T), titles)
 
 
-def _draw_deformed(path: Path, body: ElasticBody, solution: Solution, surface: Skin) -> Path:
+def _draw_deformed(
+    path: Path, body: ElasticBody, solution: Solution, surface: Skin, units: UnitSystem
+) -> Path:
     """The body when it is bent most, enlarged if that were too little to see."""
     instants, motion = _sampled(body, solution)
     displaced = deflections(body, motion)
@@ -176,9 +213,10 @@ def _draw_deformed(path: Path, body: ElasticBody, solution: Solution, surface: S
         path,
         body.nodes + scale * displaced[worst],
         surface,
-        colour_by=displacement_magnitude(displaced[worst]),
+        colour_by=displacement_magnitude(displaced[worst], units),
         undeformed=body.nodes,
-        title=f"{body.name} at t = {solution.times[instants[worst]]:.4g} s, deflection {enlarged}",
+        title=_title(body, float(solution.times[instants[worst]]), enlarged, units),
+        units=units,
     )
 
 
@@ -190,8 +228,17 @@ def _enlargement(body: ElasticBody, displaced: np.ndarray) -> tuple[float, str]:
     return scale, "true to scale" if scale == 1.0 else f"enlarged {scale:.3g} times"
 
 
+def _title(body: ElasticBody, time: float, enlarged: str, units: UnitSystem) -> str:
+    return f"{body.name} at {measured(f't = {time:.4g}', units.time)}, deflection {enlarged}"
+
+
 def _draw_stress(
-    path: Path, body: ElasticBody, model: FiniteElementModel, solution: Solution, surface: Skin
+    path: Path,
+    body: ElasticBody,
+    model: FiniteElementModel,
+    mesh: Mesh,
+    solution: Solution,
+    units: UnitSystem,
 ) -> Path:
     """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
     instants, motion = _sampled(body, solution)
@@ -202,35 +249,63 @@ def _draw_stress(
     return plot_contour(
         path,
         body.nodes + scale * displaced,
-        surface,
-        stress_field(stress[worst]),
+        skin_of(mesh),
+        stress_field(stress[worst], units),
+        node_ids=mesh.node_ids,
         undeformed=body.nodes,
-        title=f"{body.name} at t = {solution.times[instants[worst]]:.4g} s, deflection {enlarged}",
+        title=_title(body, float(solution.times[instants[worst]]), enlarged, units),
+        units=units,
     )
 
 
-def _draw_tracked(path: Path, tracked: Mapping[str, TrackedMotion], times: np.ndarray) -> Path:
-    panels = [
+def _draw_tracked(
+    path: Path, tracked: Mapping[str, TrackedMotion], times: np.ndarray, units: UnitSystem
+) -> Path:
+    """Motion of every place in global axes; beside it the deflection of those of elastic bodies."""
+    positions = {name: without_noise(place.position) for name, place in tracked.items()}
+    elastic = {
+        name: without_noise(place.deflection, like=place.position)
+        for name, place in tracked.items()
+        if place.is_elastic
+    }
+    panels = []
+    for i, axis in enumerate("xyz"):
+        places = [Series(name, times, position[:, i]) for name, position in positions.items()]
+        panels.append(Panel(labelled(f"{axis}, global", units.length), places))
+        if elastic:
+            bent = [Series(name, times, deflection[:, i]) for name, deflection in elastic.items()]
+            panels.append(Panel(labelled(f"deflection {axis}", units.length), bent))
+    return plot_time_history(path, panels, n_columns=2 if elastic else 1, units=units)
+
+
+def _joint_panels(system: System, solution: Solution, units: UnitSystem) -> list[Panel]:
+    """Signed components on the second ends: rows x, y, z of the joint axes, columns force and moment."""
+    loads = joint_loads(system, solution)
+    columns = [
+        (what, unit)
+        for what, unit in (("force", units.force), ("moment", units.moment))
+        if any(what in parts for parts in loads.values())
+    ]
+    all_of = {
+        what: np.concatenate([parts[what] for parts in loads.values() if what in parts])
+        for what, _ in columns
+    }
+    return [
         Panel(
-            f"deflection {axis} (m)",
-            [Series(name, times, place.deflection[:, i]) for name, place in tracked.items()],
+            labelled(f"{what} {axis}", unit),
+            [
+                Series(
+                    f"{name} on {joint.second}",
+                    solution.times,
+                    without_noise(loads[name][what], like=all_of[what])[:, i],
+                )
+                for name, joint in ((joint.name, joint) for joint in system.joints)
+                if what in loads[name]
+            ],
         )
         for i, axis in enumerate("xyz")
+        for what, unit in columns
     ]
-    return plot_time_history(path, panels)
-
-
-def _joint_panels(system: System, solution: Solution) -> list[Panel]:
-    loads = joint_loads(system, solution)
-    panels = []
-    for what, unit in (("force", "N"), ("moment", "N m")):
-        series = [
-            Series(name, solution.times, np.linalg.norm(parts[what], axis=1))
-            for name, parts in loads.items()
-            if what in parts
-        ]
-        panels += [Panel(f"{what} ({unit})", series)] if series else []
-    return panels
 
 
 def _sampled(body: ElasticBody, solution: Solution) -> tuple[np.ndarray, FloatingMotion]:

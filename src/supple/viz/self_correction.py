@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
+from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import (
     REFERENCE,
     Stroke,
@@ -54,7 +55,7 @@ class RoundErrors:
 
 
 def plot_self_correction(
-    path: Path | str, bodies: Mapping[str, RoundErrors], *, length_unit: str = "m"
+    path: Path | str, bodies: Mapping[str, RoundErrors], *, units: UnitSystem = UNNAMED
 ) -> Path:
     """Estimated error, missing motion and error allowed of every round, one panel a body.
 
@@ -70,13 +71,15 @@ def plot_self_correction(
         grid = figure.subplots(len(bodies), squeeze=False)[:, 0]
         for axes, (name, errors) in zip(grid, bodies.items(), strict=True):
             _draw_rounds(axes, errors)
-            axes.set_ylabel(f"{name}: RMS error ({length_unit})")
+            axes.set_ylabel(labelled(f"{name}: RMS error", units.length))
         legend_above(grid[0], len(grid[0].get_lines()))
         grid[-1].set_xlabel("number of coordinates")
         return save_figure(figure, path)
 
 
-def plot_rounds(path: Path | str, rounds: Sequence[Mapping[str, Any]]) -> Path:
+def plot_rounds(
+    path: Path | str, rounds: Sequence[Mapping[str, Any]], *, units: UnitSystem = UNNAMED
+) -> Path:
     """`plot_self_correction` of rounds in numbers, as `correction_numbers` gives them."""
     keys = ("size", "estimated_error", "indicator", "allowed")
     names = dict.fromkeys(each["body"] for each in rounds)
@@ -84,6 +87,7 @@ def plot_rounds(path: Path | str, rounds: Sequence[Mapping[str, Any]]) -> Path:
     return plot_self_correction(
         path,
         {name: RoundErrors(*([each[key] for each in own] for key in keys)) for name, own in of_body.items()},
+        units=units,
     )
 
 

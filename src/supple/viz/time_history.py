@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
+from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import (
     SOLID,
+    TEXT_WIDTH,
     Stroke,
     draw_curve,
     legend_above,
@@ -58,8 +63,12 @@ class Panel:
     series: Sequence[Series]
 
 
-def plot_time_history(path: Path | str, panels: Sequence[Panel], *, time_label: str = "time (s)") -> Path:
+def plot_time_history(
+    path: Path | str, panels: Sequence[Panel], *, n_columns: int = 1, units: UnitSystem = UNNAMED
+) -> Path:
     """Draw panels of curves over a common time axis, with one legend where all panels share their labels.
+
+    n_columns : panels beside each other, in rows; with several, a label has one colour in all of them
 
     Raises
     ------
@@ -70,10 +79,15 @@ def plot_time_history(path: Path | str, panels: Sequence[Panel], *, time_label: 
         raise ModelError(f"cannot draw {path}: give at least one panel, and each panel at least one series")
     labels = [[series.label for series in panel.series] for panel in panels]
     with textbook_style():
-        figure = new_figure(height=0.5 + 2.2 * len(panels))
-        grid = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
-        for i, (axes, panel) in enumerate(zip(grid, panels, strict=True)):
-            ranks = _palette_ranks(panel.series)
+        n_rows = -(-len(panels) // n_columns)
+        figure = new_figure(height=0.5 + 2.2 * n_rows)
+        table = figure.subplots(n_rows, n_columns, sharex=True, squeeze=False)
+        grid = table.ravel()
+        order = list(dict.fromkeys(label for own in labels for label in own))
+        for i, (axes, panel) in enumerate(zip(grid, panels, strict=False)):
+            ranks = (
+                [order.index(label) for label in labels[i]] if n_columns > 1 else _palette_ranks(panel.series)
+            )
             for series, rank in zip(panel.series, ranks, strict=True):
                 draw_curve(axes, series.times, series.values, series.stroke, rank, series.label)
             axes.set_ylabel(panel.quantity)
@@ -81,11 +95,27 @@ def plot_time_history(path: Path | str, panels: Sequence[Panel], *, time_label: 
                 # 0.4 M instead of a power of ten in the corner, where the legend stands.
                 axes.yaxis.set_major_formatter(EngFormatter())
             axes.margins(x=0.0)
-            if (i == 0 or labels[i] != labels[0]) and any(labels[i]):
+            if n_columns == 1 and (i == 0 or labels[i] != labels[0]) and any(labels[i]):
                 legend_above(axes, len(panel.series))
-        grid[-1].set_xlabel(time_label)
-        figure.align_ylabels(grid)
+        if n_columns > 1:
+            _legend_of_all(figure, grid.tolist(), order)
+        for axes in grid[len(panels) :]:
+            axes.set_axis_off()
+        for axes in table[-1]:
+            axes.set_xlabel(labelled("time", units.time))
+        figure.align_ylabels(table)
         return save_figure(figure, path)
+
+
+def _legend_of_all(figure: Figure, grid: Sequence[Axes], order: Sequence[str]) -> None:
+    """One legend over all panels, each label once."""
+    shown: dict[str, Any] = {}
+    for axes in grid:
+        handles, labels = axes.get_legend_handles_labels()
+        shown |= dict(zip(labels, handles, strict=True))
+    columns = max(1, int((TEXT_WIDTH - 0.8) / (0.5 + 0.075 * max(map(len, order)))))
+    handles = [shown[label] for label in order]
+    figure.legend(handles, list(order), loc="outside upper left", ncols=min(columns, len(order)))
 
 
 def _palette_ranks(series: Sequence[Series]) -> list[int]:

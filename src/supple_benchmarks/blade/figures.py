@@ -9,6 +9,7 @@ import numpy as np
 
 from supple.reduction import CraigBampton, modal_derivatives, rayleigh_ritz
 from supple.results import node_positions, stress_modes
+from supple.units import SI
 from supple.viz import (
     REFERENCE,
     SOLID,
@@ -58,7 +59,9 @@ def draw_figures(run: BladeRun, folder: Path) -> list[Path]:
             pictures.append(_plot_tips(folder / f"figure_11_reduced_{tag}_{frame}.png", curves, end))
             errors = {each.basis.label: each.error for each in own if each.error is not None}
             if errors:
-                pictures.append(plot_rms_error(folder / f"figure_11d_error_{tag}_{frame}.png", errors))
+                pictures.append(
+                    plot_rms_error(folder / f"figure_11d_error_{tag}_{frame}.png", errors, units=SI)
+                )
     if run.corrected:
         pictures.append(_draw_rounds(run, folder))
     return pictures
@@ -71,7 +74,7 @@ def _camera() -> Camera:
 
 def _draw_mesh(run: BladeRun, folder: Path) -> Path:
     mesh = run.benchmark.blade.mesh
-    return plot_mesh(folder / "mesh.png", mesh.nodes, skin_of(mesh), camera=_camera())
+    return plot_mesh(folder / "mesh.png", mesh.nodes, skin_of(mesh), camera=_camera(), units=SI)
 
 
 def _draw_shapes(run: BladeRun, folder: Path) -> list[Path]:
@@ -86,7 +89,7 @@ def _draw_shapes(run: BladeRun, folder: Path) -> list[Path]:
         return nodal.reshape(len(nodal), len(body.nodes), -1)[:, :, :3]
 
     look = {"skin": skin_of(mesh), "camera": _camera()}
-    modes = mode_titles(basis.frequencies / (2 * np.pi))
+    modes = mode_titles(basis.frequencies / (2 * np.pi), SI)
     return [
         plot_mode_shapes(folder / "modes.png", mesh.nodes, modes=shapes(basis.vectors), titles=modes, **look),
         plot_mode_shapes(
@@ -136,6 +139,7 @@ def _plot_tips(path: Path, curves: Sequence[tuple[str, TipMotion]], end: float =
             panel("edge, y (m)", lambda tip: tip.edge),
             panel("span, z (m)", lambda tip: tip.span),
         ],
+        units=SI,
     )
 
 
@@ -150,7 +154,7 @@ def _draw_rounds(run: BladeRun, folder: Path) -> Path:
         )
         for each in run.corrected
     }
-    return plot_self_correction(folder / "self_correction.png", rounds)
+    return plot_self_correction(folder / "self_correction.png", rounds, units=SI)
 
 
 def animation(run: BladeRun, path: Path, progress: Progress) -> Path:
@@ -178,5 +182,6 @@ def animation(run: BladeRun, path: Path, progress: Progress) -> Path:
         values=1e-6 * stress,
         values_label="von Mises stress (MPa)",
         camera=_camera(),
+        units=SI,
         progress=progress,
     )

@@ -10,6 +10,7 @@ import numpy as np
 from supple.body import in_space
 from supple.integrate import Solution
 from supple.results import node_positions, von_mises_history
+from supple.units import SI
 from supple.viz.animation import animate
 from supple.viz.contour import plot_contour
 from supple.viz.mesh_plot import NodalField, plot_mesh
@@ -82,7 +83,7 @@ def _scalar(study: Study, quantity: str) -> Response:
 
 
 def _draw_responses(study: Study, rows: list[Response], path: Path) -> Path:
-    return plot_response_errors(path, rows, until=study.compared_until)
+    return plot_response_errors(path, rows, until=study.compared_until, units=SI)
 
 
 def _draw_deformation_errors(study: Study, path: Path) -> Path:
@@ -102,7 +103,7 @@ def _draw_deformation_errors(study: Study, path: Path) -> Path:
     size = Series(
         "unreduced, its own norm", truth.point.times[rows], np.log10(truth.deformation_error[rows]), REFERENCE
     )
-    return plot_time_history(path, [Panel("log10 of the energy norm (J$^{1/2}$)", [*models, size])])
+    return plot_time_history(path, [Panel("log10 of the energy norm (J$^{1/2}$)", [*models, size])], units=SI)
 
 
 def _draw_contours(study: Study, runs: list[MachineRun], folder: Path) -> list[Path]:
@@ -121,7 +122,7 @@ def _draw_contours(study: Study, runs: list[MachineRun], folder: Path) -> list[P
         for quantity, field in fields.items():
             path = folder / f"{quantity}_error_{variant}_{100 * (run.tolerance or 0):g}.png"
             shown = NodalField(f"error of {_SCALARS[quantity]}", field)
-            pictures.append(plot_contour(path, mesh.nodes, skin_of(mesh), shown, title=title))
+            pictures.append(plot_contour(path, mesh.nodes, skin_of(mesh), shown, title=title, units=SI))
     return pictures
 
 
@@ -137,7 +138,7 @@ def _draw_separations(study: Study, path: Path) -> Path:
         panels.append(
             Panel("log10 distance (m)", [Series(f"{each.coarse} / {each.fine}", each.times[1:], distance)])
         )
-    return plot_time_history(path, panels)
+    return plot_time_history(path, panels, units=SI)
 
 
 def _actors(study: Study, run: MachineRun, rows: slice, *, coloured: bool) -> list[Actor]:
@@ -156,7 +157,7 @@ def _actors(study: Study, run: MachineRun, rows: slice, *, coloured: bool) -> li
 
 def _draw_machine(study: Study, path: Path) -> Path:
     scene = scene_of(_actors(study, study.reference, slice(0, 1), coloured=False))
-    return plot_mesh(path, scene.positions[0], scene.skin, camera=study.machine.camera)
+    return plot_mesh(path, scene.positions[0], scene.skin, camera=study.machine.camera, units=SI)
 
 
 def animation(study: Study, path: Path, progress: Progress) -> Path:
@@ -174,5 +175,6 @@ def animation(study: Study, path: Path, progress: Progress) -> Path:
         values_label="von Mises stress (MPa)",
         traced_nodes=[study.machine.point],
         camera=study.machine.camera,
+        units=SI,
         progress=progress,
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from supple.results.recovery import node_positions
+from supple.units import SI
 from supple.viz.animation import animate
 from supple.viz.camera import Camera
 from supple.viz.mesh_skin import skin_of
@@ -44,11 +45,12 @@ def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
     panels = [Panel("v (m)", curves(lambda tip: tip.v)), Panel("u (m)", curves(lambda tip: tip.u))]
     enriched = {_label(one): one.error for one in roms if one.n_added}
     pictures = [
-        plot_time_history(folder / "figure_6_tip_motion.png", panels),
+        plot_time_history(folder / "figure_6_tip_motion.png", panels, units=SI),
         plot_rms_error(
             folder / "figure_7a_rms_error.png",
             enriched,
             published={f"{frame}, [Wu2019]": bound for frame, bound in PUBLISHED_RMS.items()},
+            units=SI,
         ),
     ]
     speeds = [speed for speed in run.problem.speeds if any(one.full.omega == speed for one in run.reduced)]
@@ -72,6 +74,7 @@ def animation(run: BeamRun, path: Path, progress: Progress) -> Path:
         skin_of(mesh),
         traced_nodes=[int(node) for node in mesh.nodes_of("tip_centre")],
         camera=Camera.looking(along=(0.25, 1.0, -0.15), up=(0.0, 0.0, 1.0)),
+        units=SI,
         progress=progress,
     )
 

@@ -96,9 +96,9 @@ def test_prismatic_joint_lets_fall_down_the_ramp(solution):
 
 def test_ramp_carries_the_weight_across_it(solution):
     """m g cos(slope) on the slider, the opposite on the ground, which is the first end."""
-    across = np.linalg.norm(solution.joint_forces["ramp"][:, :2], axis=1)
+    across = np.linalg.norm(solution.multipliers["ramp"][:, :2], axis=1)
     np.testing.assert_allclose(across, MASS * G * 0.6, rtol=1e-7)
-    np.testing.assert_allclose(solution.joint_forces["ramp"][:, 2:], 0, atol=1e-8)
+    np.testing.assert_allclose(solution.multipliers["ramp"][:, 2:], 0, atol=1e-8)
 
 
 def test_cylindrical_joint_slides_and_spins_freely(solution):
@@ -106,13 +106,13 @@ def test_cylindrical_joint_slides_and_spins_freely(solution):
     np.testing.assert_allclose(motion.position[:, 2], t - G * t**2 / 2, atol=1e-9)
     np.testing.assert_allclose(motion.angular_velocity, np.tile([0, 0, 7.0], (t.size, 1)), atol=1e-9)
     np.testing.assert_allclose(motion.rotation[:, 0, 0], np.cos(7 * t), atol=1e-9)
-    np.testing.assert_allclose(solution.joint_forces["sleeve"], 0, atol=1e-8)
+    np.testing.assert_allclose(solution.multipliers["sleeve"], 0, atol=1e-8)
 
 
 def test_prescribed_translation_needs_the_force_mass_times_acceleration(solution):
     t, motion = solution.times, solution.bodies["sled"]
     np.testing.assert_allclose(motion.position[:, 0], ACCELERATION * t**2 / 2, atol=1e-12)
-    forces = solution.joint_forces["push"]
+    forces = solution.multipliers["push"]
     # On the ground: against the push along z of the joint (global x), and the weight.
     np.testing.assert_allclose(forces[:, 2], -MASS * ACCELERATION, rtol=1e-7)
     np.testing.assert_allclose(np.linalg.norm(forces[:, :2], axis=1), MASS * G, rtol=1e-7)
@@ -120,13 +120,13 @@ def test_prescribed_translation_needs_the_force_mass_times_acceleration(solution
 
 def test_push_through_the_centre_of_mass_needs_no_moment(solution):
     """Moments of a joint are taken about the second end's point."""
-    np.testing.assert_allclose(solution.joint_forces["push"][:, 3:], 0, atol=1e-7)
+    np.testing.assert_allclose(solution.multipliers["push"][:, 3:], 0, atol=1e-7)
 
 
 def test_prescribed_rotation_needs_the_torque_inertia_times_acceleration(solution):
     """About the pivot (I + m l^2) alpha; radially m l w^2, across m l alpha; on the ground reversed."""
     t, arm = solution.times, 0.5
-    forces, motion = solution.joint_forces["motor"], solution.bodies["crank"]
+    forces, motion = solution.multipliers["motor"], solution.bodies["crank"]
     angle = ACCELERATION * t**2 / 2
     along = np.column_stack([np.cos(angle), np.sin(angle), 0 * t])
     across = np.column_stack([-np.sin(angle), np.cos(angle), 0 * t])

@@ -70,7 +70,7 @@ def test_the_first_joint_carries_weight_and_change_of_momentum(system, fall):
     expected = mass * np.array(GRAVITY) - rate
     # Not at once: at the start the link begins to ring, faster than the differences over outputs resolve.
     later = slice(10, None)
-    error = np.linalg.norm(fall.joint_forces["ball 1"][1:-1] - expected, axis=1)[later]
+    error = np.linalg.norm(fall.multipliers["ball 1"][1:-1] - expected, axis=1)[later]
     assert error.max() < 2e-3 * mass * np.linalg.norm(GRAVITY)
 
 

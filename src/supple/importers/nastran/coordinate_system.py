@@ -56,7 +56,7 @@ class CoordinateSystem:
         """
         x, y, z = np.moveaxis((points - self.origin) @ self.axes, -1, 0)
         rho = np.hypot(x, y)
-        on_axis = rho <= 1e-9 * max(1.0, float(np.abs(points - self.origin).max(initial=0.0)))
+        on_axis = rho <= 1e-9 * float(np.abs(points - self.origin).max(initial=0.0))
         phi = np.where(on_axis, 0.0, np.arctan2(y, x))
         c, s, o, e = np.cos(phi), np.sin(phi), np.zeros_like(phi), np.ones_like(phi)
         match self.coordinates:

@@ -137,7 +137,11 @@ def read_nastran_mesh(
     if only is None:
         return mesh
     parts = {name: dict(members) for name, members in mesh.cell_sets.items()}
-    whole = FileMesh(Path(path), mesh.nodes, dict(mesh.cells), dict(mesh.node_sets), parts)
+    whole = FileMesh(
+        *(Path(path), mesh.nodes, dict(mesh.cells), dict(mesh.node_sets), parts),
+        node_ids=mesh.node_ids,
+        cell_ids=mesh.cell_ids,
+    )
     return whole.to_mesh(only=only, unused_nodes=unused_nodes)
 
 
@@ -223,4 +227,9 @@ def _file_mesh(
         sets,
         {name: {k: np.concatenate(p) for k, p in by.items()} for name, by in members.items()},
         {kind: tuple(found) for kind, found in origins.items()},
+        grids.ids[kept],
+        {
+            kind: np.array([origin.element for origin in found], dtype=np.int64)
+            for kind, found in origins.items()
+        },
     )

@@ -28,6 +28,7 @@ from supple.errors import LoadSpectrumWarning, ModelError
 from supple.machine.laws import Constant, TimeLaw
 from supple.machine.system import System
 from supple.reduction import ReducedBody
+from supple.units import UNNAMED, UnitSystem, measured
 
 __all__ = ["BandCoverage", "LoadSpectrum", "band_coverage", "load_spectra", "warn_of_missing_modes"]
 
@@ -160,12 +161,17 @@ def band_coverage(
 
 
 def warn_of_missing_modes(
-    system: System, times: np.ndarray, body: FlexibleBody, reduced: ReducedBody
+    system: System,
+    times: np.ndarray,
+    body: FlexibleBody,
+    reduced: ReducedBody,
+    units: UnitSystem = UNNAMED,
 ) -> BandCoverage | None:
     """Warn where the loads excite modes of a body that its reduced form lacks.
 
     system : System     with its loads and prescribed motions
-    times : (t,)        s, of the run, evenly spaced
+    times : (t,)        of the run, evenly spaced
+    units : UnitSystem  frequencies are named in Hz where the unit of time is
     Warns LoadSpectrumWarning: the load, its band, the modes missing, and how many to ask for.
     """
     spectra = load_spectra(system, _thinned(times))
@@ -174,12 +180,14 @@ def warn_of_missing_modes(
     band = max(spectrum.band for spectrum in spectra)
     coverage = band_coverage(spectra, reduced.frequencies, _frequencies(body, reduced.frame, band, reduced.r))
     if coverage is not None and coverage.missing:
-        hertz = ", ".join(f"{frequency / (2 * np.pi):.3g}" for frequency in coverage.missing[:5])
-        more = ", ..." if len(coverage.missing) > 5 else ""
+        unit, factor = units.frequency_shown
+        lacking = ", ".join(f"{factor * each / (2 * np.pi):.3g}" for each in coverage.missing[:5])
+        lacking = measured(lacking + (", ..." if len(coverage.missing) > 5 else ""), unit)
+        reach = measured(f"{factor * coverage.band / (2 * np.pi):.3g}", unit)
         warnings.warn(
-            f"{coverage.load}: its spectrum reaches to {coverage.band / (2 * np.pi):.3g} Hz, where body "
+            f"{coverage.load}: its spectrum reaches to {reach}, where body "
             f"'{body.name}' has {coverage.n_modes} modes, {len(coverage.missing)} of which its reduced form "
-            f"lacks ({hertz}{more} Hz). Ask for at least {coverage.n_modes} modes",
+            f"lacks ({lacking}). Ask for at least {coverage.n_modes} modes",
             LoadSpectrumWarning,
             stacklevel=2,
         )

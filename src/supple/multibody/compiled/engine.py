@@ -19,9 +19,10 @@ from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.floating_solution import (
     body_motions,
     failure_message,
-    joint_forces,
+    joint_multipliers,
     last_instant,
 )
+from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, stepping_instants
 
@@ -167,10 +168,13 @@ class CompiledEngine:
 def as_solution(system: System, model: Model, states: State, statistics: Statistics) -> Solution:
     """Stacked states (leading axis: time) as a solution."""
     states = jax.tree.map(np.asarray, states)
+    bodies = body_motions(system, model.slices, states.configuration, states.velocity, states.acceleration)
+    multipliers = joint_multipliers(system, model.active, states.multipliers)
     return Solution(
         times=states.time,
-        bodies=body_motions(system, model.slices, states.configuration, states.velocity, states.acceleration),
-        joint_forces=joint_forces(system, model.active, states.multipliers),
+        bodies=bodies,
+        joint_forces=joint_wrenches(system, states.time, bodies, multipliers),
+        multipliers=multipliers,
         statistics=statistics,
         engine_state={
             "active": np.array(model.active, dtype=float),

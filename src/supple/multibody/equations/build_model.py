@@ -312,4 +312,14 @@ def system_length(system: System) -> float:
     points = [placed.position[None] for placed in system.bodies]
     points += [placed.position + placed.body.nodes @ placed.rotation.T for placed in system.bodies]
     extent = np.ptp(np.concatenate(points), axis=0)
-    return float(np.linalg.norm(extent)) or 1.0
+    return float(np.linalg.norm(extent)) or _largest_gyration(system)
+
+
+def _largest_gyration(system: System) -> float:
+    """Of rigid bodies in one point: a length of theirs, so that nothing depends on the unit of length."""
+    inertias = [
+        (placed.body.inertia, placed.body.mass)
+        for placed in system.bodies
+        if isinstance(placed.body, RigidBody)
+    ]
+    return max((float(np.sqrt(np.trace(inertia) / mass)) for inertia, mass in inertias), default=1.0)

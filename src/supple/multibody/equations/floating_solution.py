@@ -11,7 +11,7 @@ from supple.integrate import FloatingMotion, Solution
 from supple.machine import System
 from supple.multibody.equations.configuration import Configuration
 
-__all__ = ["LastInstant", "body_motions", "failure_message", "joint_forces", "last_instant"]
+__all__ = ["LastInstant", "body_motions", "failure_message", "joint_multipliers", "last_instant"]
 
 
 def body_motions(
@@ -45,16 +45,18 @@ def body_motions(
     return motions
 
 
-def joint_forces(system: System, active: tuple[int, ...], multipliers: np.ndarray) -> dict[str, np.ndarray]:
+def joint_multipliers(
+    system: System, active: tuple[int, ...], multipliers: np.ndarray
+) -> dict[str, np.ndarray]:
     """Multipliers by joint; zero for the equations that were left out as redundant."""
     n_equations = sum(joint.n_constraints for joint in system.joints)
     every = np.zeros((*multipliers.shape[:-1], n_equations))
     every[..., list(active)] = multipliers
-    forces, start = {}, 0
+    of_joint, start = {}, 0
     for joint in system.joints:
-        forces[joint.name] = every[..., start : start + joint.n_constraints]
+        of_joint[joint.name] = every[..., start : start + joint.n_constraints]
         start += joint.n_constraints
-    return forces
+    return of_joint
 
 
 class LastInstant(NamedTuple):
@@ -72,7 +74,7 @@ def last_instant(system: System, done: Solution) -> LastInstant:
     """Where a recorded part ends; ModelError when it has other bodies or joints than the system."""
     last = done.bodies
     names = [placed.body.name for placed in system.bodies]
-    if set(names) != set(last) or {joint.name for joint in system.joints} != set(done.joint_forces):
+    if set(names) != set(last) or {joint.name for joint in system.joints} != set(done.multipliers):
         raise ModelError(
             "the recorded part has other bodies or joints than this system: it cannot be continued"
         )
@@ -90,7 +92,7 @@ def last_instant(system: System, done: Solution) -> LastInstant:
         velocity=joined("velocity", "angular_velocity", "coordinate_rates"),
         acceleration=joined("acceleration", "angular_acceleration", "coordinate_accelerations"),
         multipliers=np.concatenate(
-            [np.zeros(0)] + [done.joint_forces[joint.name][-1] for joint in system.joints]
+            [np.zeros(0)] + [done.multipliers[joint.name][-1] for joint in system.joints]
         ),
     )
 

@@ -18,9 +18,10 @@ from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.equations.floating_solution import (
     body_motions,
     failure_message,
-    joint_forces,
+    joint_multipliers,
     last_instant,
 )
+from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.step_size import next_step
 from supple.multibody.equations.stops import Stops, stepping_instants
 from supple.multibody.full.full_system import FullState, FullSystem
@@ -162,18 +163,22 @@ class FullEngine:
             )
         )
         active = machine.model.active
+        times = np.array([state.time for state in states])
+        bodies = body_motions(
+            machine.system,
+            machine.slices,
+            configuration,
+            np.array([state.velocity for state in states]),
+            np.array([state.acceleration for state in states]),
+        )
+        multipliers = joint_multipliers(
+            machine.system, active, np.array([state.multipliers for state in states])
+        )
         return Solution(
-            times=np.array([state.time for state in states]),
-            bodies=body_motions(
-                machine.system,
-                machine.slices,
-                configuration,
-                np.array([state.velocity for state in states]),
-                np.array([state.acceleration for state in states]),
-            ),
-            joint_forces=joint_forces(
-                machine.system, active, np.array([state.multipliers for state in states])
-            ),
+            times=times,
+            bodies=bodies,
+            joint_forces=joint_wrenches(machine.system, times, bodies, multipliers),
+            multipliers=multipliers,
             statistics=leg.statistics,
             engine_state={
                 "active": np.array(active, dtype=float),

@@ -1,0 +1,129 @@
+"""Implausible units: numbers of a case that no machine has in the units said of them, or in any.
+
+A model in mixed units runs as well as any other, so every run looks at what gives them away: densities,
+moduli, sizes, gravity, the speed of waves, the first frequencies.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.body import FlexibleBody
+from supple.body.model_check import USUAL_SPEEDS, WAVES_IN_STEEL, wave_speed
+from supple.cases.case import Case
+from supple.errors import UnitsWarning
+from supple.fem import Isotropic
+from supple.reduction import ReducedBody
+from supple.units import SI, UnitSystem
+
+
+class _Range(NamedTuple):
+    """What a quantity can be in SI units, and an example of it."""
+
+    lowest: float
+    highest: float
+    example: str
+    powers: Mapping[str, int]
+
+
+_DENSITY = _Range(1.0, 3e4, "steel has 7850 kg/m3", MappingProxyType({"mass": 1, "length": -3}))
+_MODULUS = _Range(1e3, 2e12, "steel has 2.1e11 Pa", MappingProxyType({"mass": 1, "length": -1, "time": -2}))
+_SIZE = _Range(1e-6, 3e3, "machines have millimetres to hundreds of metres", MappingProxyType({"length": 1}))
+_GRAVITY = _Range(0.1, 1e3, "the earth has 9.81 m/s2", MappingProxyType({"length": 1, "time": -2}))
+_FREQUENCY = _Range(0.05, 1e8, "the longest wind turbine blades have 0.5 Hz", MappingProxyType({"time": -1}))
+# By the measure of `wave_speed`, which is some 2 to 6 times the speed of sound.
+_SPEED = _Range(
+    30.0, 2e5, "steel has some 2e4 m/s by this measure", MappingProxyType({"length": 1, "time": -1})
+)
+# Nothing is as heavy as a metal and as soft as rubber: kilograms with mm and MPa seem to be.
+_METAL, _RUBBER = 3e3, 2e9
+_REMEDY = "say the units that the numbers are in (units), and use one consistent set"
+
+
+def warn_of_units(case: Case) -> None:
+    """Warn, before a case is run, of numbers that are implausible in its units.
+
+    Warns
+    -----
+    UnitsWarning    the number, what it is in SI units, what is usual
+    """
+    doubts = list(_of_gravity(case.units, case.tables.gravity))
+    for name, body in case.flexible.items():
+        doubts += [f"body '{name}': {doubt}" for doubt in _of_body(case.units, body)]
+    _warn(doubts)
+
+
+def warn_of_frequencies(units: UnitSystem, bodies: Iterable[ReducedBody]) -> None:
+    """UnitsWarning where the first frequency of a reduced body in its frame is implausible."""
+    lowest = ((body.name, body.lowest_frequency() / (2 * np.pi)) for body in bodies)
+    _warn(
+        f"body '{name}': {doubt}"
+        for name, frequency in lowest
+        for doubt in _outside(units, "the first frequency", frequency, _per(units), _FREQUENCY)
+    )
+
+
+def _of_gravity(units: UnitSystem, gravity: Iterable[float]) -> Iterator[str]:
+    size = float(np.linalg.norm(np.array(gravity)))
+    if size > 0:
+        yield from _outside(units, "gravity", size, units.acceleration, _GRAVITY)
+
+
+def _of_body(units: UnitSystem, body: FlexibleBody) -> list[str]:
+    extent = float(np.ptp(body.nodes, axis=0).max())
+    doubts = list(_outside(units, "its size", extent, units.length, _SIZE))
+    for material in _materials(body):
+        doubts += _of_material(units, material)
+    # The speed of waves tells what a size or a material out of range has told already.
+    return doubts or list(_of_waves(units, body))
+
+
+def _of_waves(units: UnitSystem, body: FlexibleBody) -> Iterator[str]:
+    if body.model is None or len(body.nodes) < 2:
+        return
+    speed = wave_speed(body.nodes, body.model.stiffness, body.nodal_mass, dofs_per_node=body.dofs_per_node)
+    if units.velocity:
+        yield from _outside(units, "the speed of waves", speed, units.velocity, _SPEED)
+    elif not USUAL_SPEEDS[0] <= speed <= USUAL_SPEEDS[1]:
+        yield f"waves travel about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
+
+
+def _materials(body: FlexibleBody) -> list[Isotropic]:
+    """The isotropic materials of its elements, each once; a laminate has none."""
+    properties = [section.property for section in body.model.sections] if body.model is not None else []
+    found = [each if isinstance(each, Isotropic) else getattr(each, "material", None) for each in properties]
+    return list(dict.fromkeys(each for each in found if each is not None))
+
+
+def _of_material(units: UnitSystem, material: Isotropic) -> Iterator[str]:
+    density, modulus = units.in_si(**_DENSITY.powers), units.in_si(**_MODULUS.powers)
+    yield from _outside(units, "the density", material.density, units.density, _DENSITY)
+    yield from _outside(units, "Young's modulus", material.youngs_modulus, units.stress, _MODULUS)
+    if density is None or modulus is None:
+        return
+    heavy, soft = density * material.density, modulus * material.youngs_modulus
+    if _METAL < heavy <= _DENSITY.highest and _MODULUS.lowest <= soft < _RUBBER:
+        yield f"its material is as heavy as a metal ({heavy:.3g} kg/m3) and as soft as rubber ({soft:.3g} Pa)"
+
+
+def _outside(units: UnitSystem, what: str, value: float, unit: str, usual: _Range) -> Iterator[str]:
+    factor = units.in_si(**usual.powers)
+    if factor is not None and np.isfinite(value) and not usual.lowest <= factor * value <= usual.highest:
+        si = "Pa" if usual is _MODULUS else "Hz" if usual is _FREQUENCY else SI.composed(**usual.powers)
+        seen = f"{value:.3g} {unit}"
+        in_si = "" if factor == 1.0 else f", which is {factor * value:.3g} {si}"
+        yield f"{what} is {seen}{in_si}; {usual.example}"
+
+
+def _per(units: UnitSystem) -> str:
+    return "Hz" if units.time == SI.time else units.composed(time=-1)
+
+
+def _warn(doubts: Iterable[str]) -> None:
+    for doubt in doubts:
+        warnings.warn(f"{doubt}: {_REMEDY}", UnitsWarning, stacklevel=3)

@@ -1,0 +1,98 @@
+"""Joint forces: what each joint does to its second end, as six components, from its multipliers.
+
+With the affine form `g = L (d, Q) + c` of the joint's equations (`joint_linearization`) and its multipliers
+lambda, `p = L_d^T lambda` and `P = L_Q^T lambda`, the joint exerts at the second end's point
+
+    force  -p,        moment  -ax(P Q^T),
+
+both along the joint axes on the first end. The first end receives the opposite of the same wrench, at the
+second end's point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from supple.machine import GROUND, At, Joint, System
+from supple.multibody.equations.joint_linearization import affine_form
+
+__all__ = ["joint_wrenches"]
+
+# Instants whose equations are linearised at a time: one compiled program for runs of any length.
+_BLOCK = 256
+
+
+def joint_wrenches(
+    system: System, times: np.ndarray, bodies: Mapping[str, Any], multipliers: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Force and moment (t, 6) of each joint on its second end, at that end's point.
+
+    Components along the joint axes that turn with the first end, z the joint's axis; those that the joint
+    leaves free are zero.
+
+    Parameters
+    ----------
+    times : (t,)
+    bodies : motions by body name, of t times
+    multipliers : by joint name, (t, m)
+    """
+    return {
+        joint.name: _wrench(system, joint, times, bodies, np.asarray(multipliers[joint.name]))
+        for joint in system.joints
+    }
+
+
+def _wrench(
+    system: System, joint: Joint, times: np.ndarray, bodies: Mapping[str, Any], multipliers: np.ndarray
+) -> np.ndarray:
+    weights = np.einsum("tm,tmk->tk", multipliers, _coefficients(joint, times))
+    wrench = np.zeros((len(times), 6))
+    wrench[:, :3] = -weights[:, :3]
+    by_turn = weights[:, 3:].reshape(-1, 3, 3)
+    if by_turn.any():
+        axes = (_axes(system, joint, end, bodies) for end in (joint.first, joint.second))
+        turn = np.einsum("...ji,...jk->...ik", *axes)
+        on_turn = by_turn @ np.swapaxes(turn, -1, -2)
+        wrench[:, 3:] = -np.stack(
+            [
+                on_turn[:, 2, 1] - on_turn[:, 1, 2],
+                on_turn[:, 0, 2] - on_turn[:, 2, 0],
+                on_turn[:, 1, 0] - on_turn[:, 0, 1],
+            ],
+            axis=-1,
+        )
+    return wrench + 0.0  # no negative zeros
+
+
+def _axes(system: System, joint: Joint, end: At, bodies: Mapping[str, Any]) -> np.ndarray:
+    """Joint axes on an end over time, (t, 3, 3), or (1, 3, 3) of the ground."""
+    if end == GROUND:
+        return joint.initial_axes[None]
+    placed, motion = system.bodies[system.body_index(end.body)], bodies[end.body]
+    turned = (motion.coordinates @ placed.body.interface(end.interface).motion.T)[:, 3:]
+    return motion.rotation @ Rotation.from_rotvec(turned).as_matrix() @ placed.rotation.T @ joint.initial_axes
+
+
+def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:
+    """`L` (t, m, 12) of the equations of a joint."""
+    constraint = type(joint).constraint
+    law = joint.law
+    if law is None:
+        return np.broadcast_to(affine_form(constraint, None)[0], (len(times), joint.n_constraints, 12))
+    values = np.asarray(jax.vmap(lambda time: jnp.asarray(law(time)))(jnp.asarray(times)))
+    n_blocks = -(-len(times) // _BLOCK)
+    padded = np.concatenate([values, np.repeat(values[-1:], n_blocks * _BLOCK - len(values), axis=0)])
+    blocks = (_linearized(constraint, block) for block in np.split(padded, n_blocks))
+    return np.concatenate([np.asarray(block) for block in blocks])[: len(times)]
+
+
+@partial(jax.jit, static_argnums=0)
+def _linearized(constraint: Callable[..., jax.Array], values: jax.Array) -> jax.Array:
+    return jax.vmap(lambda value: affine_form(constraint, value)[0])(values)

@@ -1,0 +1,22 @@
+"""Round-off: numbers so much smaller than their like that they would be zero without it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+# Motions and forces are exact to some 1e-12 of their size; what is shown has five digits.
+ROUND_OFF = 1e-9
+
+
+def without_noise(values: ArrayLike, like: ArrayLike | None = None) -> NDArray[np.float64]:
+    """Values to be shown, with zero for all that are below 1e-9 of the largest of their like.
+
+    like : other values of the same quantity, such as those in all directions
+    """
+    numbers = np.asarray(values, dtype=np.float64)
+    scale = max(
+        np.abs(numbers).max(initial=0.0),
+        0.0 if like is None else float(np.abs(np.asarray(like)).max(initial=0.0)),
+    )
+    return np.where(np.abs(numbers) < ROUND_OFF * scale, 0.0, numbers)

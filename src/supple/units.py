@@ -1,0 +1,278 @@
+"""Unit system: what the numbers of a model are in, and how pictures, tables and files say so.
+
+A model is computed in one consistent set of units, whichever it is. Three names say which: those of length,
+mass and time. Every other unit follows; what does not follow from what was said has no name, and is
+written without one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from math import isclose, prod
+from types import MappingProxyType
+from typing import NamedTuple
+
+from supple.errors import ModelError, did_you_mean
+
+_INCH, _FOOT, _POUND, _POUND_FORCE = 0.0254, 0.3048, 0.45359237, 4.4482216152605
+
+_LENGTHS = MappingProxyType(
+    {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "km": 1e3, "in": _INCH, "ft": _FOOT}
+)
+_MASSES = MappingProxyType(
+    {
+        "kg": 1.0,
+        "g": 1e-3,
+        "mg": 1e-6,
+        "t": 1e3,
+        "lb": _POUND,
+        "slug": _POUND_FORCE / _FOOT,
+        "slinch": _POUND_FORCE / _INCH,
+        "lbf s2/in": _POUND_FORCE / _INCH,
+        "lbf s2/ft": _POUND_FORCE / _FOOT,
+    }
+)
+_TIMES = MappingProxyType({"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0})
+_FORCES = MappingProxyType(
+    {
+        "N": 1.0, "mN": 1e-3, "uN": 1e-6, "kN": 1e3, "MN": 1e6, "dyn": 1e-5,
+        "lbf": _POUND_FORCE, "kip": 1e3 * _POUND_FORCE,
+    }
+)  # fmt: skip
+_STRESSES = MappingProxyType(
+    {
+        "Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "dyn/cm2": 0.1, "psi": _POUND_FORCE / _INCH**2,
+        "ksi": 1e3 * _POUND_FORCE / _INCH**2, "lbf/ft2": _POUND_FORCE / _FOOT**2,
+    }
+)  # fmt: skip
+_ENERGIES = MappingProxyType({"J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "kJ": 1e3, "MJ": 1e6, "erg": 1e-7})
+_SPELLINGS = MappingProxyType({"µm": "um", "μm": "um", "µs": "us", "μs": "us", "sec": "s", "tonne": "t"})
+_IMPERIAL = ("in", "ft")
+# Names that stand for the same unit agree to the digits by which feet and pounds are defined.
+_SAME = 1e-9
+
+
+class Shown(NamedTuple):
+    """A unit that people read, and the factor that numbers of the model are multiplied by to be in it."""
+
+    unit: str
+    factor: float
+
+
+def labelled(what: str, unit: str) -> str:
+    """What is measured with its unit in brackets, or alone where the unit has no name."""
+    return f"{what} ({unit})" if unit else what
+
+
+def headed(what: str, unit: str) -> str:
+    """The head of a column, "mass, kg", or "mass" where the unit has no name."""
+    return f"{what}, {unit}" if unit else what
+
+
+def measured(number: str, unit: str) -> str:
+    """A number with its unit, or alone."""
+    return f"{number} {unit}" if unit else number
+
+
+@dataclass(frozen=True)
+class UnitSystem:
+    """Names of the units of length, mass and time, each "" where nothing is said of it.
+
+    The other units are derived from them: N of m, kg and s, MPa of mm, t and s. `UnitSystem()` names none.
+
+    Raises
+    ------
+    ModelError   a unit that is not known
+    """
+
+    length: str = ""
+    mass: str = ""
+    time: str = ""
+
+    def __post_init__(self) -> None:
+        for name, known in _BASE.items():
+            given = _spelled(getattr(self, name))
+            if given and given not in known:
+                raise ModelError(f"there is no unit of {name} {given!r}{did_you_mean(given, known)}")
+            object.__setattr__(self, name, given)
+
+    @classmethod
+    def stated(cls, units: Mapping[str, str]) -> UnitSystem:
+        """The system that names of some units state: length, mass, time, force, stress; all must agree.
+
+        Where the mass is left out it follows from the force: in, lbf and s have the mass lbf s2/in.
+
+        Raises
+        ------
+        ModelError   a quantity or a unit that is not known; units that are no consistent set, with the remedy
+        """
+        for key in units:
+            if key not in _STATED:
+                raise ModelError(
+                    f"there is no quantity {key!r} to give a unit of{did_you_mean(key, _STATED)}"
+                )
+        given = {key: _spelled(unit) for key, unit in units.items()}
+        for key in ("force", "stress"):
+            if key in given and given[key] not in _STATED[key]:
+                raise ModelError(
+                    f"there is no unit of {key} {given[key]!r}{did_you_mean(given[key], _STATED[key])}"
+                )
+        length, time = given.get("length", ""), given.get("time", "")
+        mass = given.get("mass", "") or _mass_of(length, time, given.get("force", ""))
+        system = cls(length, mass, time)
+        for key in ("force", "stress"):
+            system._agrees(key, given.get(key, ""))
+        return system
+
+    @classmethod
+    def parsed(cls, text: str) -> UnitSystem:
+        """The system that `str` of it wrote."""
+        return cls(**dict(part.split(" ", 1) for part in text.split(", ") if part))
+
+    def __str__(self) -> str:
+        return ", ".join(f"{f.name} {getattr(self, f.name)}" for f in fields(self) if getattr(self, f.name))
+
+    def in_si(self, *, mass: int = 0, length: int = 0, time: int = 0) -> float | None:
+        """One unit of mass^a length^b time^c in SI units; None where one of them has no name."""
+        powers = {"mass": mass, "length": length, "time": time}
+        used = {name: power for name, power in powers.items() if power}
+        if not all(getattr(self, name) for name in used):
+            return None
+        return prod(_BASE[name][getattr(self, name)] ** power for name, power in used.items())
+
+    @property
+    def velocity(self) -> str:
+        """Length by time."""
+        return self.composed(length=1, time=-1)
+
+    @property
+    def acceleration(self) -> str:
+        """Length by time squared."""
+        return self.composed(length=1, time=-2)
+
+    @property
+    def angular_velocity(self) -> str:
+        """Radians by time."""
+        return f"rad/{self.time}" if self.time else ""
+
+    @property
+    def force(self) -> str:
+        """N, kN, lbf, .."""
+        return self._named(_FORCES, mass=1, length=1, time=-2)
+
+    @property
+    def moment(self) -> str:
+        """Force times length."""
+        return self._per_force(" ", 1) or self.composed(mass=1, length=2, time=-2)
+
+    @property
+    def stress(self) -> str:
+        """Of stresses and moduli, as they are computed; see `stress_shown`."""
+        return self._named(_STRESSES, mass=1, length=-1, time=-2)
+
+    @property
+    def energy(self) -> str:
+        """J, mJ, lbf in, .."""
+        return self._named(_ENERGIES, mass=1, length=2, time=-2, otherwise=self.moment)
+
+    @property
+    def density(self) -> str:
+        """Mass by length cubed."""
+        return self.composed(mass=1, length=-3)
+
+    @property
+    def inertia(self) -> str:
+        """Mass times length squared."""
+        return self.composed(mass=1, length=2)
+
+    @property
+    def stress_shown(self) -> Shown:
+        """Stresses are read in MPa, or in psi where lengths are feet or inches."""
+        factor = self.in_si(mass=1, length=-1, time=-2)
+        if factor is None:
+            return Shown("", 1.0)
+        unit = "psi" if self.length in _IMPERIAL else "MPa"
+        return Shown(unit, _ratio(factor, _STRESSES[unit]))
+
+    @property
+    def frequency_shown(self) -> Shown:
+        """Frequencies are read in Hz, whatever time is in."""
+        factor = self.in_si(time=-1)
+        return Shown("", 1.0) if factor is None else Shown("Hz", _ratio(factor, 1.0))
+
+    def _named(self, known: Mapping[str, float], *, otherwise: str = "", **powers: int) -> str:
+        factor = self.in_si(**powers)
+        if factor is None:
+            return ""
+        same = (name for name, size in known.items() if isclose(size, factor, rel_tol=_SAME))
+        return next(same, otherwise or self.composed(**powers))
+
+    def _per_force(self, sign: str, power: int) -> str:
+        named = self.force in _FORCES
+        return f"{self.force}{sign}{self.length}{power if power > 1 else ''}" if named else ""
+
+    def composed(self, **powers: int) -> str:
+        """Powers of length, mass and time, as "kg m2/s2"; "" where one of the units has no name."""
+        names = {name: getattr(self, name) for name in powers}
+        if not all(names.values()):
+            return ""
+        above = [_power(names[name], power) for name, power in powers.items() if power > 0]
+        below = [_power(names[name], -power) for name, power in powers.items() if power < 0]
+        under = f"({' '.join(below)})" if len(below) > 1 else "".join(below)
+        return (" ".join(above) or "1") + (f"/{under}" if under else "")
+
+    def _agrees(self, key: str, unit: str) -> None:
+        powers = _POWERS[key]
+        found = self.in_si(**powers)
+        if not unit or found is None:
+            return
+        if not isclose(_STATED[key][unit], found, rel_tol=1e-6):
+            raise ModelError(
+                f"the {key} in {unit} does not go with {self}: these have the {key} in "
+                f"{getattr(self, key)}. One consistent set is needed, such as m, kg, s, N, Pa; mm, t, s, N, "
+                "MPa; in, lbf s2/in, s, lbf, psi"
+            )
+
+
+_BASE = MappingProxyType({"length": _LENGTHS, "mass": _MASSES, "time": _TIMES})
+_STATED = MappingProxyType({**_BASE, "force": _FORCES, "stress": _STRESSES})
+_POWERS = MappingProxyType(
+    {"force": {"mass": 1, "length": 1, "time": -2}, "stress": {"mass": 1, "length": -1, "time": -2}}
+)
+
+
+def _spelled(unit: str) -> str:
+    """One spelling of each unit: `lbf*s^2/in`, `lbf·s²/in` and `lbf s2/in` are the same."""
+    plain = unit.strip().replace("²", "2").replace("^", "").replace("**", "")
+    plain = " ".join(plain.replace("*", " ").replace("·", " ").split())
+    return _SPELLINGS.get(plain, plain)
+
+
+def _mass_of(length: str, time: str, force: str) -> str:
+    """The mass that makes length, time and force consistent; "" where it has no name."""
+    if not (force and length in _LENGTHS and time in _TIMES):
+        return ""
+    size = _FORCES[force] * _TIMES[time] ** 2 / _LENGTHS[length]
+    same = [name for name, own in _MASSES.items() if isclose(own, size, rel_tol=_SAME)]
+    if not same:
+        raise ModelError(f"no known unit of mass goes with {length}, {time} and {force}: give the mass, too")
+    return same[0]
+
+
+def _power(name: str, power: int) -> str:
+    plain = name if power == 1 else f"{name}{power}"
+    return f"({name}){'' if power == 1 else power}" if "/" in name else plain
+
+
+def _ratio(factor: float, unit: float) -> float:
+    """The quotient, free of the rounding of powers of ten."""
+    quotient = factor / unit
+    return float(f"{quotient:.12g}")
+
+
+SI = UnitSystem("m", "kg", "s")
+"""Metre, kilogram, second."""
+
+UNNAMED = UnitSystem()
+"""Of a model whose units are not said."""

@@ -1,0 +1,160 @@
+"""Glyphs: what has no mesh in a picture. Rigid bodies are lines, joints marks, the ground is hatched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PathCollection
+from matplotlib.legend import Legend
+from numpy.typing import NDArray
+
+from supple.body import RigidBody, in_space
+from supple.integrate import Solution
+from supple.machine import GROUND, At, Joint, System
+from supple.results import tracked_motion
+from supple.viz.camera import Camera
+from supple.viz.style import COLOURS, INK, PALE_INK
+
+Array = NDArray[np.float64]
+
+
+class MarkStyle(NamedTuple):
+    """What a mark looks like: matplotlib's marker, its size in points squared, its colours, and its name."""
+
+    name: str
+    marker: str
+    size: float = 34.0
+    face: str = "white"
+    edge: str = INK
+    hatch: str = ""
+
+
+GROUND_STYLE = MarkStyle("ground", "s", 130.0, edge=PALE_INK, hatch="//////")
+CENTRE_STYLE = MarkStyle("centre of mass", "o", 9.0, face=COLOURS[5])
+_JOINT_STYLES = MappingProxyType(
+    {
+        "Fixed": MarkStyle("fixed", "s", face=INK),
+        "Ball": MarkStyle("ball", "o", face=INK),
+        "Revolute": MarkStyle("revolute", "o"),
+        "Universal": MarkStyle("universal", "X"),
+        "Cylindrical": MarkStyle("cylindrical", "h"),
+        "Prismatic": MarkStyle("prismatic", "s"),
+        "PrescribedRotation": MarkStyle("prescribed rotation", "o", face=COLOURS[1]),
+        "PrescribedTranslation": MarkStyle("prescribed translation", "s", face=COLOURS[1]),
+    }
+)
+
+
+class Mark(NamedTuple):
+    """A mark at places (t, 3)."""
+
+    style: MarkStyle
+    places: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Glyphs:
+    """Lines (t, s, 2, 3) from one place to another, and marks, at the times of a motion."""
+
+    lines: Array
+    marks: tuple[Mark, ...]
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to draw."""
+        return not self.marks
+
+    @property
+    def points(self) -> Array:
+        """All places (t, k, 3)."""
+        ends = self.lines.reshape(len(self.lines), -1, 3)
+        return np.concatenate([ends, *(mark.places[:, None] for mark in self.marks)], axis=1)
+
+
+def glyphs_of(system: System, solution: Solution, rows: slice | NDArray[np.int64]) -> Glyphs:
+    """Rigid bodies, joints and ground at some output times of a run.
+
+    A rigid body is its interfaces, each joined to its centre of mass; a joint stands at its second end,
+    and where it holds to the ground also at the place that does not move.
+    """
+    lines: list[Array] = []
+    marks: list[Mark] = []
+    n_times = len(solution.times[rows])
+    for name, body in system.bodies_of(RigidBody).items():
+        motion = solution.bodies[name].at(rows)
+        centre = in_space(motion.position, motion.rotation, body.centre[None, None])
+        ends = body.positions(motion)
+        lines.append(np.stack([np.broadcast_to(centre, ends.shape), ends], axis=2))
+        marks.append(Mark(CENTRE_STYLE, centre[:, 0]))
+    for joint in system.joints:
+        marks += _joint_marks(system, solution, joint, rows, n_times)
+    joined = np.concatenate(lines, axis=1) if lines else np.empty((n_times, 0, 2, 3))
+    return Glyphs(joined, tuple(sorted(marks, key=lambda mark: -mark.style.size)))
+
+
+def _joint_marks(
+    system: System, solution: Solution, joint: Joint, rows: slice | NDArray[np.int64], n_times: int
+) -> Iterator[Mark]:
+    held, other = (joint.second, joint.first)
+    if held == GROUND:
+        held, other = other, held
+    if other == GROUND:
+        yield Mark(GROUND_STYLE, np.tile(system.initial_point(held), (n_times, 1)))
+    style = _JOINT_STYLES.get(type(joint).__name__, MarkStyle(type(joint).__name__, "P"))
+    yield Mark(style, _place(system, solution, held, rows))
+
+
+def _place(system: System, solution: Solution, end: At, rows: slice | NDArray[np.int64]) -> Array:
+    body = system.bodies[system.body_index(end.body)].body
+    return tracked_motion(body, solution.bodies[end.body].at(rows), end.interface).position
+
+
+class DrawnGlyphs:
+    """Glyphs on axes, to be moved from one time to the next."""
+
+    def __init__(self, axes: Axes, glyphs: Glyphs, camera: Camera) -> None:
+        self._lines = camera.project(glyphs.lines)[0]
+        self._places = [camera.project(mark.places)[0] for mark in glyphs.marks]
+        self._drawn_lines = LineCollection([], colors=INK, linewidths=2.2, capstyle="round", zorder=2.4)
+        axes.add_collection(self._drawn_lines, autolim=False)
+        self._marks = [_drawn_mark(axes, mark.style) for mark in glyphs.marks]
+        self._styles = [mark.style for mark in glyphs.marks]
+        self.show(0)
+
+    def show(self, instant: int) -> None:
+        """Move all glyphs to where they are at one of their times."""
+        self._drawn_lines.set_segments(list(self._lines[instant]))
+        for drawn, places in zip(self._marks, self._places, strict=True):
+            drawn.set_offsets(places[instant])
+
+    def legend(self, axes: Axes) -> Legend:
+        """What each mark means, once a kind, under the axes."""
+        first = {style.name: drawn for style, drawn in zip(self._styles, self._marks, strict=True)}
+        return axes.legend(
+            list(first.values()),
+            list(first),
+            loc="upper center",
+            bbox_to_anchor=(0.5, 0.0),
+            ncols=min(4, len(first)),
+            columnspacing=1.4,
+            handletextpad=0.4,
+        )
+
+
+def _drawn_mark(axes: Axes, style: MarkStyle) -> PathCollection:
+    return axes.scatter(
+        [0.0],
+        [0.0],
+        s=style.size,
+        marker=style.marker,
+        facecolors=style.face,
+        edgecolors=style.edge,
+        linewidths=0.9,
+        hatch=style.hatch or None,
+        zorder=2.3 if style is GROUND_STYLE else 2.6,
+    )
