@@ -25,7 +25,7 @@ help:
 
 demo: $(VENV)/.ready
 	@$(BIN)/supple benchmark rotating-beam --quick -o $(RESULTS)/rotating-beam
-	@$(BIN)/supple run examples/blade.toml -o $(RESULTS)/blade
+	@$(BIN)/supple run examples/blade.toml -o $(RESULTS)/blade --force
 	@echo
 	@echo "Done. Tables, pictures, animations and HDF5 files are in $(CURDIR)/$(RESULTS)/:"
 	@find $(RESULTS)/rotating-beam $(RESULTS)/blade -type f | sort | sed 's/^/  /'

@@ -19,7 +19,6 @@ from supple import errors as errors
 if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.body import AveragingInterface as AveragingInterface
     from supple.body import FullBody as FullBody
-    from supple.body import LinearRayleighDamping as LinearRayleighDamping
     from supple.body import MeanAxisFrame as MeanAxisFrame
     from supple.body import ModalDamping as ModalDamping
     from supple.body import NodalFixedFrame as NodalFixedFrame
@@ -107,7 +106,7 @@ _NAMES = {
     "supple.fem": "Isotropic HomogeneousSection shell_model solid_model",
     "supple.body": (
         "RigidInterface AveragingInterface flexible_body RigidBody FullBody "
-        "MeanAxisFrame NodalFixedFrame RayleighDamping LinearRayleighDamping ModalDamping"
+        "MeanAxisFrame NodalFixedFrame RayleighDamping ModalDamping"
     ),
     "supple.reduction": (
         "reduce CraigBampton Rubin AttachmentModes ErrorControlled "

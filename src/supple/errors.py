@@ -89,6 +89,10 @@ class ResolutionWarning(SuppleWarning):
     """Time steps, or output times, too far apart for the loads, the prescribed motions or the motion."""
 
 
+class UnlockedWarning(SuppleWarning):
+    """A result on a file system that cannot keep other runs from writing it too."""
+
+
 class StepCutWarning(SuppleWarning):
     """Time steps that had to be cut before Newton's method converged."""
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from references.elastica import elastica
-from references.lateral_buckling import lateral_buckling_load
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from supple.fem import GREEN_LAGRANGE, VON_KARMAN, BeamSection, Isotropic, assemble, shell_model
 from supple.fem.quadratic_strain import energy, stiffness, strain
 from supple.mesh import CellType, Mesh
+from supple_benchmarks.references.elastica import elastica
+from supple_benchmarks.references.lateral_buckling import lateral_buckling_load
 
 ALUMINIUM = Isotropic(7e10, 0.3, 2700.0)
 OBLIQUE = np.array([1.0, 2.0, 3.0]) / np.sqrt(14)

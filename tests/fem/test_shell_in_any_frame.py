@@ -39,7 +39,8 @@ class Cantilever:
 
     def __init__(self, wall: ShellSection = WALL, n_along=20):
         self.mesh = strip(LENGTH, WIDTH, n_along, 2)
-        self.assembly = assemble(shell_model(self.mesh, wall))
+        self.model = shell_model(self.mesh, wall)
+        self.assembly = assemble(self.model)
         free = np.ones((self.mesh.n_nodes, 6), dtype=bool)
         free[self.mesh.nodes_of("root")] = False
         self.free = np.flatnonzero(free)
@@ -208,7 +209,7 @@ def test_stress_at_the_faces_is_the_bending_moment_over_the_section(cantilever):
     """sigma = M t/2 / I with M = F (x_tip - x), half way along a strip whose tip stands at 0.573 rad."""
     force, _ = elastica(0.573)
     q = cantilever.bent(cantilever.tip_force([0, 0, force]))
-    stress = stress_recovery(cantilever.assembly.model).at_nodes(q.ravel())
+    stress = stress_recovery(cantilever.model).at_nodes(q.ravel())
     middle = cantilever.mesh.nodes_of("axis")[10]
     x = cantilever.mesh.nodes[:, 0] + q[:, 0]
     moment = force * (x[cantilever.centre] - x[middle])
@@ -221,7 +222,7 @@ def test_stress_at_the_faces_is_the_bending_moment_over_the_section(cantilever):
 def test_stress_of_a_bent_strip_stays_when_it_turns(turn, cantilever):
     """Second Piola-Kirchhoff stress, in the axes of the mesh: no rotation changes it."""
     q = cantilever.bent(cantilever.tip_force([0, 0, elastica(0.291)[0]]))
-    recovery = stress_recovery(cantilever.assembly.model)
+    recovery = stress_recovery(cantilever.model)
     before = recovery.at_nodes(q.ravel())
     after = recovery.at_nodes(turned_rigidly(cantilever.mesh, q, turn).ravel())
     assert np.abs(after - before).max() < 0.02 * np.abs(before).max()

@@ -54,7 +54,7 @@ def test_patch_of_constant_finite_strain(cell_type, material, distorted, rng):
     F = np.eye(3) + H
     E = 0.5 * (F.T @ F - np.eye(3))
     voigt = np.array([E[0, 0], E[1, 1], E[2, 2], 2 * E[1, 2], 2 * E[0, 2], 2 * E[0, 1]])
-    volume = assembly.model.blocks[0].w.sum()
+    volume = assembly.blocks[0].w.sum()
     assert assembly.energy(q) == pytest.approx(0.5 * volume * voigt @ material.elasticity @ voigt, rel=1e-12)
     on_surface = (np.abs(regular.nodes - [0.5, 0, 0]) > 0.5 - 1e-9).any(axis=1)
     force = assembly.internal_force(q).reshape(-1, 3)

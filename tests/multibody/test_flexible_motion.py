@@ -48,7 +48,7 @@ def test_free_body_keeps_energy_and_momenta_at_order_two(tumbling):
             ]
         )
 
-    coarse, fine = drifts(2e-4), drifts(1e-4)
+    coarse, fine = drifts(1e-4), drifts(5e-5)
     assert (fine < 1e-4).all()
     np.testing.assert_allclose(np.log2(coarse / fine), 2.0, atol=0.2)
 

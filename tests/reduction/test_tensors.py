@@ -47,9 +47,8 @@ def random_body():
     return SimpleNamespace(
         name="random",
         is_linear=False,
-        force=SimpleNamespace(blocks=(block,)),
+        force=SimpleNamespace(blocks=(block,), expansion=sparse.eye_array(n, format="csc")),
         stiffness=sparse.csc_array(stiffness),
-        expansion=sparse.eye_array(n, format="csc"),
         n=n,
     )
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from references.elastica import elastica
-from references.lateral_buckling import lateral_buckling_load
-from references.simo_reissner import Beam, bent, energies, straight_beam, swung
 
 from supple_benchmarks.beam_statics import bend_beam
 from supple_benchmarks.planar_beam import ROTATING_BEAM, BeamElements
+from supple_benchmarks.references.elastica import elastica
+from supple_benchmarks.references.lateral_buckling import lateral_buckling_load
+from supple_benchmarks.references.simo_reissner import Beam, bent, energies, straight_beam, swung
 
 LENGTH = 10.0
 STIFFNESS = np.array([1e4, 5e3, 5e3, 80.0, 100.0, 150.0])

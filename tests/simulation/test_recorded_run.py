@@ -75,12 +75,15 @@ def test_another_run_is_not_overwritten(tmp_path, pendulum):
 def test_a_run_begun_anew_replaces_the_one_that_is_there(tmp_path, pendulum):
     path = tmp_path / "run.h5"
     begin_recorded(pendulum, RUN, path, case="long")
-    short = begin_recorded(
-        pendulum, Run(duration=0.2, output_step=0.1), path, case="short", metadata={"title": "b"}
-    )
+    shorter = Run(duration=0.2, output_step=0.1)
+    with pytest.raises(ResultFileError, match="it holds a finished run; say overwrite=True to replace it"):
+        begin_recorded(pendulum, shorter, path, case="short")
+    assert read_header(path).case == "long"
+    short = begin_recorded(pendulum, shorter, path, case="short", metadata={"title": "b"}, overwrite=True)
     np.testing.assert_allclose(short.times, [0.0, 0.1, 0.2])
     header = read_header(path)
-    assert (header.case, header.metadata, header.n_times) == ("short", {"title": "b"}, 3)
+    metadata = {"title": "b", "pin: second end": "bar.pin"}
+    assert (header.case, header.metadata, header.n_times) == ("short", metadata, 3)
 
 
 def test_only_what_was_cut_off_can_be_continued(tmp_path, pendulum):

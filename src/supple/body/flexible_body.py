@@ -74,7 +74,11 @@ class FlexibleBody:
 
     def linearized(self) -> FlexibleBody:
         """The same body, of the same elements, without quadratic strains: its internal force is K q."""
-        linear = replace(self, force=LinearForce(self.stiffness))
+        linear = replace(
+            self,
+            force=LinearForce(self.stiffness),
+            interfaces=tuple(replace(interface, cubic_turn=0.0) for interface in self.interfaces),
+        )
         if "grounded_stiffness" in vars(self):  # the same K need not be factored twice
             vars(linear)["grounded_stiffness"] = self.grounded_stiffness
         return linear

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from supple.body.interface import AveragingInterface, RigidInterface
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.body.rigid_elimination import rigid_elimination
 from supple.body.rigid_motion import nodal_rigid_modes
+from supple.body.second_order_tie import RigidSet, second_order_strains, with_virtual_nodes
 from supple.body.virtual_node import interface_motions, virtual_nodes
 from supple.errors import ModelError
 
@@ -50,7 +52,8 @@ def free_body(
     virtual = virtual_nodes(name, nodes, dofs_per_node, interfaces, node_ids)
     rigid = [node for node in virtual if node.is_rigid]
 
-    T = rigid_elimination(nodes, dofs_per_node, [(node.node_ids, node.position) for node in rigid])
+    rigid_sets = [(node.node_ids, node.position) for node in rigid]
+    T = rigid_elimination(nodes, dofs_per_node, rigid_sets)
     if sum(node.node_ids.size for node in rigid) == len(nodes):
         raise ModelError(f"body '{name}': its interfaces hold every node rigidly; describe it by a RigidBody")
     M, K = _congruent(T, M_nodal), _congruent(T, K_nodal)
@@ -75,15 +78,32 @@ def free_body(
         nodal_mass=M_nodal,
         mass=M,
         stiffness=K,
-        interfaces=interface_motions(nodes, dofs_per_node, T, virtual),
+        interfaces=interface_motions(
+            nodes,
+            dofs_per_node,
+            T,
+            virtual,
+            turns_finitely=model is not None and model.strains_vanish_when_turned,
+        ),
         rigid_modes=read_only(R),
         model=model,
-        force=LinearForce(K) if model is None else QuadraticStrainForce(model, T),
+        force=LinearForce(K) if model is None else _quadratic_force(model, T, rigid_sets),
         rotation_operator=rotation_operator,
         rotation_limit=rotation_limit,
     )
     _ = body.grounded_stiffness  # made now, so that a mechanism is named where the body is built
     return body
+
+
+def _quadratic_force(
+    model: FiniteElementModel, T: sparse.csc_array, rigid_sets: Sequence[RigidSet]
+) -> QuadraticStrainForce:
+    """Ties of second order, unless the elements' strains see less of a rotation than they would."""
+    d = model.dofs_per_node
+    if not rigid_sets or not model.strains_vanish_when_turned:
+        return QuadraticStrainForce(model.blocks, d, T)
+    blocks = second_order_strains(model.blocks, model.mesh.nodes, d, rigid_sets)
+    return QuadraticStrainForce(blocks, d, with_virtual_nodes(T, d, len(rigid_sets)))
 
 
 def _congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array:

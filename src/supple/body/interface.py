@@ -17,7 +17,8 @@ from supple.errors import ModelError, did_you_mean
 class RigidInterface:
     """Nodes that move as one rigid body with a virtual node (RBE2): u_a = u_v + theta_v x (x_a - x_v).
 
-    On shells the nodes also turn with it, theta_a = theta_v. Their own freedoms are eliminated.
+    On shells the nodes also turn with it, theta_a = theta_v. Their own freedoms are eliminated. The elements
+    at the nodes see them turn to second order (`second_order_tie`).
 
     nodes    : name of a node set, or node numbers
     position : (3,) of the virtual node; the centroid of the nodes when omitted
@@ -52,12 +53,18 @@ class BodyInterface:
     position : (3,) in the mesh axes
     motion   : csr (6, n), q_v = (u_v, theta_v) = motion @ q
     node_ids : (k,) numbers of the nodes it is made of
+    cubic_turn : c of the rotation vector theta_v (1 + c theta_v.theta_v) by which a joint there has turned
+
+    A rigid interface stands as the elements beside it, turned by phi, want it where |theta_v| = tan(phi), for
+    their strains are cut back to quadratic ones (`second_order_tie`): c = -1/3. Where nodes turn by phi, an
+    averaging one sees sin(phi): c = 1/6. Where theta_v is that of the nodes themselves, c = 0.
     """
 
     name: str
     position: NDArray[np.float64]
     motion: sparse.csr_array
     node_ids: NDArray[np.int64]
+    cubic_turn: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +81,11 @@ class PointInterface:
     def motion(self) -> NDArray[np.float64]:
         """(6, 0)."""
         return np.zeros((6, 0))
+
+    @property
+    def cubic_turn(self) -> float:
+        """None: it does not turn."""
+        return 0.0
 
 
 class Interface(Protocol):
@@ -92,6 +104,11 @@ class Interface(Protocol):
     @property
     def motion(self) -> Any:
         """Displacement and rotation per unit coordinate of the body, (6, r), dense or sparse."""
+        ...
+
+    @property
+    def cubic_turn(self) -> float:
+        """Of its rotation vector theta (1 + c theta.theta)."""
         ...
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.fem import Assembly, FiniteElementModel, QuadraticStrain, assemble
+from supple.fem import Assembly, QuadraticStrain, assemble_strains
 
 Array = NDArray[np.float64]
 
@@ -58,27 +58,25 @@ class LinearForce:
 class QuadraticStrainForce:
     """f = dU/dq of strains quadratic in q, summed over the elements of a model; K is its tangent at q = 0.
 
-    model : FiniteElementModel
-    expansion : csc (n_nodal, n)    T of the nodal freedoms u = T q
+    blocks : of the elements, in nodal freedoms
+    dofs_per_node : 3 or 6
+    expansion : csc (n_nodal, n)    T of the nodal freedoms u = T q; rows of virtual nodes may follow
     """
 
-    model: FiniteElementModel = field(repr=False)
-    expansion: sparse.csc_array = field(repr=False)
+    blocks: tuple[QuadraticStrain, ...] = field(repr=False)
+    dofs_per_node: int
+    expansion: Any = field(repr=False)
 
     @property
     def is_linear(self) -> bool:
         """False."""
         return False
 
-    @property
-    def blocks(self) -> tuple[QuadraticStrain, ...]:
-        """Strains of the elements, in the nodal freedoms."""
-        return self.model.blocks
-
     @cached_property
     def assembly(self) -> Assembly:
         """The sums over the elements, prepared when first used."""
-        return assemble(self.model, self.expansion)
+        n_nodes = self.expansion.shape[0] // self.dofs_per_node
+        return assemble_strains(self.blocks, n_nodes, self.dofs_per_node, self.expansion)
 
     def internal_force(self, q: Array) -> Array:
         """Internal force (n,), N and N m."""

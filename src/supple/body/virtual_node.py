@@ -15,6 +15,9 @@ from supple.body.interface import AveragingInterface, BodyInterface, RigidInterf
 from supple.body.rigid_motion import are_collinear
 from supple.errors import ModelError
 
+# arctan t = t - t^3 / 3 + .., arcsin t = t + t^3 / 6 + ..
+ARCTAN, ARCSIN = -1 / 3, 1 / 6
+
 
 @dataclass(frozen=True, eq=False)
 class VirtualNode:
@@ -78,8 +81,13 @@ def interface_motions(
     dofs_per_node: int,
     expansion: sparse.csc_array,
     virtual: Sequence[VirtualNode],
+    *,
+    turns_finitely: bool = False,
 ) -> tuple[BodyInterface, ...]:
-    """The motion (6, n) of each virtual node; the coordinates of rigid ones stand last, in order."""
+    """The motion (6, n) of each virtual node; the coordinates of rigid ones stand last, in order.
+
+    turns_finitely : whether the body's strains let its parts turn against the frame
+    """
     n_nodal, n = dofs_per_node * len(nodes), expansion.indptr.size - 1
     first = n - 6 * sum(node.is_rigid for node in virtual)
     result = []
@@ -94,7 +102,10 @@ def interface_motions(
             rows = np.repeat(np.arange(6), dofs.size)
             nodal = sparse.csr_array((averages.ravel(), (rows, columns)), shape=(6, n_nodal))
             motion = sparse.csr_array(nodal @ expansion)
-        result.append(BodyInterface(node.name, node.position, motion, node.node_ids))
+        # On a line or point, rotations are those of the nodes themselves.
+        by_displacement = turns_finitely and not are_collinear(nodes[node.node_ids])
+        cubic_turn = (ARCTAN if node.is_rigid else ARCSIN) if by_displacement else 0.0
+        result.append(BodyInterface(node.name, node.position, motion, node.node_ids, cubic_turn))
     return tuple(result)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from supple.body import BodySource, FlexibleBody
 from supple.cases.bodies import checked_line
+from supple.cases.case_inputs import inputs_of_case
 from supple.cases.case_tables import CaseTables
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
@@ -24,6 +26,7 @@ from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mista
 from supple.integrate import Run
 from supple.machine import SplitBody, System
 from supple.mesh import Mesh
+from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
 
 
@@ -63,6 +66,16 @@ class Case:
     def made_here(self) -> frozenset[str]:
         """Names of the bodies that the case makes, not read as reduced."""
         return frozenset(body.name for body in self.parts.body if body.reduced is None)
+
+    @property
+    def inputs(self) -> Inputs:
+        """All that the motion depends on, by name: keys of the case, digests of its files as they are now.
+
+        Raises
+        ------
+        CaseError   a file that cannot be read
+        """
+        return inputs_of_case(self.tables, tomllib.loads(self.text), self.folder)
 
     def place(self, text: str) -> tuple[str, str | NDArray[np.int64]]:
         """The body of `BODY.PLACE`, and the name of its interface, or the nodes of the set of its mesh."""

@@ -10,13 +10,18 @@ from typing import Any
 from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import Progress, silent
+from supple.cases.remains import check_remains, result_path
 from supple.correction import Round, SelfCorrectionError, correct_recorded, correction_numbers
+from supple.errors import CaseError
 from supple.integrate import Solution, Validity
 from supple.machine import System
 from supple.multibody import warn_of_missing_modes
 from supple.results import TrackedMotion, summarize, tracked_places
 from supple.simulation import reduced_bodies, simulate_kept
 from supple.storage import write_json
+from supple.storage.exclusive_lock import ExclusiveLock
+from supple.storage.file_errors import file_errors
+from supple.storage.run_inputs import changes
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,30 +42,65 @@ class CaseResult:
 
 
 def run_case(
-    case: Case, folder: Path, *, resume: bool = False, strict: bool = False, progress: Progress = silent
+    case: Case,
+    folder: Path,
+    *,
+    resume: bool = False,
+    force: bool = False,
+    strict: bool = False,
+    progress: Progress = silent,
 ) -> CaseResult:
     """Run a case and write its results (HDF5, JSON) and, if it asks for them, its pictures into `folder`.
 
     Parameters
     ----------
-    folder : made if it is not there
+    folder : made if it is not there; nobody else writes to it meanwhile
     resume : continue the result file of a run that was cut off, instead of starting anew
+    force : replace the result that is there; otherwise one that is finished or was cut off is an error
     strict : a motion beyond what a body's kinematics can describe is an error
 
     Raises
     ------
     SelfCorrectionError     an error was not met: what was reached, and the file of the best round
-    ResultFileError         a result file that cannot be written or continued
+    CaseError               --resume and --force at once; a file that changed while the case was read
+    ResultFileError         a result that would be lost; a result file that cannot be written or continued, or
+                            whose case or files have changed since; another run that writes to the folder
     SuppleError             whatever the build and the simulation find wrong; what was computed is kept
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    if resume and force:
+        raise CaseError("--resume goes on with a result and --force replaces it: give one of them")
+    with file_errors("write", folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    with ExclusiveLock(folder):
+        check_remains(case, folder, resume=resume, force=force)
+        return _run_case(case, folder, resume=resume, force=force, strict=strict, progress=progress)
+
+
+def _run_case(
+    case: Case, folder: Path, *, resume: bool, force: bool, strict: bool, progress: Progress
+) -> CaseResult:
     warn_of_units(case)
+    inputs = case.inputs
+    _ = case.system
+    if changed := changes(inputs, case.inputs):
+        raise CaseError(f"{case.path} was changed while it was read ({changed}): run it again")
     for body in reduced_bodies(case.system, case.flexible):
         warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body, case.units)
     rounds: list[Round] = []
     try:
         system, solution = _simulated(
-            case, folder, rounds, resume=resume, validity=Validity(strict=strict), progress=progress
+            case,
+            folder,
+            rounds,
+            {
+                "case": case.text,
+                "inputs": inputs,
+                "metadata": _metadata(case),
+                "resume": resume,
+                "overwrite": force,
+            },
+            validity=Validity(strict=strict),
+            progress=progress,
         )
     except SelfCorrectionError:
         _write_report(case, folder, correction_numbers(rounds), {})
@@ -75,14 +115,20 @@ def run_case(
 
 
 def _simulated(
-    case: Case, folder: Path, rounds: list[Round], *, resume: bool, validity: Validity, progress: Progress
+    case: Case,
+    folder: Path,
+    rounds: list[Round],
+    of_file: Mapping[str, Any],
+    *,
+    validity: Validity,
+    progress: Progress,
 ) -> tuple[System, Solution]:
     """The motion, and the system it is of; rounds of a self-correction are added as they are finished."""
     given = (case.system, replace(case.run, validity=validity))
-    path, of_file = folder / f"{case.path.stem}.h5", {"case": case.text, "metadata": _metadata(case)}
+    path = result_path(case.path, folder)
     if case.starts:
         corrected = correct_recorded(
-            *given, case.starts, path, **of_file, resume=resume, announce=rounds.append, progress=progress
+            *given, case.starts, path, **of_file, announce=rounds.append, progress=progress
         )
         return corrected.system, corrected.solution
 
@@ -90,7 +136,7 @@ def _simulated(
         progress("compiling and simulating", fraction)
 
     simulating(0.0)
-    return simulate_kept(*given, path, case.made_here, **of_file, resume=resume, progress=simulating)
+    return simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
 
 
 def _metadata(case: Case) -> dict[str, str]:

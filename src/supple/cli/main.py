@@ -61,6 +61,7 @@ def run(
         ),
     ] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Continue a run that was cut off.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace the result that is there.")] = False,
     debug: Debug = False,
 ) -> None:
     """Simulate a case file; write results (HDF5, JSON), pictures (PNG) and an animation (GIF)."""
@@ -70,7 +71,7 @@ def run(
 
     keep_compiled_programs()
     with reported_errors(debug=debug), reported_warnings():
-        run_case(case, output or Path("results") / case.stem, resume=resume, strict=strict)
+        run_case(case, output or Path("results") / case.stem, resume=resume, force=force, strict=strict)
 
 
 @app.command()
@@ -86,6 +87,28 @@ def reduce(
 
     with reported_errors(debug=debug), reported_warnings():
         reduce_case(case, output or Path("results") / case.stem)
+
+
+@app.command()
+def export(
+    case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Deck to write, FILE.inp.")],
+    body: Annotated[
+        str | None, typer.Option(help="Which body; may be left out where one alone has elements.")
+    ] = None,
+    time: Annotated[
+        float | None, typer.Option(help="Instant of the loads, s; the end of the run if left out.")
+    ] = None,
+    abaqus: Annotated[
+        bool, typer.Option("--abaqus", help="Three-node shells, for Abaqus; CalculiX bends six-node ones.")
+    ] = False,
+    debug: Debug = False,
+) -> None:
+    """Write a body, clamped where joints hold it, under its loads, as an Abaqus or CalculiX deck."""
+    from supple.cli.export_case import export_case
+
+    with reported_errors(debug=debug), reported_warnings():
+        export_case(case, output, body=body, time=time, abaqus=abaqus)
 
 
 @app.command()

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import signal
 from pathlib import Path
 
+import typer
+from rich.markup import escape
+
 from supple import cases
+from supple.cases.remains import kept_so_far
 from supple.correction import SelfCorrectionError, correction_numbers
 from supple.results.run_tables import (
     body_table,
@@ -14,18 +19,39 @@ from supple.results.run_tables import (
     motion_table,
     place_table,
 )
-from supple.terminal import Steps, console, print_table, progress_bars
+from supple.simulation.interruption import INTERRUPTIONS, Terminated, raising_terminated
+from supple.terminal import Steps, console, error_console, print_table, progress_bars
 
 
-def run_case(path: Path, folder: Path, *, resume: bool = False, strict: bool = False) -> None:
-    """Run the case file at `path` and print its tables; parameters and errors as for `cases.run_case`."""
+def run_case(
+    path: Path, folder: Path, *, resume: bool = False, force: bool = False, strict: bool = False
+) -> None:
+    """Run the case file at `path` and print its tables; parameters and errors as for `cases.run_case`.
+
+    Stopped by Ctrl-C (SIGINT) or by the system (SIGTERM), it says what is kept, and exits with 130 or 143.
+    """
+    with raising_terminated():
+        try:
+            _run(path, folder, resume=resume, force=force, strict=strict)
+        except INTERRUPTIONS as error:
+            kept = "; ".join(getattr(error, "__notes__", [])) or kept_so_far(path, folder)
+            error_console.print(
+                f"[bold red]stopped:[/bold red] {escape(kept)}", highlight=False, soft_wrap=True
+            )
+            number = signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT
+            raise typer.Exit(128 + number) from error
+
+
+def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool) -> None:
     bars = progress_bars()
     steps = Steps(bars)
     case = cases.read_case(path, steps.show)
     console.print(f"[bold]{case.title}[/bold]", highlight=False)
     with bars:
         try:
-            result = cases.run_case(case, folder, resume=resume, strict=strict, progress=steps.share)
+            result = cases.run_case(
+                case, folder, resume=resume, force=force, strict=strict, progress=steps.share
+            )
         except SelfCorrectionError as error:
             print_table(*correction_table(correction_numbers(error.rounds), case.units))
             raise

@@ -12,6 +12,7 @@ from supple.correction.correction_rounds import (
     SelfCorrectionError,
 )
 from supple.correction.recorded_correction import (
+    ROUNDS_FOLDER,
     correct_recorded,
 )
 from supple.correction.residual_correction import (
@@ -33,6 +34,7 @@ from supple.correction.self_correction import (
 )
 
 __all__ = [
+    "ROUNDS_FOLDER",
     "CorrectedSystem",
     "CorrectionFolder",
     "MissedMotion",

@@ -3,16 +3,18 @@
 round-<k>.h5        the motion of run k, a result file (see `storage`)
 round-<k>.stopped   why run k ended before its last output time, where it did
 round-<k>.npz       written before run k starts: per body its basis V and where the columns come from, and
-what the run before said of the motion it missed
+                    what the run before said of the motion it missed; with a seal behind its last byte
 """
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Self
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -24,8 +26,11 @@ from supple.machine import System
 from supple.reduction import ReductionBasis, ReductionReport
 from supple.simulation.recorded_run import simulate_recorded
 from supple.storage.atomic_write import replacing
-from supple.storage.file_errors import file_errors
+from supple.storage.exclusive_lock import ExclusiveLock
+from supple.storage.file_errors import DAMAGE, file_errors
+from supple.storage.file_seal import sealed, unsealed
 from supple.storage.result_reader import read_header, read_solution
+from supple.storage.run_inputs import Inputs, changes
 
 
 class CorrectionFolder:
@@ -37,42 +42,58 @@ class CorrectionFolder:
         self_correct(..., archive=CorrectionFolder.create(folder, case=text))
     """
 
-    def __init__(self, folder: Path | str, *, case: str) -> None:
+    def __init__(self, folder: Path | str, *, case: str, inputs: Inputs | None = None) -> None:
         self.folder = Path(folder)
         self._case = case
+        self._inputs = inputs
 
     @classmethod
-    def create(cls, folder: Path | str, *, case: str) -> Self:
+    def create(cls, folder: Path | str, *, case: str, inputs: Inputs | None = None) -> Self:
         """Begin anew, without the rounds that are there.
+
+        inputs : what the rounds depend on, kept with each; by default what its system, run and case tell
 
         Raises
         ------
-        ResultFileError     the folder cannot be written
+        ResultFileError     the folder cannot be written, or another run is writing one of its rounds
         """
-        archive = cls(folder, case=case)
+        archive = cls(folder, case=case, inputs=inputs)
         with file_errors("write", archive.folder):
             archive.folder.mkdir(parents=True, exist_ok=True)
             for pattern in ("round-*.h5", "round-*.npz", "round-*.stopped"):
                 for path in archive.folder.glob(pattern):
-                    path.unlink()
+                    with ExclusiveLock(path):
+                        path.unlink()
         return archive
 
     @classmethod
-    def resume(cls, folder: Path | str, *, case: str) -> Self:
-        """Go on with the rounds that are there.
+    def resume(cls, folder: Path | str, *, case: str, inputs: Inputs | None = None) -> Self:
+        """Go on with the rounds that are there; inputs as for `create`.
 
         Raises
         ------
-        ResultFileError     they belong to another case, or cannot be read
+        ResultFileError     they belong to another case, or to other inputs, or cannot be read
         """
-        archive = cls(folder, case=case)
+        archive = cls(folder, case=case, inputs=inputs)
         first = archive.motion(0)
-        if first.exists() and read_header(first).case != case:
-            raise ResultFileError(
-                f"cannot continue {archive.folder}: its rounds are of another case; write to another folder, "
-                "or run the case they were started with"
-            )
+        if first.exists():
+            header = read_header(first)
+            if inputs is None and header.case != case:
+                raise ResultFileError(
+                    f"cannot continue {archive.folder}: its rounds are of another case; write to another "
+                    "folder, or run the case they were started with"
+                )
+            if inputs is not None and (changed := changes(header.inputs, inputs)):
+                raise ResultFileError(
+                    f"cannot continue {archive.folder}: its rounds are of another case ({changed}); write to "
+                    "another folder, or run the case they were started with"
+                )
         return archive
+
+    @property
+    def is_begun(self) -> bool:
+        """Whether there are rounds."""
+        return any(self.folder.glob("round-*.npz"))
 
     def motion(self, number: int) -> Path:
         """Result file of a run."""
@@ -88,7 +109,7 @@ class CorrectionFolder:
             return None
         with file_errors("read", path):
             try:
-                with np.load(path, allow_pickle=False) as kept:
+                with np.load(io.BytesIO(unsealed(path)), allow_pickle=False) as kept:
                     bases = {name: _basis(kept, name, full) for name, full in fulls.items()}
                     missed = {
                         name: MissedMotion(float(kept[f"{name}/indicator"]), kept[f"{name}/singular_values"])
@@ -96,7 +117,7 @@ class CorrectionFolder:
                         if f"{name}/indicator" in kept
                     }
                     seconds = float(kept["seconds"])
-            except (KeyError, ValueError) as error:
+            except (*DAMAGE, BadZipFile) as error:
                 raise ResultFileError(f"{path} is damaged ({error}): run the case again") from error
         for name, basis in bases.items():
             if basis.vectors.shape[0] != fulls[name].n_coordinates:
@@ -119,16 +140,22 @@ class CorrectionFolder:
         for name, missed in bases.missed.items():
             arrays[f"{name}/indicator"] = missed.indicator
             arrays[f"{name}/singular_values"] = missed.singular_values
-        with replacing(path) as temporary, temporary.open("wb") as file:
-            np.savez(file, **arrays)
+        image = io.BytesIO()
+        np.savez(image, **arrays)
+        with replacing(path) as temporary:
+            temporary.write_bytes(sealed(image.getvalue()))
 
     def simulate(self, number: int, system: System, run: Run, *, progress: Progress) -> Solution:
         """Run a round, or what is left of it; read it where it is complete, or stopped by itself."""
         path = self.motion(number)
         stopped = self._stopped(number)
         if stopped.exists():
-            return replace(read_solution(path), stopped=stopped.read_text(encoding="utf-8"))
-        solution = simulate_recorded(system, run, path, case=self._case, progress=progress, check=False)
+            with file_errors("read", stopped):
+                why = stopped.read_text(encoding="utf-8", errors="replace")
+            return replace(read_solution(path), stopped=why)
+        solution = simulate_recorded(
+            system, run, path, case=self._case, inputs=self._inputs, progress=progress, check=False
+        )
         if solution.stopped is not None:
             with replacing(stopped) as temporary:
                 temporary.write_text(solution.stopped, encoding="utf-8")

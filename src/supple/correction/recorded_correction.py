@@ -14,15 +14,20 @@ from supple.correction.correction_rounds import CorrectedSystem, ReductionStart,
 from supple.correction.round_table import best_round, correction_numbers
 from supple.correction.self_correction import self_correct
 from supple.correction.system_correction import Announce, CorrectionProgress
-from supple.errors import ResolutionWarning, StartWarning, ValidityWarning
+from supple.errors import ResolutionWarning, ResultFileError, StartWarning, ValidityWarning
 from supple.integrate import Run, Validity
 from supple.machine import System
 from supple.multibody.checks.validity import watch
 from supple.simulation import keep_bodies
+from supple.simulation.recorded_columns import columns_of
 from supple.simulation.recorded_run import joint_ends
 from supple.simulation.watched_run import report_resolution, warn_of_unseen_laws
 from supple.storage import ResultFile, write_solution
-from supple.storage.result_reader import Metadata
+from supple.storage.exclusive_lock import ExclusiveLock
+from supple.storage.file_errors import file_errors
+from supple.storage.result_content import Metadata
+from supple.storage.result_file import check_nothing_lost
+from supple.storage.run_inputs import Inputs
 
 ROUNDS_FOLDER = "self_correction"
 
@@ -34,8 +39,10 @@ def correct_recorded(
     path: Path | str,
     *,
     case: str,
+    inputs: Inputs | None = None,
     metadata: Metadata = MappingProxyType({}),
     resume: bool = False,
+    overwrite: bool = False,
     announce: Announce | None = None,
     progress: CorrectionProgress | None = None,
 ) -> CorrectedSystem:
@@ -46,21 +53,75 @@ def correct_recorded(
     system, run, starts, announce, progress : as for `self_correct`; the validity of the run is that of the
         run that is accepted alone, for a basis that is too small may well leave it
     path : result file to write; `self_correction/` and `NAME-reduced.h5` lie beside it
-    case, metadata  kept in the file, to continue it and for the record
+    case, metadata  kept in the file, for the record
+    inputs : what the motion depends on, kept to continue it, as for `CorrectionFolder.create`
     resume : go on with the rounds that a run left behind which was cut off
+    overwrite : begin anew, whatever is there
 
     Raises
     ------
     SelfCorrectionError     an error was not met: what was reached, and the file of the best round; the
                             rounds in the order in which they were finished
-    ResultFileError         rounds that cannot be written or continued; a run that is complete
+    ResultFileError         rounds or a result that would be lost; that cannot be written or continued; that
+                            another run is writing; a run that is complete
     errors of `self_correct`
     """
-    path, rounds = Path(path), []
-    if resume and path.exists():
-        ResultFile.resume(path, case=case).close()  # which says that there is nothing to continue
-    begin = CorrectionFolder.resume if resume else CorrectionFolder.create
-    archive = begin(path.parent / ROUNDS_FOLDER, case=case)
+    path, folder = Path(path), Path(path).parent / ROUNDS_FOLDER
+    with file_errors("write", folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    with ExclusiveLock(folder):
+        archive = _opened(path, folder, case, inputs, resume=resume, overwrite=overwrite)
+        corrected, rounds = _corrected(system, run, starts, archive, announce, progress)
+        metadata = {
+            **metadata,
+            **joint_ends(system),
+            "self_correction": json.dumps(correction_numbers(rounds)),
+            **columns_of(corrected.system),
+        }
+        # The motion comes last: where it is, its bodies are.
+        keep_bodies(corrected.system, starts, path.parent)
+        write_solution(
+            path, corrected.solution, case=case, metadata=metadata, inputs=inputs or {"the case": case}
+        )
+    limits = watch(corrected.system, run.validity)
+    limits.report(limits.observe({}, corrected.solution))
+    warn_of_unseen_laws(corrected.system, run)
+    report_resolution(corrected.system, run, corrected.solution)
+    return corrected
+
+
+def _opened(
+    path: Path, folder: Path, case: str, inputs: Inputs | None, *, resume: bool, overwrite: bool
+) -> CorrectionFolder:
+    if resume:
+        if path.exists():
+            # Which says that there is nothing to continue, or what has changed.
+            ResultFile.resume(path, case=case, inputs=inputs or {"the case": case}).close()
+        return CorrectionFolder.resume(folder, case=case, inputs=inputs)
+    if overwrite:
+        # Before its rounds and its bodies: a motion is never seen with bodies that are not its own.
+        with ExclusiveLock(path):
+            path.unlink(missing_ok=True)
+    else:
+        check_nothing_lost(path)
+        if CorrectionFolder(folder, case=case).is_begun:
+            raise ResultFileError(
+                f"cannot write {folder}: it holds the rounds of a run that was cut off; say resume=True to "
+                "go on with them or overwrite=True to replace them, or write elsewhere"
+            )
+    return CorrectionFolder.create(folder, case=case, inputs=inputs)
+
+
+def _corrected(
+    system: System,
+    run: Run,
+    starts: Mapping[str, ReductionStart],
+    archive: CorrectionFolder,
+    announce: Announce | None,
+    progress: CorrectionProgress | None,
+) -> tuple[CorrectedSystem, list[Round]]:
+    """The self-correction, and its rounds in the order in which they were finished."""
+    rounds: list[Round] = []
 
     def finished(each: Round) -> None:
         rounds.append(each)
@@ -79,11 +140,4 @@ def correct_recorded(
     except SelfCorrectionError as error:
         best = archive.motion(best_round(correction_numbers(rounds)))
         raise SelfCorrectionError(f"{error}, and on disk: the best is {best}", tuple(rounds)) from error
-    metadata = {**metadata, **joint_ends(system), "self_correction": json.dumps(correction_numbers(rounds))}
-    write_solution(path, corrected.solution, case=case, metadata=metadata)
-    keep_bodies(corrected.system, starts, path.parent)
-    limits = watch(corrected.system, run.validity)
-    limits.report(limits.observe({}, corrected.solution))
-    warn_of_unseen_laws(corrected.system, run)
-    report_resolution(corrected.system, run, corrected.solution)
-    return corrected
+    return corrected, rounds

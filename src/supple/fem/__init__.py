@@ -1,6 +1,6 @@
 """Finite elements as quadratic-strain arrays: materials, one element per module, mass, assembly, stress."""
 
-from supple.fem.assembly import Assembly, assemble
+from supple.fem.assembly import Assembly, assemble, assemble_strains
 from supple.fem.beam_section import BeamSection
 from supple.fem.material import Isotropic
 from supple.fem.model import FiniteElementModel, lumped_mass, part_of_model, shell_model, solid_model
@@ -32,6 +32,7 @@ __all__ = [
     "ShellSection",
     "StressRecovery",
     "assemble",
+    "assemble_strains",
     "lumped_mass",
     "nodal_rotation_operator",
     "part_of_model",

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csc_array, csr_array, eye_array
 
 from supple.errors import ModelError
 from supple.fem import quadratic_strain
@@ -30,21 +30,21 @@ CHUNK = 2**18
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
-    """Sums over the elements of a model, prepared once for one expansion T (nodal freedoms u = T q).
+    """Sums over the elements of a body, prepared once for one expansion T (nodal freedoms u = T q).
 
     Every matrix has the same sparsity (`indices`, `indptr`, symmetric), whatever q. Forces, energies and
     tangents accept complex q.
 
     Parameters
     ----------
-    model : FiniteElementModel
+    blocks : tuple of QuadraticStrain           the elements, in nodal freedoms
     gathers : tuple of csr_array (E n_e, n)     freedoms of all elements of a block from q
     nodal : NodeSparsity                        pattern of the nodal freedoms
     transform : csr_array (nnz, nodal nnz) or None      entries of T^T K T from those of K; None when T = 1
     indices, indptr : int32 arrays              compressed columns of the matrices (n, n)
     """
 
-    model: FiniteElementModel
+    blocks: tuple[QuadraticStrain, ...]
     gathers: tuple[csr_array, ...]
     nodal: NodeSparsity
     transform: csr_array | None
@@ -69,9 +69,9 @@ class Assembly:
         """Strain energies (t,), J, of every column of Q (n, t)."""
         t = Q.shape[1]
         total = np.zeros(t, dtype=np.result_type(Q, np.float64))
-        for block, gather in zip(self.model.blocks, self.gathers, strict=True):
+        for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, n_points, s, n_e = block.B.shape
-            each = (n_points * s * block.G.shape[2] + n_e) * t
+            each = (n_points * (s + 5 * block.G.shape[2]) + n_e) * t
             for elements in _ranges(n_elements, each):
                 own = (gather[elements.start * n_e : elements.stop * n_e] @ Q).reshape(-1, n_e, t)
                 total += quadratic_strain.energies(block.of(elements), own).sum(axis=0)
@@ -107,9 +107,10 @@ class Assembly:
         """
         m = X.shape[1]
         forces = np.zeros((self.n, m * (m + 1) // 2))
-        for block, gather in zip(self.model.blocks, self.gathers, strict=True):
+        for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, n_points, s, n_e = block.B.shape
-            each = n_points * (s + block.G.shape[2]) * m * m + n_e * forces.shape[1]
+            d = block.G.shape[2]
+            each = n_points * (s + d) * (d + 3 * m) + n_e * forces.shape[1]
             for elements in _ranges(n_elements, each):
                 rows = gather[elements.start * n_e : elements.stop * n_e]
                 directions = (rows @ X).reshape(-1, n_e, m)
@@ -145,7 +146,7 @@ class Assembly:
     def _portions(self) -> tuple[tuple[QuadraticStrain, ...], ...]:
         """The elements of each block in portions whose matrices stay in a processor's cache."""
         portions = []
-        for block in self.model.blocks:
+        for block in self.blocks:
             n_elements, n_points, s, n_e = block.B.shape
             d = block.G.shape[2]
             each = (n_points * (s + d) + n_e) * (n_e + d)
@@ -155,7 +156,7 @@ class Assembly:
     def _over_elements(self, evaluate: Callable[..., Array], *vectors: Array) -> list[Array]:
         """Values (E, ...) of all elements of each block, from their freedoms (E, n_e) in each vector (n,)."""
         values = []
-        for block, portions, gather in zip(self.model.blocks, self._portions, self.gathers, strict=True):
+        for block, portions, gather in zip(self.blocks, self._portions, self.gathers, strict=True):
             ends = np.cumsum([len(portion.dofs) for portion in portions])
             own = [np.split((gather @ x).reshape(block.dofs.shape), ends[:-1]) for x in vectors]
             pieces = zip(portions, ends, *own, strict=True)
@@ -183,24 +184,33 @@ def assemble(model: FiniteElementModel, expansion: SparseArray | None = None) ->
     ------
     ModelError   expansion with a wrong number of rows
     """
-    nodal = node_sparsity(
-        [section.nodes(model.mesh) for section in model.sections], model.mesh.n_nodes, model.dofs_per_node
-    )
-    if expansion is None:
-        T = csr_array(
-            (np.ones(model.n_dofs), np.arange(model.n_dofs), np.arange(model.n_dofs + 1)),
-            shape=(model.n_dofs, model.n_dofs),
+    if expansion is not None and expansion.shape[0] != model.n_dofs:
+        raise ModelError(
+            f"expansion has {expansion.shape[0]} rows; the model has {model.n_dofs} nodal freedoms"
         )
+    return assemble_strains(model.blocks, model.mesh.n_nodes, model.dofs_per_node, expansion)
+
+
+def assemble_strains(
+    blocks: tuple[QuadraticStrain, ...],
+    n_nodes: int,
+    dofs_per_node: int,
+    expansion: SparseArray | None = None,
+) -> Assembly:
+    """Prepare the sums over elements of any nodes, whose freedoms `blocks` number node by node.
+
+    expansion : as for `assemble`, of n_nodes * dofs_per_node rows
+    """
+    cells = [block.dofs[:, ::dofs_per_node] // dofs_per_node for block in blocks]
+    nodal = node_sparsity(cells, n_nodes, dofs_per_node)
+    if expansion is None:
+        T = csr_array(eye_array(n_nodes * dofs_per_node))
         transform, indices, indptr = None, nodal.indices, nodal.indptr
     else:
-        if expansion.shape[0] != model.n_dofs:
-            raise ModelError(
-                f"expansion has {expansion.shape[0]} rows; the model has {model.n_dofs} nodal freedoms"
-            )
         T = csr_array(expansion)
         transform, indices, indptr = _congruence(nodal, T)
-    gathers = tuple(T[block.dofs.ravel()] for block in model.blocks)
-    return Assembly(model, gathers, nodal, transform, indices, indptr)
+    gathers = tuple(T[block.dofs.ravel()] for block in blocks)
+    return Assembly(blocks, gathers, nodal, transform, indices, indptr)
 
 
 def _congruence(nodal: NodeSparsity, T: SparseArray) -> tuple[csr_array, IntArray, IntArray]:

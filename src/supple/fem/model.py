@@ -63,6 +63,11 @@ class FiniteElementModel:
         """Number of nodal freedoms n."""
         return self.mesh.n_nodes * self.dofs_per_node
 
+    @property
+    def strains_vanish_when_turned(self) -> bool:
+        """Whether a turn about any axis leaves no strain of second order; not so with von Karman's."""
+        return self.kinematics.gradients == GREEN_LAGRANGE.gradients
+
 
 def shell_model(
     mesh: Mesh,

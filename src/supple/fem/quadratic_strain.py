@@ -3,7 +3,7 @@
 At integration point g of an element with freedoms q (total Lagrangian, undeformed reference):
 
     eps_g(q) = B_g q + 1/2 N(G_g q, G_g q)
-    U(q) = 1/2 sum_g w_g eps_g^T D eps_g + 1/2 q^T K_l q
+    U(q) = 1/2 sum_g w_g eps_g^T D eps_g
 
 The internal force is a cubic polynomial of q, so every derivative below is exact. The functions work on all
 elements of a block at once and accept complex q (for complex-step differentiation).
@@ -30,11 +30,9 @@ class QuadraticStrain:
     dofs : int array (E, n)             nodal freedoms of each element, node by node
     B : float array (E, g, s, n)        linear strain
     G : float array (E, g, d, n)        displacement gradients that make the strain nonlinear
-    N : float array (s, d, d)           quadratic form, symmetric in its last two indices
+    N : float array (s, d, d) or (E, g, s, d, d)    quadratic form, symmetric in its last two indices
     D : float array (s, s) or (E, s, s)     constitutive matrix
     w : float array (E, g)              weights: quadrature weight times Jacobian
-    linear_stiffness : float array (E, n, n) or None
-        K_l, energy that stays quadratic (a shell's bending and drilling)
     """
 
     dofs: NDArray[np.int64]
@@ -43,22 +41,16 @@ class QuadraticStrain:
     N: FloatArray
     D: FloatArray
     w: FloatArray
-    linear_stiffness: FloatArray | None = None
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            array = getattr(self, field.name)
-            if array is not None:
-                array.setflags(write=False)
+            getattr(self, field.name).setflags(write=False)
 
     def of(self, elements: slice | NDArray[np.int64]) -> QuadraticStrain:
         """The same arrays for some of the elements."""
-        own = {
-            name: getattr(self, name)[elements]
-            for name in ("dofs", "B", "G", "w", "linear_stiffness")
-            if getattr(self, name) is not None
-        }
-        return replace(self, **own, D=self.D[elements] if self.D.ndim == 3 else self.D)
+        names = ["dofs", "B", "G", "w"]
+        names += ["D"] * (self.D.ndim == 3) + ["N"] * (self.N.ndim == 5)
+        return replace(self, **{name: getattr(self, name)[elements] for name in names})
 
     @property
     def weighted_D(self) -> FloatArray:
@@ -80,15 +72,8 @@ def energy(block: QuadraticStrain, q: Array) -> Array:
 
 def energies(block: QuadraticStrain, Q: Array) -> Array:
     """Strain energies U (E, t) of each element, for t sets of element freedoms Q (E, n, t)."""
-    a = _directions(block.G, Q)
-    # N(a, a) with the sets before the strains, so that each is one small matrix product.
-    Na = np.tensordot(a, block.N, axes=(2, 1))
-    quadratic = (Na @ a.swapaxes(2, 3)[..., None])[..., 0].swapaxes(2, 3)
-    eps = _directions(block.B, Q) + 0.5 * quadratic
-    U = 0.5 * (eps * (block.weighted_D @ eps)).sum(axis=(1, 2))
-    if block.linear_stiffness is not None:
-        U = U + 0.5 * (Q * (block.linear_stiffness @ Q)).sum(axis=1)
-    return U
+    eps = _directions(block.B, Q) + _half_square(block.N, _directions(block.G, Q))
+    return 0.5 * (eps * (block.weighted_D @ eps)).sum(axis=(1, 2))
 
 
 def internal_force(block: QuadraticStrain, q: Array) -> Array:
@@ -97,28 +82,22 @@ def internal_force(block: QuadraticStrain, q: Array) -> Array:
     Na = _contract(block.N, a)
     D = block.D if block.D.ndim == 2 else block.D[:, None]
     stress = block.w[..., None] * _apply(D, _apply(block.B, q) + 0.5 * _apply(Na, a))
-    f = _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
-    if block.linear_stiffness is not None:
-        f = f + _times(block.linear_stiffness, q)
-    return f
+    return _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
 
 
 def strain_rate_force(block: QuadraticStrain, q: Array, rates: Array) -> Array:
-    """Force (E, n) of stresses D eps_dot: K_mat(q) q_dot = sum_g w A^T D A q_dot + K_l q_dot, A = B + N(Gq)G.
+    """Force (E, n) of stresses D eps_dot: K_mat(q) q_dot = sum_g w A^T D A q_dot, A = B + N(Gq)G.
 
     Kelvin and Voigt's damping is this times a time. A rigid motion has no strain rate, hence no force.
     """
     Na = _contract(block.N, _apply(block.G, q))
     strain_rate = _apply(block.B, rates) + _apply(Na, _apply(block.G, rates))
     stress = _apply(block.weighted_D, strain_rate)
-    f = _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
-    if block.linear_stiffness is not None:
-        f = f + _times(block.linear_stiffness, rates)
-    return f
+    return _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
 
 
 def tangent(block: QuadraticStrain, q: Array, *, material: float = 1.0) -> Array:
-    """Tangent stiffness dF/dq (E, n, n): sum_g w { A^T D A + G^T N^T(sigma) G } + K_l, A = B + N(Gq)G.
+    """Tangent stiffness dF/dq (E, n, n): sum_g w { A^T D A + G^T N^T(sigma) G }, A = B + N(Gq)G.
 
     material : a factor of all but the geometric term, as damping by strain rate adds to the rest
     """
@@ -128,15 +107,14 @@ def tangent(block: QuadraticStrain, q: Array, *, material: float = 1.0) -> Array
     A = block.B + Na @ block.G
     stress = _apply(weighted_D, _apply(block.B, q) + 0.5 * _apply(Na, a))
     K = _congruence(A, weighted_D @ A)
-    if block.linear_stiffness is not None:
-        K = K + block.linear_stiffness
-    return material * K + _congruence(block.G, _stress_form(block.N, stress) @ block.G)
+    K *= material
+    K += _congruence(block.G, _stress_form(block.N, stress) @ block.G)
+    return K
 
 
 def stiffness(block: QuadraticStrain) -> FloatArray:
     """Linear stiffness (E, n, n): the tangent at q = 0."""
-    K = _congruence(block.B, block.weighted_D @ block.B)
-    return K if block.linear_stiffness is None else K + block.linear_stiffness
+    return _congruence(block.B, block.weighted_D @ block.B)
 
 
 def tangent_derivative(block: QuadraticStrain, x: Array) -> Array:
@@ -163,20 +141,22 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
     -------
     float array (E, n, m(m+1)/2)    pairs j <= k in the order of numpy.triu_indices(m)
     """
-    n_elements, n_points, d, _ = block.G.shape
-    s, m = block.N.shape[0], X.shape[2]
-    j, k = np.triu_indices(m)
+    m = X.shape[2]
     a = _directions(block.G, X)
     stress = block.weighted_D @ _directions(block.B, X)
-    # N(a_j) as rows (s, j) by gradient columns, so that all pairs are one small matrix product a point.
-    Na = np.tensordot(a, block.N, axes=(2, 1)).transpose(0, 1, 3, 2, 4)
-    second_strain = (Na.reshape(n_elements, n_points, s * m, d) @ a).reshape(n_elements, n_points, s, m, m)
-    second_stress = block.weighted_D @ second_strain[..., j, k]
-    gradient_force = (Na.transpose(0, 1, 4, 3, 2).reshape(n_elements, n_points, d * m, s) @ stress).reshape(
-        n_elements, n_points, d, m, m
-    )
-    gradient_force = gradient_force[..., j, k] + gradient_force[..., k, j]
-    return _gather_directions(block.B, second_stress) + _gather_directions(block.G, gradient_force)
+    stiff_B = block.weighted_D @ block.B
+    forces = np.empty((*block.dofs.shape, m * (m + 1) // 2))
+    # One direction with all that follow it: its arrays stay small, those of all pairs would not.
+    start = 0
+    for j in range(m):
+        pairs = slice(start, start + m - j)
+        Na = _contract(block.N, a[..., j])
+        gradient_force = _stress_form(block.N, stress[..., j]) @ a[..., j:]
+        gradient_force += Na.swapaxes(2, 3) @ stress[..., j:]
+        second = _gather_directions(block.G, gradient_force)
+        forces[..., pairs] = second + _gather_directions(stiff_B, Na @ a[..., j:])
+        start = pairs.stop
+    return forces
 
 
 def _apply(operator: Array, vector: Array) -> Array:
@@ -186,19 +166,29 @@ def _apply(operator: Array, vector: Array) -> Array:
     return (operator @ vector[..., None])[..., 0]
 
 
-def _times(matrix: Array, vector: Array) -> Array:
-    """(E, a, b) on (E, b) -> (E, a)."""
-    return (matrix @ vector[..., None])[..., 0]
-
-
 def _contract(form: FloatArray, a: Array) -> Array:
-    """N(a, .) as matrices (E, g, s, d) from a (E, g, d)."""
-    return np.tensordot(a, form, axes=(2, 1))
+    """N(a, .) as matrices (E, g, .., s, d) from a (E, g, .., d)."""
+    if form.ndim == 3:
+        return np.tensordot(a, form, axes=(a.ndim - 1, 1))
+    n_strains, d, _ = form.shape[2:]
+    rows = form.reshape(*form.shape[:2], n_strains * d, d)
+    return (a.reshape(*a.shape[:2], -1, d) @ rows.swapaxes(2, 3)).reshape(*a.shape[:-1], n_strains, d)
+
+
+def _half_square(form: FloatArray, a: Array) -> Array:
+    """1/2 N(a, a), (E, g, s, t), from a (E, g, d, t): from the products that the form has, and no others."""
+    i, j = np.nonzero(np.triu(form.any(axis=tuple(range(form.ndim - 2)))))
+    coefficients = form[..., i, j] * np.where(i == j, 0.5, 1.0)
+    return coefficients @ (a[:, :, i] * a[:, :, j])
 
 
 def _stress_form(form: FloatArray, stress: Array) -> Array:
     """N^T(sigma) = sum_s sigma_s N_s, (E, g, d, d)."""
-    return np.tensordot(stress, form, axes=(2, 0))
+    if form.ndim == 3:
+        return np.tensordot(stress, form, axes=(2, 0))
+    d = form.shape[-1]
+    flat = form.reshape(*form.shape[:3], d * d)
+    return (stress[:, :, None] @ flat).reshape(*form.shape[:2], d, d)
 
 
 def _gather(operator: Array, values: Array) -> Array:

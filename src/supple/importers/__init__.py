@@ -4,6 +4,7 @@ from supple.importers.abaqus import read_abaqus
 from supple.importers.connection import Connection
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh import read_gmsh
+from supple.importers.included_files import files_read_with
 from supple.importers.matrices.labelled_matrix import LabelledMatrix, MatrixRole, freedom_name
 from supple.importers.matrices.matrix_file import (
     HDF5_SUFFIXES,
@@ -49,6 +50,7 @@ __all__ = [
     "ShellProperty",
     "SolidProperty",
     "UnusedNodes",
+    "files_read_with",
     "freedom_name",
     "nrel5mw_rotor",
     "nrel5mw_stations",

@@ -47,7 +47,9 @@ def project(body: FlexibleBody, basis: ReductionBasis, *, damping: Damping | Non
         damping=np.zeros((r, r)) if damping is None else damping.matrix(tensors.stiffness, np.eye(r)),
         damping_cubic=None if material is None else time * material.cubic,
         damping_quartic=None if material is None else time * material.quartic,
-        interfaces=tuple(ReducedInterface(i.name, i.position, i.motion @ V) for i in body.interfaces),
+        interfaces=tuple(
+            ReducedInterface(i.name, i.position, i.motion @ V, i.cubic_turn) for i in body.interfaces
+        ),
         nodes=body.nodes,
         nodal_basis=nodal_basis,
         rotation_basis=None if rotations is None else (rotations @ nodal_basis).reshape(-1, 3, r),

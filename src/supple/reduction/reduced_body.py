@@ -30,11 +30,13 @@ class ReducedInterface:
     name : str
     position : (3,) array      in the body's frame, undeformed
     motion : (6, r) array      rows ux uy uz rx ry rz
+    cubic_turn : float         as of BodyInterface
     """
 
     name: str
     position: np.ndarray
     motion: np.ndarray
+    cubic_turn: float = 0.0
 
     def __post_init__(self):
         _set_read_only(self)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from supple.algebra import read_only
+from supple.body.internal_force import LinearForce
 from supple.errors import ModelError
 
 if TYPE_CHECKING:
@@ -159,11 +160,11 @@ def strain_products(body: FlexibleBody, basis: np.ndarray) -> StrainProducts:
         )
     stiffness = basis.T @ (body.stiffness @ basis)
     stiffness = (stiffness + stiffness.T) / 2
-    if body.is_linear:
+    if isinstance(body.force, LinearForce):
         return StrainProducts(stiffness)
     r = basis.shape[1]
     n2 = r * (r + 1) // 2
-    nodal_basis = body.expansion @ basis
+    nodal_basis = body.force.expansion @ basis
     strain_by_pair = np.zeros((r, n2))
     pair_by_pair = np.zeros((n2, n2))
     for block in body.force.blocks:
@@ -184,16 +185,17 @@ def _chunks(block: QuadraticStrain, n2: int):
 
 def _stress_scaled_strains(block: QuadraticStrain, chunk: slice, nodal_basis: np.ndarray):
     """Linear and quadratic strains times sqrt(w D): rows are (point, strain), columns r and r(r+1)/2."""
-    columns = nodal_basis[block.dofs[chunk]]
-    root = _square_root(block.D if block.D.ndim == 2 else block.D[chunk])
+    part = block.of(chunk)
+    columns = nodal_basis[part.dofs]
+    root = _square_root(part.D)
     if root.ndim == 3:
         root = root[:, None]  # one matrix per element, shared by its points
-    root = np.sqrt(block.w[chunk])[:, :, None, None] * root
+    root = np.sqrt(part.w)[:, :, None, None] * root
     r = columns.shape[-1]
     upper = np.ravel_multi_index(np.triu_indices(r), (r, r))
-    linear = root @ (block.B[chunk] @ columns[:, None])
-    gradients = block.G[chunk] @ columns[:, None]
-    both = np.swapaxes(gradients, -1, -2)[:, :, None] @ (block.N @ gradients[:, :, None])
+    linear = root @ (part.B @ columns[:, None])
+    gradients = part.G @ columns[:, None]
+    both = np.swapaxes(gradients, -1, -2)[:, :, None] @ (part.N @ gradients[:, :, None])
     packed = both.reshape(*both.shape[:3], r * r)[..., upper]
     quadratic = root @ packed
     return linear.reshape(-1, r), quadratic.reshape(-1, len(upper))

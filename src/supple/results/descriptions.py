@@ -11,6 +11,7 @@ from supple.integrate import JOINT_COMPONENTS
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody
 from supple.reduction.reduced_body import ReductionReport
+from supple.simulation import recorded_columns
 from supple.storage import read_header, read_solution
 from supple.units import UNNAMED, UnitSystem, measured
 
@@ -69,7 +70,8 @@ def describe_result(path: Path) -> Iterator[Row]:
     yield "what", "complete" if header.complete else unfinished
     units = UnitSystem.parsed(str(header.metadata.get("units", "")))
     for name, value in header.metadata.items():
-        yield name, str(value)
+        if name != recorded_columns.KEY:  # numbers that say nothing to anybody
+            yield name, str(value)
     if header.n_times:
         solution = read_solution(path)
         span = f"{header.n_times}, from {solution.times[0]:g} to {solution.times[-1]:g}"

@@ -9,8 +9,11 @@ from types import MappingProxyType
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
 from supple.simulation.kept_bodies import keep_bodies, with_kept_bodies
-from supple.simulation.recorded_run import begin_recorded, continue_recorded
-from supple.storage.result_reader import Metadata
+from supple.simulation.recorded_columns import columns_of
+from supple.simulation.recorded_run import continue_recorded, joint_ends, recorded
+from supple.storage import ResultFile, read_header
+from supple.storage.result_content import Metadata
+from supple.storage.run_inputs import Inputs
 
 
 def simulate_kept(
@@ -20,15 +23,17 @@ def simulate_kept(
     kept: Collection[str],
     *,
     case: str,
+    inputs: Inputs,
     metadata: Metadata = MappingProxyType({}),
     resume: bool = False,
+    overwrite: bool = False,
     progress: Progress | None = None,
 ) -> tuple[System, Solution]:
     """Simulate a system and keep its motion with the reduced bodies it means, `NAME-reduced.h5` beside it.
 
     Parameters
     ----------
-    system, run, path, case, metadata, progress : as for `begin_recorded`
+    system, run, path, case, metadata, inputs, overwrite, progress : as for `begin_recorded`
     kept : names of the bodies to keep, as far as they are reduced; others have files of their own
     resume : continue the run that was cut off, with the bodies that it began with
 
@@ -41,8 +46,14 @@ def simulate_kept(
     ResultFileError     a file that cannot be written, or not be continued
     errors of `simulate`; what was computed until then is kept in the file
     """
-    if resume:
+    if resume and read_header(path).n_times:
         system = with_kept_bodies(system, kept, path.parent)
-        return system, continue_recorded(system, run, path, case=case, progress=progress)
-    keep_bodies(system, kept, path.parent)
-    return system, begin_recorded(system, run, path, case=case, metadata=metadata, progress=progress)
+        return system, continue_recorded(system, run, path, case=case, inputs=inputs, progress=progress)
+    if resume:
+        # Nothing was computed yet. The bodies that lie there may be those of a run before.
+        ResultFile.resume(path, case=case, inputs=inputs).close()
+    metadata = {**metadata, **joint_ends(system), **columns_of(system)}
+    # The old motion goes before its bodies do: they are never seen with bodies that are not theirs.
+    with ResultFile.create(path, case=case, metadata=metadata, inputs=inputs, overwrite=overwrite) as file:
+        keep_bodies(system, kept, path.parent)
+        return system, recorded(system, run, file, progress=progress)

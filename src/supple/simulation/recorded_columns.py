@@ -1,48 +1,98 @@
-"""Which columns the coordinates in a result file multiply, so that they are never taken for others."""
+"""Which bodies the motions in a result file are of, so that they are never taken for those of others."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
+from supple.body import FullBody
 from supple.errors import ResultFileError
-from supple.machine import System
+from supple.machine import Placed, System
 from supple.reduction import ReducedBody
-from supple.storage.result_reader import Metadata, ResultHeader
+from supple.storage.result_content import Metadata, ResultHeader
 
 KEY = "columns"
 
 # Of the largest measure: round-off moves columns by far less, another sign or order by far more.
 SAME = 1e-5
 
+_ARRAYS = (
+    "nodal_basis",
+    "gram",
+    "stiffness",
+    "damping",
+    "cubic",
+    "quartic",
+    "damping_cubic",
+    "damping_quartic",
+)
+
 
 def columns_of(system: System) -> Metadata:
-    """Metadata that tell the bases of a system apart: each column's product with one random vector.
+    """Metadata that tell elastic bodies apart: products of their arrays with random vectors.
 
     Vibrations have no sign of their own, and those of like frequency no directions: round-off decides, and
     another number of threads is enough to change it. The motion on disk would then mean another one.
     """
-    measures = {name: _measures(body).tolist() for name, body in system.bodies_of(ReducedBody).items()}
-    return {KEY: json.dumps(measures)} if measures else {}
+    measured = {
+        placed.body.name: {name: values.tolist() for name, values in _measures(placed)}
+        for placed in system.bodies
+    }
+    measured = {body: measures for body, measures in measured.items() if measures}
+    return {KEY: json.dumps(measured)} if measured else {}
 
 
 def check_columns(header: ResultHeader, system: System, path: Path | str) -> None:
-    """ResultFileError when a system's reduced bodies move by other columns than those of a result file."""
+    """ResultFileError when a system's elastic bodies are others than those of a result file."""
     recorded = json.loads(str(header.metadata.get(KEY, "{}")))
-    for name, body in system.bodies_of(ReducedBody).items():
-        if name not in recorded:
-            continue
-        then, now = np.array(recorded[name]), _measures(body)
-        if then.shape != now.shape or np.abs(then - now).max() > SAME * np.abs(then).max():
-            raise ResultFileError(
-                f"{path} holds a motion of body '{name}' on {then.size} columns that are not those of "
-                f"the body given, which has {now.size}. Reducing again can change their signs: keep the "
-                "reduced body beside its motion (write_reduced_body) and continue with it, or start anew"
-            )
+    for placed in system.bodies:
+        then = recorded.get(placed.body.name, {})
+        for name, now in _measures(placed):
+            if name in then and not _same(np.array(then[name]), now):
+                raise ResultFileError(_other(path, placed, name, len(then[name])))
 
 
-def _measures(body: ReducedBody) -> np.ndarray:
-    probe = np.random.default_rng(0).standard_normal(len(body.nodal_basis))
-    return body.nodal_basis.T @ probe
+def _same(then: np.ndarray, now: np.ndarray) -> bool:
+    return then.shape == now.shape and bool(
+        np.abs(then - now).max(initial=0.0) <= SAME * np.abs(then).max(initial=0.0)
+    )
+
+
+def _other(path: Path | str, placed: Placed, name: str, size: int) -> str:
+    body = placed.body
+    if name == "nodal_basis":
+        return (
+            f"{path} holds a motion of body '{body.name}' on {size} columns that are not those of "
+            f"the body given, which has {body.n_coordinates}. Reducing again can change their signs: keep "
+            "the reduced body beside its motion (write_reduced_body) and continue with it, or start anew"
+        )
+    return (
+        f"{path} holds a motion of body '{body.name}' with another {name.replace('_', ' ')} than that of the "
+        "body given: continue with the body it was begun with, or start anew"
+    )
+
+
+def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
+    """Name of an array of an elastic body and what tells it from others; nothing of a rigid one."""
+    body = placed.body
+    match body:
+        case ReducedBody():
+            for name in _ARRAYS:
+                if (array := getattr(body, name)) is not None:
+                    yield name, array.T @ _probe(len(array))
+        case FullBody():
+            probe, other = _probe(body.n_coordinates), _probe(body.n_coordinates, seed=1)
+            for name in ("stiffness", "mass"):
+                matrix = getattr(body.body, name)
+                yield name, np.array([probe @ (matrix @ probe), probe @ (matrix @ other)])
+        case _:
+            return
+    for name in ("coordinates", "coordinate_rates"):
+        yield f"initial_{name}", np.array([getattr(placed, name) @ _probe(body.n_coordinates)])
+
+
+def _probe(size: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).standard_normal(size)

@@ -9,11 +9,14 @@ from types import MappingProxyType
 from supple.errors import ResultFileError
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
+from supple.simulation.description import inputs_of
+from supple.simulation.interruption import noted_interruption
 from supple.simulation.recorded_columns import check_columns, columns_of
 from supple.simulation.watched_run import watched_run
-from supple.storage import ResultFile, read_header, read_last_instant, read_solution
+from supple.storage import ResultFile, read_header, read_solution
 from supple.storage.dataset_labels import second_end_key
-from supple.storage.result_reader import Metadata
+from supple.storage.result_content import Metadata, ResultHeader
+from supple.storage.run_inputs import Inputs, changes
 
 
 def begin_recorded(
@@ -23,28 +26,37 @@ def begin_recorded(
     *,
     case: str,
     metadata: Metadata = MappingProxyType({}),
+    inputs: Inputs | None = None,
+    overwrite: bool = False,
     progress: Progress | None = None,
     check: bool = True,
 ) -> Solution:
-    """Simulate a system from its start, keeping every finished part in a result file, new or replaced.
+    """Simulate a system from its start, keeping every finished part in a result file.
 
     Parameters
     ----------
     system, run, progress, check : as for `simulate`
     path : file to write; its folder is made
-    case, metadata      kept in the file, to continue it and for the record; "units", `str` of a UnitSystem,
-                        name the units of its arrays
+    case, metadata : kept in the file, for the record; "units", `str` of a UnitSystem, name the units of its
+        arrays
+    inputs : what the motion depends on, kept in the file to continue it; by default what the system, the run
+        and the case tell (`inputs_of`)
+    overwrite : replace what is there; otherwise only a run without any output is replaced
 
     Raises
     ------
-    ResultFileError     the file cannot be written (a full disk, say)
+    ResultFileError     a result is there, or another run writes it; the file cannot be written (a full disk)
     errors of `simulate`; what was computed until then is kept in the file
     """
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
-    metadata = {**metadata, **joint_ends(system), **columns_of(system)}
-    return _recorded(
-        system, run, ResultFile.create(path, case=case, metadata=metadata), None, progress, check
+    file = ResultFile.create(
+        path,
+        case=case,
+        metadata={**metadata, **joint_ends(system), **columns_of(system)},
+        inputs=inputs_of(system, run, case) if inputs is None else inputs,
+        overwrite=overwrite,
     )
+    with file:
+        return recorded(system, run, file, progress=progress, check=check)
 
 
 def joint_ends(system: System) -> Metadata:
@@ -58,6 +70,7 @@ def continue_recorded(
     path: Path | str,
     *,
     case: str,
+    inputs: Inputs | None = None,
     progress: Progress | None = None,
     check: bool = True,
 ) -> Solution:
@@ -65,12 +78,14 @@ def continue_recorded(
 
     Parameters and errors as for `begin_recorded`; also
 
-    ResultFileError     no such file, or its run is complete, of another case, or without any output; a
-                        reduced body is not the one that it was begun with
+    ResultFileError     no such file, or its run is complete, or something it depends on has changed (named);
+                        a body is not the one that it was begun with
     """
-    check_columns(read_header(path), system, path)
-    start = read_last_instant(path)
-    return _recorded(system, run, ResultFile.resume(path, case=case), start, progress, check)
+    inputs = inputs_of(system, run, case) if inputs is None else inputs
+    header = read_header(path)
+    check_columns(header, system, path)
+    with ResultFile.resume(path, case=case, inputs=inputs) as file:
+        return recorded(system, run, file, progress=progress, check=check)
 
 
 def simulate_recorded(
@@ -79,6 +94,8 @@ def simulate_recorded(
     path: Path | str,
     *,
     case: str,
+    inputs: Inputs | None = None,
+    overwrite: bool = False,
     progress: Progress | None = None,
     check: bool = True,
 ) -> Solution:
@@ -88,7 +105,9 @@ def simulate_recorded(
     ----------
     system, run, progress, check : as for `simulate`
     path : file to write; its folder is made
-    case : str      says what is simulated; a file of another case is never overwritten nor continued
+    case : str      says what is simulated, in words
+    inputs : as for `begin_recorded`; a file of another run is never overwritten nor continued
+    overwrite : begin anew, whatever is there
 
     Returns
     -------
@@ -96,39 +115,58 @@ def simulate_recorded(
 
     Raises
     ------
-    ResultFileError     the file holds another case, or motions of reduced bodies other than those given, or
-                        cannot be read or written (a full disk, say)
+    ResultFileError     the file holds another run, or motions of bodies other than those given; another run
+                        is writing it; it cannot be read or written (a full disk, say)
     errors of `simulate`; what was computed until then is kept in the file
     """
     path = Path(path)
-    if not path.exists():
-        return begin_recorded(system, run, path, case=case, progress=progress, check=check)
+    inputs = inputs_of(system, run, case) if inputs is None else inputs
+    marching = {"case": case, "inputs": inputs, "progress": progress, "check": check}
+    if overwrite or not path.exists():
+        return begin_recorded(system, run, path, overwrite=overwrite, **marching)
     header = read_header(path)
-    if header.case != case:
-        raise ResultFileError(
-            f"{path} holds another run than the one asked for; delete it or choose another folder. "
-            f"There: {header.case}. Here: {case}"
-        )
+    _check_same_run(header, inputs, case, path)
+    if not header.n_times:
+        # A run that ended before its first output left nothing to continue from.
+        return begin_recorded(system, run, path, **marching)
     check_columns(header, system, path)
     if header.complete:
         if progress is not None:
             progress(1.0)
         return read_solution(path)
-    # A run that ended before its first output left nothing to continue from.
-    proceed = continue_recorded if header.n_times else begin_recorded
-    return proceed(system, run, path, case=case, progress=progress, check=check)
+    return continue_recorded(system, run, path, **marching)
 
 
-def _recorded(
+def recorded(
     system: System,
     run: Run,
     file: ResultFile,
-    start: Solution | None,
-    progress: Progress | None,
-    check: bool,
+    *,
+    progress: Progress | None = None,
+    check: bool = True,
 ) -> Solution:
-    with file:
-        done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)
-        if done.stopped is None:
-            file.finish()
-    return replace(read_solution(file.path), stopped=done.stopped)
+    """Simulate what a result file does not hold yet, into it; the whole run, as it is read back."""
+    start = file.last_instant() if file.header.n_times else None
+    stopped = None
+    # Cut off between its last output time and its end, a run has nothing left to do but to say so.
+    if start is None or _is_something_left(run, start):
+        with noted_interruption(file):
+            done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)
+        stopped = done.stopped
+    # From the open file, under its lock: nobody else's motion is taken for this one.
+    whole = file.solution()
+    if stopped is None:
+        file.finish()
+    return replace(whole, stopped=stopped)
+
+
+def _is_something_left(run: Run, reached: Solution) -> bool:
+    return bool(reached.times[-1] < run.times[-1] - 1e-6 * run.output_step)
+
+
+def _check_same_run(header: ResultHeader, inputs: Inputs, case: str, path: Path) -> None:
+    if changed := changes(header.inputs, inputs):
+        raise ResultFileError(
+            f"{path} holds another run than the one asked for ({changed}); say overwrite=True to replace it, "
+            f"or choose another file. There: {header.case}. Here: {case}"
+        )

@@ -18,6 +18,7 @@ def simulate(
     run: Run,
     *,
     file: Path | str | None = None,
+    overwrite: bool = False,
     resume: Solution | None = None,
     progress: Progress | None = None,
     record: Recorder | None = None,
@@ -34,6 +35,7 @@ def simulate(
     run : Run               span, output times, steps, tolerances
     file : path             keep the motion in this result file as it is computed, and go on with what is
                             there: a finished run is read, one that was cut off is continued
+    overwrite : bool        begin anew, whatever the file holds
     resume : Solution       go on from the end of an earlier part of the same run
     progress, record : called as the run goes on; `record` receives every completed leg
     check : bool            raise where the run ends early; otherwise `Solution.stopped` says why
@@ -49,7 +51,8 @@ def simulate(
                         until then has been handed to `record` and is kept in the file
     ValidityError       what is warned of below under Validity, Start and Resolution, save output times, under
                         `Validity(strict=True)`
-    ResultFileError     the file holds another run, or cannot be read or written
+    ResultFileError     the file holds another run, another run is writing it, or it cannot be read or written
+    KeyboardInterrupt   (Ctrl-C; on SIGTERM `Terminated`) with a note up to which time the file keeps the run
 
     Warns
     -----
@@ -59,7 +62,17 @@ def simulate(
     StepCutWarning, RedundantConstraintWarning
     """
     if file is None:
+        if overwrite:
+            raise ValueError("overwrite: there is no file to overwrite; name it, file=PATH")
         return watched_run(system, run, resume=resume, progress=progress, record=record, check=check)
     if resume is not None or record is not None:
         raise ValueError("a run that is kept in a file is resumed and recorded there: leave these out")
-    return simulate_recorded(system, run, file, case=description(system, run), progress=progress, check=check)
+    return simulate_recorded(
+        system,
+        run,
+        file,
+        case=description(system, run),
+        overwrite=overwrite,
+        progress=progress,
+        check=check,
+    )

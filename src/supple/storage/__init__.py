@@ -9,18 +9,23 @@ from supple.storage.reduced_body_hdf5 import (
     read_reduced_body,
     write_reduced_body,
 )
+from supple.storage.result_content import (
+    DamagedResultError,
+    ResultHeader,
+)
 from supple.storage.result_file import (
     ResultFile,
     write_solution,
 )
 from supple.storage.result_reader import (
-    ResultHeader,
     read_header,
     read_last_instant,
     read_solution,
+    read_sound_part,
 )
 
 __all__ = [
+    "DamagedResultError",
     "ResultFile",
     "ResultHeader",
     "holds_reduced_body",
@@ -29,6 +34,7 @@ __all__ = [
     "read_last_instant",
     "read_reduced_body",
     "read_solution",
+    "read_sound_part",
     "write_json",
     "write_reduced_body",
     "write_solution",

@@ -10,6 +10,18 @@ from pathlib import Path
 
 from supple.errors import ResultFileError
 
+DAMAGE = (
+    ArithmeticError,
+    AttributeError,
+    LookupError,
+    MemoryError,
+    OSError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+)
+"""What reading a damaged file can raise, in whichever library first meets the damage."""
+
 _REMEDIES = {
     errno.ENOSPC: "the disk is full: free some space or choose another disk",
     errno.EDQUOT: "the disk quota is used up: free some space or choose another disk",

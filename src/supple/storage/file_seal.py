@@ -18,6 +18,15 @@ def sealed(content: bytes) -> bytes:
     return content + _MARK + hashlib.sha256(content).hexdigest().encode()
 
 
+def unsealed(path: Path) -> bytes:
+    """The content of a sealed file; ValueError where the seal is missing or not that of the content."""
+    found = path.read_bytes()
+    content = found[:-_LENGTH]
+    if sealed(content) != found:
+        raise ValueError("its bytes are not those that were written")
+    return content
+
+
 def is_seal_broken(path: Path) -> bool:
     """Whether a file has a seal that is not that of its content; False where it has none."""
     with path.open("rb") as file:

@@ -30,10 +30,14 @@ def store_array(group: h5py.Group, name: str, array: np.ndarray) -> None:
 
 
 def read_array(group: h5py.Group, name: str) -> np.ndarray:
-    """The array of that name; KeyError where there is none, OSError where its checksum disagrees."""
-    found = group[name]
-    if not isinstance(found, h5py.Dataset):
-        raise KeyError(f"{name} is not a dataset")
+    """The real numbers of that name.
+
+    KeyError where there are none, TypeError where they are no real numbers, ValueError where they claim more
+    room than the file has, OSError where their checksum disagrees.
+    """
+    found = _dataset(group, name)
+    if found.dtype.kind not in "fiu":
+        raise TypeError(f"{name} holds {found.dtype}, which are no real numbers")
     return np.asarray(found[()])
 
 
@@ -48,6 +52,18 @@ def read_group(group: h5py.Group, name: str) -> h5py.Group:
 def read_number(group: h5py.Group, name: str) -> float:
     """The number in an attribute; KeyError where there is none, TypeError where it is no number."""
     return float(np.asarray(group.attrs[name]).item())
+
+
+def _dataset(group: h5py.Group, name: str) -> h5py.Dataset:
+    """The dataset of that name, which fits into the file: nothing is compressed."""
+    found = group[name]
+    if not isinstance(found, h5py.Dataset):
+        raise KeyError(f"{name} is not a dataset")
+    size, itemsize = group.file.id.get_filesize(), found.dtype.itemsize
+    claimed = max(int(np.prod(shape, dtype=object)) * itemsize for shape in (found.shape, found.chunks or ()))
+    if claimed > size:
+        raise ValueError(f"{name} claims {claimed} bytes, and the file has {size}, which is the limit")
+    return found
 
 
 def store_record(group: h5py.Group, record: Any) -> None:
@@ -113,7 +129,7 @@ def _read_tuple(group: h5py.Group, name: str, kind: Any) -> tuple[Any, ...]:
     found = group.get(name)
     if isinstance(found, h5py.Dataset):
         # No items look alike, whatever they would have been.
-        return tuple(found.asstr()[()])
+        return tuple(_dataset(group, name).asstr()[()])
     if is_dataclass(kind):
         inner = read_group(group, name)
         return tuple(

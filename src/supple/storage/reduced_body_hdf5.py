@@ -10,7 +10,7 @@ Format "supple-reduced-body", version 1 (any HDF5 reader opens it):
     gram, stiffness, damping, frequencies, nodes, nodal_basis
                  the arrays of ReducedBody; cubic, quartic, rotation_basis, damping_cubic and damping_quartic
                  where the body has them
-    interfaces/<i>      i = 0, 1, ...: attribute name, datasets position (3,) and motion (6, r)
+    interfaces/<i>      i = 0, 1, ...: attributes name, cubic_turn; datasets position (3,), motion (6, r)
     report              the fields of ReductionReport, as in hdf5_record
 
 Numbers are stored as they are, so that reading gives back the very bits. Arrays carry a checksum, and the
@@ -30,7 +30,7 @@ from supple.errors import ModelError, ResultFileError
 from supple.reduction import ReducedBody, ReductionReport
 from supple.reduction.reduced_body import ReducedInterface
 from supple.storage.atomic_write import replacing
-from supple.storage.file_errors import file_errors
+from supple.storage.file_errors import DAMAGE, file_errors
 from supple.storage.file_seal import is_seal_broken, sealed
 from supple.storage.hdf5_record import (
     read_array,
@@ -98,24 +98,24 @@ def read_reduced_body(path: Path | str) -> ReducedBody:
             return ReducedBody(
                 name=_text(file.attrs["name"]),
                 frame=_frame(file.attrs),
-                gram=read_array(file, "gram"),
-                stiffness=read_array(file, "stiffness"),
+                gram=_finite(file, "gram"),
+                stiffness=_finite(file, "stiffness"),
                 cubic=_array_or_none(file, "cubic"),
                 quartic=_array_or_none(file, "quartic"),
-                damping=read_array(file, "damping"),
+                damping=_finite(file, "damping"),
                 damping_cubic=_array_or_none(file, "damping_cubic"),
                 damping_quartic=_array_or_none(file, "damping_quartic"),
-                interfaces=tuple(read_record(group, ReducedInterface) for group in _interface_groups(file)),
-                nodes=read_array(file, "nodes"),
-                nodal_basis=read_array(file, "nodal_basis"),
+                interfaces=tuple(_interface(group) for group in _interface_groups(file)),
+                nodes=_finite(file, "nodes"),
+                nodal_basis=_finite(file, "nodal_basis"),
                 rotation_basis=_array_or_none(file, "rotation_basis"),
                 rotation_limit=read_number(file, "rotation_limit"),
-                frequencies=read_array(file, "frequencies"),
+                frequencies=_finite(file, "frequencies"),
                 report=read_record(read_group(file, "report"), ReductionReport),
             )
         # A checksum that does not agree is an OSError of HDF5, a missing part a KeyError, and parts that do
-        # not fit each other the ModelError of the body itself.
-        except (KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
+        # not fit each other, or are not finite, the ModelError of the body itself.
+        except DAMAGE as error:
             raise _damaged(path, error) from error
 
 
@@ -125,7 +125,7 @@ def read_interface_names(path: Path | str) -> tuple[str, ...]:
     with _open(path) as file:
         try:
             return tuple(_text(group.attrs["name"]) for group in _interface_groups(file))
-        except (KeyError, OSError, RuntimeError, TypeError) as error:
+        except DAMAGE as error:
             raise _damaged(path, error) from error
 
 
@@ -139,7 +139,7 @@ def holds_reduced_body(path: Path | str) -> bool:
             return True  # only such files have a seal; read_reduced_body says what became of it
         with h5py.File(path, "r", locking=False) as file:
             return file.attrs.get("format") == FORMAT
-    except OSError:
+    except DAMAGE:
         return False
 
 
@@ -156,7 +156,7 @@ def _open(path: Path) -> h5py.File:
         file = h5py.File(path, "r")
     try:
         _check_format(path, file.attrs)
-    except (OSError, RuntimeError, ValueError) as error:
+    except DAMAGE as error:
         file.close()
         raise error if isinstance(error, ResultFileError) else _damaged(path, error) from error
     return file
@@ -182,8 +182,21 @@ def _damaged(path: Path, error: Exception) -> ResultFileError:
     return ResultFileError(f"{path} is damaged ({error}): copy it again, or reduce the body again")
 
 
+def _finite(group: h5py.Group, name: str) -> np.ndarray:
+    array = read_array(group, name)
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} contains NaN or infinity")
+    return array
+
+
 def _array_or_none(file: h5py.File, name: str) -> np.ndarray | None:
-    return read_array(file, name) if name in file else None
+    return _finite(file, name) if name in file else None
+
+
+def _interface(group: h5py.Group) -> ReducedInterface:
+    for name in ("position", "motion"):
+        _finite(group, name)
+    return read_record(group, ReducedInterface)
 
 
 def _interface_groups(file: h5py.File) -> list[h5py.Group]:

@@ -1,35 +1,38 @@
 """Result files: simulations on disk, kept as they run.
 
-Format "supple-result", version 2, an HDF5 file (any HDF5 reader opens it):
+Format "supple-result", version 3, an HDF5 file (any HDF5 reader opens it):
 
     attributes   format        "supple-result"
-                 version       2
-                 case          the text of the case that was run, for the record and for continuing it
-                 metadata      JSON object of further names and values
+                 version       3
+    case         text          of the case that was run, for the record
+    metadata     text          JSON object of further names and values
+    inputs       text          JSON object of all that the motion depends on, by name: values, or digests
+    layout       text          JSON object of what follows: row shapes of the arrays and of the engine's
+                               state, kinds of the bodies' motions
     complete     scalar        1 once the run has ended, 0 while it runs or where it was cut off
     times        (t,)          output times
-    bodies/<name>/<field>      (t, ...) the arrays of the body's motion, of the kind that the attribute `kind`
-                               of the group names; floating where it is missing: position, rotation, ...
+    bodies/<name>/<field>      (t, ...) the arrays of the body's motion: position, rotation, ...
     joint_forces/<name>        (t, 6) force and moment of each joint; its attributes `columns`, `acts_on`,
                                `axes` and `unit` say which component, on which end, along which axes
     multipliers/<name>         (t, m) Lagrange multipliers of each joint, to continue the run
-    commits      (k, 8)        one row per chunk written: its number of times, then its steps, iterations,
-                               rejected steps, seconds, seconds of compilation, and the largest local error
-                               and turn of a step (6 columns in older files)
-
+    commits      (k, 9)        one row per chunk written: its first row and its number of times, then its
+                               steps, iterations, rejected steps, seconds, seconds of compilation, and the
+                               largest local error and turn of a step
     engine_state/<key>         (k, ...) what the engine needs to go on exactly, one row per chunk, or absent
+    seals/header, chunks, end  (32,), (k, 64), (32,) digests of all that is above, see `result_seals`
 
 All numbers are 64-bit floats, stored bit for bit; in names, % and / are written %25 and %2F. The motion
 datasets appear with the first chunk. A chunk counts once its row of `commits` is there: whatever lies beyond
 the committed times was being written when the run ended.
 
 While a run goes on the file is in HDF5's single-writer mode, which orders every write so that the file can be
-read at any moment: by another process during the run, and after the run was killed.
+read at any moment: by another process during the run, and after the run was killed. One process writes it at
+a time (`exclusive_lock`).
 """
 
 from __future__ import annotations
 
-import json
+import os
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import zip_longest
@@ -42,26 +45,23 @@ import numpy as np
 
 from supple.errors import ResultFileError
 from supple.integrate.solution import Solution, Statistics
-from supple.storage.atomic_write import replacing
-from supple.storage.dataset_labels import dataset_labels
 from supple.storage.disk_space import reserve_space
+from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
-from supple.storage.result_reader import (
-    FORMAT,
-    VERSION,
-    Metadata,
-    ResultHeader,
-    dataset,
-    read_header,
-    read_solution,
+from supple.storage.hdf5_superblock import written_size
+from supple.storage.result_chunks import (
+    Ledger,
+    append_chunk,
+    layout_of_chunk,
+    mark_complete,
+    most_growth,
+    open_single_writer,
+    write_whole,
 )
-from supple.storage.solution_arrays import Array, motion_kinds, statistics_row, to_arrays
-
-# HDF5 stores and caches a dataset in blocks of this many bytes, or one row where a row is longer.
-_BLOCK_BYTES = 16384
-
-# Room for the indices of blocks, which grow by pages.
-_INDEX_BYTES = 2**20
+from supple.storage.result_content import Metadata, ResultContent, ResultHeader
+from supple.storage.result_reader import read_header, read_solution
+from supple.storage.run_inputs import Inputs, changes
+from supple.storage.solution_arrays import Array, to_arrays
 
 
 class ResultFile:
@@ -71,55 +71,90 @@ class ResultFile:
             simulate(system, ..., record=file.append)
             file.finish()
 
-    Leaving the block without `finish` closes the file as an incomplete run, which `resume` continues.
+    Leaving the block without `finish` closes the file as an incomplete run, which `resume` continues. Until
+    then nobody else writes it.
     """
 
-    def __init__(self, path: Path, header: ResultHeader, written: Solution | None) -> None:
+    def __init__(
+        self, path: Path, header: ResultHeader, lock: ExclusiveLock, written: Solution | None
+    ) -> None:
         self.path = path
         self._header = header
+        self._lock = lock
         self._file: h5py.File | None = None
+        self._place: os.stat_result | None = None
         self._closed = False
-        self._layout: dict[str, tuple[int, ...]] = {}
-        self._n_times = 0
+        self._ledger: Ledger | None = None
         self._last_time = -np.inf
         if written is not None:
             self._start(written)
 
     @classmethod
-    def create(cls, path: Path | str, *, case: str, metadata: Metadata = MappingProxyType({})) -> Self:
-        """Start a result file, replacing one that is there.
+    def create(
+        cls,
+        path: Path | str,
+        *,
+        case: str,
+        metadata: Metadata = MappingProxyType({}),
+        inputs: Inputs = MappingProxyType({}),
+        overwrite: bool = False,
+    ) -> Self:
+        """Start a result file.
+
+        case, metadata, inputs : see ResultHeader
+        overwrite : replace what is there, whatever it is; otherwise only a run without any output is replaced
 
         Raises
         ------
-        ResultFileError     the file cannot be written
+        ResultFileError     something is there; the file cannot be written; another run is writing it
         """
-        header = ResultHeader(case, dict(metadata), complete=False, n_times=0, statistics=Statistics())
-        _write_whole(Path(path), header, None)
-        return cls(Path(path), header, None)
+        header = ResultHeader(
+            case, dict(metadata), complete=False, n_times=0, statistics=Statistics(), inputs=dict(inputs)
+        )
+        lock = _locked(Path(path))
+        try:
+            if not overwrite:
+                check_nothing_lost(Path(path))
+            write_whole(Path(path), header, None)
+            return cls(Path(path), header, lock, None)
+        except BaseException:
+            lock.release()
+            raise
 
     @classmethod
-    def resume(cls, path: Path | str, *, case: str) -> Self:
+    def resume(cls, path: Path | str, *, case: str, inputs: Inputs = MappingProxyType({})) -> Self:
         """Continue the file of a run that was cut off; `read_last_instant` gives the state to start from.
+
+        inputs : what the motion depends on, as it is now; where neither the file nor the caller knows any,
+            the text of the case must be the same
 
         Raises
         ------
-        ResultFileError     the run is complete, or of another case, or the file cannot be read or written
+        ResultFileError     the run is complete, or of another case or other inputs; another run is writing
+                            the file; it cannot be read or written
         """
         path = Path(path)
-        header = read_header(path)
-        if header.complete:
-            raise ResultFileError(f"cannot continue {path}: its run is complete; write to another file")
-        if header.case != case:
-            raise ResultFileError(
-                f"cannot continue {path}: it holds another case ({_first_difference(header.case, case)}); "
-                "write to another file, or run the case it was started with"
-            )
-        return cls(path, header, read_solution(path) if header.n_times else None)
+        read_header(path)  # no lock is left beside what is not there
+        lock = ExclusiveLock(path)
+        try:
+            header = read_header(path)
+            if header.complete:
+                raise ResultFileError(f"cannot continue {path}: its run is complete; write to another file")
+            check_same_run(path, header, case, inputs)
+            return cls(path, header, lock, read_solution(path) if header.n_times else None)
+        except BaseException:
+            lock.release()
+            raise
 
     @property
     def last_time(self) -> float:
         """The last output time written; minus infinity before the first."""
         return self._last_time
+
+    @property
+    def header(self) -> ResultHeader:
+        """What the file said about itself when it was opened."""
+        return self._header
 
     def append(self, chunk: Solution) -> None:
         """Write the next output times of the run; once this returns, they outlive the process.
@@ -127,41 +162,67 @@ class ResultFile:
         Raises
         ------
         ResultFileError     times that do not follow the last ones, other bodies or joints than before, a
-                            closed file, a full disk; what was appended before stays readable
+                            closed file, one that was removed, a full disk; what was appended before stays
+                            readable
         """
         if self._closed:
             raise ResultFileError(
                 f"cannot append to {self.path}: it is closed; continue it with ResultFile.resume"
             )
         arrays = to_arrays(chunk)
-        self._check(arrays)
-        if self._file is None:
+        self._check(arrays, chunk)
+        if self._file is None or self._ledger is None:
             self._start(chunk)
-        else:
-            kept = f" (the run up to t = {self._last_time:g} is kept and can be continued)"
-            with file_errors("write", self.path, note=kept):
-                reserve_space(self.path, self._file.id.get_filesize() + _most_growth(arrays))
-                _extend(self._file, self._n_times, arrays, chunk)
-            self._n_times += len(chunk.times)
-            self._last_time = float(chunk.times[-1])
+            return
+        self._check_in_place()
+        kept = f" (the run up to t = {self._last_time:g} is kept and can be continued)"
+        with file_errors("write", self.path, note=kept):
+            reserve_space(self.path, written_size(self.path) + most_growth(arrays))
+            append_chunk(self._file, self._ledger, arrays, chunk)
+        self._last_time = float(chunk.times[-1])
+
+    def solution(self) -> Solution:
+        """The run as far as it is written, read from the open file and checked against its seals.
+
+        Raises
+        ------
+        ResultFileError     nothing is written yet; what is read is not what was written
+        """
+        return self._content.solution()
+
+    def last_instant(self) -> Solution:
+        """The last output time, read as by `solution`; errors as there."""
+        return self._content.last_instant()
+
+    @property
+    def _content(self) -> ResultContent:
+        if self._file is None:
+            raise ResultFileError(f"{self.path} holds no output times yet")
+        return ResultContent(self.path, self._file, self._file.id.get_filesize())
 
     def finish(self) -> None:
         """Mark the run complete and close the file."""
-        if self._file is not None:
+        if self._file is not None and self._ledger is not None:
+            self._check_in_place()
             with file_errors("write", self.path):
-                dataset(self._file, "complete")[()] = 1
+                mark_complete(self._file, self._ledger)
                 self._file.flush()
         else:
-            _write_whole(self.path, replace(self._header, complete=True), None)
+            write_whole(self.path, replace(self._header, complete=True), None)
         self.close()
 
     def close(self) -> None:
-        """Close the file as it is."""
+        """Close the file as it is, and let others write it."""
         self._closed = True
-        if self._file is not None:
-            with file_errors("close", self.path):
-                self._file.close()
-            self._file = None
+        try:
+            if self._file is not None:
+                with file_errors("close", self.path):
+                    self._file.close()
+                    self._file = None
+                    if self._is_in_place():
+                        os.truncate(self.path, written_size(self.path))  # what was reserved and not needed
+        finally:
+            self._lock.release()
 
     def __enter__(self) -> Self:
         return self
@@ -173,14 +234,25 @@ class ResultFile:
 
     def _start(self, written: Solution) -> None:
         # The datasets must exist before the single-writer mode begins, so they come with the first chunk.
-        _write_whole(self.path, self._header, written)
+        self._ledger = write_whole(self.path, self._header, written)
         with file_errors("open", self.path):
-            self._file = _open_single_writer(self.path)
-        self._layout = {path: array.shape[1:] for path, array in to_arrays(written).items()}
-        self._n_times = len(written.times)
+            self._file = open_single_writer(self.path)
+            self._place = self.path.stat()
         self._last_time = float(written.times[-1])
 
-    def _check(self, arrays: Mapping[str, Array]) -> None:
+    def _is_in_place(self) -> bool:
+        place = self.path.stat() if self.path.exists() else None
+        return place is not None and self._place is not None and os.path.samestat(place, self._place)
+
+    def _check_in_place(self) -> None:
+        """What nobody finds under its name any more is not worth hours of computing."""
+        if not self._is_in_place():
+            raise ResultFileError(
+                f"{self.path} was removed or replaced while the run that writes it went on: run the case "
+                "again, in a folder that is left alone"
+            )
+
+    def _check(self, arrays: Mapping[str, Array], chunk: Solution) -> None:
         times = arrays["times"]
         if not len(times) or times[0] <= self._last_time or not (np.diff(times) > 0.0).all():
             seen = f"{times[0]:g} to {times[-1]:g}" if len(times) else "none"
@@ -188,17 +260,23 @@ class ResultFile:
                 f"cannot append to {self.path}: its times end at {self._last_time:g} and the new ones "
                 f"({seen}) do not rise from there"
             )
-        layout = {path: array.shape[1:] for path, array in arrays.items()}
-        if self._layout and layout != self._layout:
-            changed = sorted(
-                path
-                for path in layout.keys() | self._layout.keys()
-                if layout.get(path) != self._layout.get(path)
-            )
-            raise ResultFileError(
-                f"cannot append to {self.path}: {changed[0]} has row shape {layout.get(changed[0])}, "
-                f"{self._layout.get(changed[0])} so far; a file holds one system"
-            )
+        if self._ledger is not None:
+            begun, given = self._ledger.layout, layout_of_chunk(arrays, chunk)
+            # A run may have begun by an engine that did not keep its state; the other way round it may not.
+            there = dict(begun.arrays) | {
+                f"engine_state/{key}": shape for key, shape in begun.engine_state.items()
+            }
+            here = dict(given.arrays) | {
+                f"engine_state/{key}": shape
+                for key, shape in given.engine_state.items()
+                if key in begun.engine_state
+            }
+            changed = sorted(key for key in there.keys() | here.keys() if there.get(key) != here.get(key))
+            if changed:
+                raise ResultFileError(
+                    f"cannot append to {self.path}: {changed[0]} has row shape {here.get(changed[0])}, "
+                    f"{there.get(changed[0])} so far; a file holds one system"
+                )
         for path, array in arrays.items():
             if len(array) != len(times):
                 raise ResultFileError(
@@ -206,95 +284,68 @@ class ResultFile:
                 )
 
 
+def check_nothing_lost(path: Path) -> None:
+    """ResultFileError, saying what would be lost, where a new result would replace something."""
+    if not path.exists():
+        return
+    try:
+        header = read_header(path)
+    except ResultFileError as error:
+        seen = f"it holds something that cannot be read as a result ({error})"
+    else:
+        if not header.n_times and not header.complete:
+            return
+        seen = "it holds a finished run" if header.complete else "it holds a run that was cut off"
+    raise ResultFileError(
+        f"cannot write {path}: {seen}; say overwrite=True to replace it, or write elsewhere"
+    )
+
+
+def check_same_run(path: Path, header: ResultHeader, case: str, inputs: Inputs) -> None:
+    """ResultFileError, naming what changed, unless a file is of the run that is asked for."""
+    if header.inputs or inputs:
+        changed = changes(header.inputs, inputs) if header.inputs else "it does not say what it depends on"
+    else:
+        changed = _first_difference(header.case, case)
+    if changed:
+        raise ResultFileError(
+            f"cannot continue {path}: it holds another case ({changed}); "
+            "write to another file, or run the case it was started with"
+        )
+
+
 def write_solution(
-    path: Path | str, solution: Solution, *, case: str, metadata: Metadata = MappingProxyType({})
+    path: Path | str,
+    solution: Solution,
+    *,
+    case: str,
+    metadata: Metadata = MappingProxyType({}),
+    inputs: Inputs = MappingProxyType({}),
 ) -> Path:
     """Write a finished simulation as a complete result file, atomically.
 
     Raises
     ------
-    ResultFileError     the file cannot be written
+    ResultFileError     the file cannot be written, or a run is writing it
     """
-    header = ResultHeader(case, dict(metadata), True, len(solution.times), solution.statistics)
-    _write_whole(Path(path), header, solution)
+    header = ResultHeader(
+        case, dict(metadata), True, len(solution.times), solution.statistics, inputs=dict(inputs)
+    )
+    with _locked(Path(path)):
+        write_whole(Path(path), header, solution)
     return Path(path)
 
 
-def _write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> None:
-    # Built in memory, because HDF5 does not survive a write that fails: see disk_space.
-    with h5py.File("image", "w", driver="core", backing_store=False, libver="latest") as file:
-        file.attrs["format"] = FORMAT
-        file.attrs["version"] = VERSION
-        file.attrs["case"] = header.case
-        file.attrs["metadata"] = json.dumps(dict(header.metadata))
-        file.create_dataset("complete", data=int(header.complete))
-        n_columns = 1 + len(statistics_row(Statistics()))
-        _create_growing(file, "commits", np.empty((0, n_columns)))
-        if solution is not None:
-            for name, array in to_arrays(solution).items():
-                _create_growing(file, name, array)
-                for key, value in dataset_labels(name, header.metadata).items():
-                    file[name].attrs[key] = value
-            for group, kind in motion_kinds(solution).items():
-                file[group].attrs["kind"] = kind
-            for key, value in solution.engine_state.items():
-                _create_growing(file, f"engine_state/{key}", np.asarray(value, dtype=float)[None])
-            _commit(file, len(solution.times), solution.statistics)
-        file.flush()
-        image = file.id.get_file_image()
-    with replacing(path) as temporary:
-        temporary.write_bytes(image)
-
-
-def _create_growing(file: h5py.File, name: str, array: Array) -> None:
-    width = array.shape[1:]
-    row_bytes = 8 * max(1, int(np.prod(width)))
-    # A block has no side of length zero, not even for a rigid body's zero coordinates.
-    blocks = (max(1, _BLOCK_BYTES // row_bytes), *(max(1, n) for n in width))
-    file.create_dataset(name, data=array, maxshape=(None,) * array.ndim, chunks=blocks)
-
-
-def _most_growth(arrays: Mapping[str, Array]) -> int:
-    """Bytes by which the file grows at most: the rows, a begun block at either end, and their index."""
-    rows = sum(array.nbytes + 2 * max(_BLOCK_BYTES, array[:1].nbytes) for array in arrays.values())
-    return rows + rows // 8 + _INDEX_BYTES
-
-
-def _extend(file: h5py.File, n_written: int, arrays: Mapping[str, Array], chunk: Solution) -> None:
-    for name, array in arrays.items():
-        target = dataset(file, name)
-        target.resize(n_written + len(array), axis=0)
-        if array.size:
-            target[n_written:] = array
-    for key, value in chunk.engine_state.items():
-        if f"engine_state/{key}" not in file:
-            continue  # a run begun by an engine that did not keep it
-        rows = dataset(file, f"engine_state/{key}")
-        rows.resize(rows.shape[0] + 1, axis=0)
-        if rows.size:
-            rows[-1] = value
-    file.flush()
-    _commit(file, len(arrays["times"]), chunk.statistics)
-
-
-def _commit(file: h5py.File, n_times: int, statistics: Statistics) -> None:
-    commits = dataset(file, "commits")
-    commits.resize(commits.shape[0] + 1, axis=0)
-    commits[-1] = np.concatenate([[n_times], statistics_row(statistics)])[: commits.shape[1]]
-    file.flush()
-
-
-def _open_single_writer(path: Path) -> h5py.File:
-    # The high-level constructor opens for writing first and switches then; killed in between, it leaves a
-    # file that only a repair tool opens. The low-level call enters the mode in one step.
-    access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
-    access.set_libver_bounds(h5py.h5f.LIBVER_LATEST, h5py.h5f.LIBVER_LATEST)
-    access.set_fclose_degree(h5py.h5f.CLOSE_STRONG)
-    flags = h5py.h5f.ACC_RDWR | h5py.h5f.ACC_SWMR_WRITE
-    return h5py.File(h5py.h5f.open(str(path).encode(), flags, access))
+def _locked(path: Path) -> ExclusiveLock:
+    with file_errors("write", path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    return ExclusiveLock(path)
 
 
 def _first_difference(stored: str, given: str) -> str:
+    """Where two texts differ, in words; empty where they do not."""
+    if stored == given:
+        return ""
     pairs = zip_longest(stored.splitlines(), given.splitlines())
     for number, (there, here) in enumerate(pairs, start=1):
         if there != here:

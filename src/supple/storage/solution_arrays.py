@@ -78,10 +78,9 @@ def statistics_row(statistics: Statistics) -> Array:
 def statistics_from_rows(rows: Array) -> Statistics:
     """Statistics of a run from those of its parts, rows (k, 7) of `statistics_row`."""
     names = [field.name for field in fields(Statistics)]
-    # A file of an older run lacks the last columns.
     totals: dict[str, Any] = {
         name: float(column.max(initial=0.0) if name in LARGEST else column.sum())
-        for name, column in zip(names, rows.T, strict=False)
+        for name, column in zip(names, rows.T, strict=True)
     }
     return Statistics(**{name: int(total) if name in _COUNTS else total for name, total in totals.items()})
 

@@ -14,7 +14,7 @@ from supple.integrate import Run
 from supple.reduction import ReducedBody
 from supple.simulation import simulate, simulate_batch
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES
-from supple_benchmarks.blade.problem import BODY, Blade, BladeCase
+from supple_benchmarks.nrel5mw_blade import BODY, Blade, BladeCase
 from supple_benchmarks.progress import Progress
 
 __all__ = ["BatchRun", "run_batch"]

@@ -9,8 +9,8 @@ from supple.correction import ReductionStart, Round, SelfCorrection, SelfCorrect
 from supple.integrate import Run
 from supple.reduction import AmplitudeProduct, CompressedDerivatives, CraigBampton, StaticLoad
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES, FullRun
-from supple_benchmarks.blade.problem import FRAMES, Blade, BladeCase
 from supple_benchmarks.blade.reduced_run import error_against
+from supple_benchmarks.nrel5mw_blade import FRAMES, Blade, BladeCase
 from supple_benchmarks.progress import Progress
 
 __all__ = ["CorrectedRun", "correct_blade"]

@@ -27,8 +27,8 @@ from supple.viz import (
     skin_of,
 )
 from supple_benchmarks.blade.full_run import FullRun
-from supple_benchmarks.blade.problem import BODY, FRAMES, ROOT, TipMotion
 from supple_benchmarks.blade.run import BladeRun
+from supple_benchmarks.nrel5mw_blade import BODY, FRAMES, ROOT, TipMotion
 from supple_benchmarks.progress import Progress
 
 __all__ = ["animation", "draw_figures"]

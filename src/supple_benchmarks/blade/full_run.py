@@ -9,7 +9,7 @@ from pathlib import Path
 from supple.body import FlexibleBody, FullBody, RayleighDamping
 from supple.integrate import FixedStep, Run, Solution, Tolerances
 from supple.simulation import simulate_recorded
-from supple_benchmarks.blade.problem import FRAMES, Blade, BladeCase, TipMotion, tip_motion
+from supple_benchmarks.nrel5mw_blade import FRAMES, Blade, BladeCase, TipMotion, tip_motion
 from supple_benchmarks.progress import Progress
 
 __all__ = ["OUTPUT_STEP", "STEP", "TOLERANCES", "FullCase", "FullRun", "run_full"]

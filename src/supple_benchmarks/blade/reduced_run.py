@@ -26,7 +26,7 @@ from supple.reduction import (
 from supple.results import MotionError, motion_error
 from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES, FullRun
-from supple_benchmarks.blade.problem import BODY, FRAMES, Blade, BladeCase, TipMotion, tip_motion
+from supple_benchmarks.nrel5mw_blade import BODY, FRAMES, Blade, BladeCase, TipMotion, tip_motion
 from supple_benchmarks.progress import Progress
 
 __all__ = ["FixedBasis", "ReducedRun", "bases_of", "error_against", "reduce_blade", "run_reduced"]

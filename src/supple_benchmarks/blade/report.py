@@ -8,10 +8,10 @@ import numpy as np
 
 from supple_benchmarks.blade.corrected_run import CorrectedRun
 from supple_benchmarks.blade.full_run import FullRun
-from supple_benchmarks.blade.problem import BladeCase
 from supple_benchmarks.blade.reduced_run import ReducedRun
 from supple_benchmarks.blade.run import BladeRun
 from supple_benchmarks.computer import describe_computer
+from supple_benchmarks.nrel5mw_blade import BladeCase
 from supple_benchmarks.table import Table
 
 __all__ = ["PUBLISHED", "report", "tables"]

@@ -12,7 +12,8 @@ from supple.body import FlexibleBody, RayleighDamping
 from supple_benchmarks.blade.batch_run import BatchRun, run_batch
 from supple_benchmarks.blade.corrected_run import CorrectedRun, correct_blade
 from supple_benchmarks.blade.full_run import FullCase, FullRun, run_full
-from supple_benchmarks.blade.problem import (
+from supple_benchmarks.blade.reduced_run import ReducedRun, bases_of, reduce_blade, run_reduced
+from supple_benchmarks.nrel5mw_blade import (
     CASES,
     COARSE_GRID,
     FRAMES,
@@ -24,7 +25,6 @@ from supple_benchmarks.blade.problem import (
     blade_damping,
     root_held_frequencies,
 )
-from supple_benchmarks.blade.reduced_run import ReducedRun, bases_of, reduce_blade, run_reduced
 from supple_benchmarks.progress import Announce
 
 __all__ = ["BladeBenchmark", "BladeRun", "run_blade"]

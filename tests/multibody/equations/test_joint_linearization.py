@@ -51,6 +51,7 @@ def markers(turned):
             rotation=turned(axis, 0.7),
             displacement=0.1 * rng.standard_normal(3),
             rotation_vector=0.3 * rng.standard_normal(3),
+            cubic_turn=jnp.asarray(0.2),
             offset=rng.standard_normal(3),
             axes=turned(axis - 1, 0.4),
             velocity=np.zeros(3),

@@ -36,6 +36,7 @@ def marker():
         rotation=rotation_exp(vectors[1]),
         displacement=0.3 * vectors[2],
         rotation_vector=0.4 * vectors[3],
+        cubic_turn=jnp.asarray(0.2),
         offset=vectors[4],
         axes=rotation_exp(vectors[5]),
         velocity=jnp.zeros(3),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from references.simo_reissner import straight_beam, swung
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
 from supple.errors import SuppleWarning
@@ -15,6 +14,7 @@ from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System, TimeFun
 from supple.mesh import CellType, Mesh
 from supple.results.recovery import node_positions
 from supple.simulation import simulate
+from supple_benchmarks.references.simo_reissner import straight_beam, swung
 
 LENGTH, WIDTH, HEIGHT, WALL = 20.0, 1.0, 0.5, 0.04
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)

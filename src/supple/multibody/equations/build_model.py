@@ -174,6 +174,7 @@ class _End:
 
     body: int
     motion: np.ndarray
+    cubic_turn: float
     offset: np.ndarray
     axes: np.ndarray
 
@@ -190,6 +191,7 @@ def _ends(places: _BodyPlaces, ends: Sequence[_End]) -> Ends:
         velocities,
         coordinates,
         motion=np.stack([end.motion for end in ends]),
+        cubic_turn=np.array([end.cubic_turn for end in ends]),
         offset=np.stack([end.offset for end in ends]),
         axes=np.stack([end.axes for end in ends]),
     )
@@ -207,11 +209,12 @@ def interface_motion(placed: Placed, interface: str) -> tuple[np.ndarray, np.nda
 
 def _end(system: System, end: At, axes: np.ndarray, ground_point: np.ndarray) -> _End:
     if end == GROUND:
-        return _End(body=-1, motion=np.zeros((6, 0)), offset=ground_point, axes=axes)
+        return _End(body=-1, motion=np.zeros((6, 0)), cubic_turn=0.0, offset=ground_point, axes=axes)
     index = system.body_index(end.body)
     placed = system.bodies[index]
     position, motion = interface_motion(placed, end.interface)
-    return _End(body=index, motion=motion, offset=position, axes=placed.rotation.T @ axes)
+    cubic_turn = placed.body.interface(end.interface).cubic_turn
+    return _End(index, motion, cubic_turn, offset=position, axes=placed.rotation.T @ axes)
 
 
 def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:

@@ -25,7 +25,7 @@ def markers(ends: Ends, configuration: Configuration, velocity: jax.Array | None
         k = len(ends.bodies)
         zero = jnp.zeros((k, 3))
         eye = jnp.broadcast_to(jnp.eye(3), (k, 3, 3))
-        return Marker(zero, eye, zero, zero, ends.offset, ends.axes, zero, zero, zero, zero)
+        return Marker(zero, eye, zero, zero, jnp.zeros(k), ends.offset, ends.axes, zero, zero, zero, zero)
     coordinates = ends.coordinates.take(configuration.coordinates)
     own = jnp.zeros((len(ends.bodies), ends.velocities.size))
     if velocity is not None:
@@ -37,6 +37,7 @@ def markers(ends: Ends, configuration: Configuration, velocity: jax.Array | None
         rotation=rotation,
         displacement=local[:, :3],
         rotation_vector=local[:, 3:],
+        cubic_turn=ends.cubic_turn,
         offset=ends.offset,
         axes=ends.axes,
         velocity=own[:, :3],

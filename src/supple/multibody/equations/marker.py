@@ -1,11 +1,12 @@
 """Markers: where joints and forces take hold of a body.
 
 A marker sits at an interface (or node) p of a body. With the frame's origin `R` and rotation `A`, the rest
-position `x_p`, and the displacement `u` and rotation vector `theta` relative to the frame,
+position `x_p`, and the displacement `u` and rotation `theta` relative to the frame,
 
-    r_p = R + A (x_p + u),        A_p = A exp(theta) C,
+    r_p = R + A (x_p + u),        A_p = A exp(phi) C,        phi = theta (1 + c theta.theta),
 
-where the constant `C` turns the interface's axes into the joint's. The twelve *local freedoms* of a marker
+where the constant `C` turns the interface's axes into the joint's, and `c` is the interface's
+(`BodyInterface.cubic_turn`): its nodes turn by a little more. The twelve *local freedoms* of a marker
 are the variations of `(R, psi, u, theta)`, `dA = A skew(dpsi)`; `u` and `theta` are linear in the body's
 coordinates, so one constant matrix (`selection`, 12 x (6 + r)) carries them to the body and back.
 
@@ -51,7 +52,9 @@ class Marker(NamedTuple):
     displacement: jax.Array
     """`u`, body components."""
     rotation_vector: jax.Array
-    """Rotation vector `theta`, body components."""
+    """`theta`, body components."""
+    cubic_turn: jax.Array
+    """`c`, (); of its rotation vector `phi = theta (1 + c theta.theta)`."""
     offset: jax.Array
     """Rest position `x_p` in the body frame."""
     axes: jax.Array
@@ -91,15 +94,29 @@ def point(marker: Marker) -> jax.Array:
 
 def orientation(marker: Marker) -> jax.Array:
     """Global orientation `A_p` of the joint axes, as columns, (3, 3)."""
-    return small_product(small_product(marker.rotation, rotation_exp(marker.rotation_vector)), marker.axes)
+    return small_product(small_product(marker.rotation, _tilt(marker)), marker.axes)
+
+
+def _tilt(marker: Marker) -> jax.Array:
+    """exp(phi), (3, 3)."""
+    theta = marker.rotation_vector
+    return rotation_exp((1 + marker.cubic_turn * (theta @ theta)) * theta)
+
+
+def _turning(theta: jax.Array, cubic_turn: jax.Array) -> jax.Array:
+    """T(phi) dphi/dtheta (3, 3): the angular velocity per rate of theta, in the turned axes."""
+    square = theta @ theta
+    phi = (1 + cubic_turn * square) * theta
+    by_theta = (1 + cubic_turn * square) * jnp.eye(3) + 2 * cubic_turn * jnp.outer(theta, theta)
+    return small_product(rotation_right_jacobian(phi), by_theta)
 
 
 def pose(marker: Marker) -> Pose:
     """What a force sees of the marker."""
     arm = marker.offset + marker.displacement
     seen = jnp.cross(marker.angular_velocity, arm) + marker.displacement_rate
-    tilted = rotation_exp(marker.rotation_vector)
-    own = rotation_right_jacobian(marker.rotation_vector) @ marker.rotation_vector_rate
+    tilted = _tilt(marker)
+    own = _turning(marker.rotation_vector, marker.cubic_turn) @ marker.rotation_vector_rate
     return Pose(
         point=point(marker),
         axes=orientation(marker),
@@ -116,29 +133,29 @@ def pose_at_rest(marker: Marker) -> Pose:
 def generalized_force(marker: Marker, wrench: Wrench) -> jax.Array:
     """Work-conjugate of the twelve local freedoms for a wrench on the marker, (12,).
 
-    Q_R = F,   Q_psi = (x + u) x A^T F + A^T M,   Q_u = A^T F,   Q_theta = T(theta)^T exp(theta)^T A^T M
+    Q_R = F,   Q_psi = (x + u) x A^T F + A^T M,   Q_u = A^T F,
+    Q_theta = (T(phi) dphi/dtheta)^T exp(phi)^T A^T M
     """
     force = marker.rotation.T @ wrench.force
     moment = marker.rotation.T @ wrench.moment
     arm = marker.offset + marker.displacement
-    conjugate_to_turn = rotation_right_jacobian(marker.rotation_vector).T @ (
-        rotation_exp(marker.rotation_vector).T @ moment
-    )
+    turning = _turning(marker.rotation_vector, marker.cubic_turn)
+    conjugate_to_turn = turning.T @ (_tilt(marker).T @ moment)
     return jnp.concatenate([wrench.force, jnp.cross(arm, force) + moment, force, conjugate_to_turn])
 
 
 def frame_motion(marker: Marker) -> jax.Array:
     """How the twelve local freedoms move the joint frame: `(dr global, dphi in the joint's axes)`, (6, 12).
 
-    dr = dR + A (du - (x + u)~ dpsi),      dphi = C^T ( exp(theta)^T dpsi + T(theta) dtheta )
+    dr = dR + A (du - (x + u)~ dpsi),      dphi = C^T ( exp(phi)^T dpsi + T(phi) dphi/dtheta dtheta )
     """
     arm = marker.offset + marker.displacement
-    turned = small_product(rotation_exp(marker.rotation_vector), marker.axes).T
+    turned = small_product(_tilt(marker), marker.axes).T
     zero = jnp.zeros((3, 3))
     shift = jnp.concatenate(
         [jnp.eye(3), -small_product(marker.rotation, skew(arm)), marker.rotation, zero], axis=1
     )
-    by_turn = small_product(marker.axes.T, rotation_right_jacobian(marker.rotation_vector))
+    by_turn = small_product(marker.axes.T, _turning(marker.rotation_vector, marker.cubic_turn))
     turn = jnp.concatenate([zero, turned, zero, by_turn], axis=1)
     return jnp.concatenate([shift, turn])
 
@@ -151,9 +168,9 @@ def wrench_stiffness(marker: Marker, wrench: jax.Array) -> jax.Array:
     arm = marker.offset + marker.displacement
     force = skew(small_product(marker.rotation.T, wrench[:3]))
     moment = small_product(marker.axes, wrench[3:])
-    jacobian = rotation_right_jacobian(marker.rotation_vector)
-    tilted = small_product(rotation_exp(marker.rotation_vector), small_product(skew(moment), jacobian))
-    by_turn = jax.jacfwd(lambda turn: small_product(rotation_right_jacobian(turn).T, moment))(
+    jacobian = _turning(marker.rotation_vector, marker.cubic_turn)
+    tilted = small_product(_tilt(marker), small_product(skew(moment), jacobian))
+    by_turn = jax.jacfwd(lambda theta: small_product(_turning(theta, marker.cubic_turn).T, moment))(
         marker.rotation_vector
     )
     zero = jnp.zeros((3, 3))

@@ -75,6 +75,8 @@ class Ends:
     coordinates: Places | None = field(metadata=STATIC)
     motion: Any
     """(k, 6, r): displacement and rotation of the interface from the coordinates of its body"""
+    cubic_turn: Any
+    """(k,): `c` of the interface's rotation vector, `theta (1 + c theta.theta)`"""
     offset: Any
     """(k, 3)"""
     axes: Any

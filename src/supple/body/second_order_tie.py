@@ -1,0 +1,130 @@
+"""Rigid interfaces to second order in their rotation: what the elements that touch them feel of it.
+
+A set of nodes tied linearly, u_a = u_v + theta x r_a, grows by theta^2 / 2 where it turns, and resists.
+To second order it moves as a rigid piece,
+
+    u_a = u_v + theta x r_a + 1/2 theta x (theta x r_a):       u = T q + 1/2 Q(q, q)
+
+Put into eps = B u + 1/2 N(Gu, Gu) and cut back to what is quadratic in q, so that the force stays a cubic
+polynomial and the energy a sum of squares:
+
+    eps = B T q + 1/2 [ N(GTq, GTq) + B Q(q, q) ]
+
+Where the interface turns, the elements beside it keep a strain of order theta^3, an energy of order theta^6.
+It is least where they have turned by arctan |theta|, to third order: the angle of a joint at the interface
+(`BodyInterface.cubic_turn`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from supple.fem import QuadraticStrain
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+RigidSet = tuple[IntArray, FloatArray]
+
+
+def second_order_strains(
+    blocks: Sequence[QuadraticStrain],
+    nodes: FloatArray,
+    dofs_per_node: int,
+    rigid_sets: Sequence[RigidSet],
+) -> tuple[QuadraticStrain, ...]:
+    """The strains of a body with second-order ties, in the freedoms of its nodes and of its virtual nodes.
+
+    Elements that touch no rigid set stay as they are. The others gain the virtual nodes of their sets, whose
+    rotations theta are three more gradients each, with N_theta,theta = B Q.
+
+    Parameters
+    ----------
+    blocks : of the elements, linear in u = T q
+    nodes : (N, 3)
+    rigid_sets : (node numbers (k,), position of the virtual node (3,)) each; no node in two of them
+    Returns
+    -------
+    QuadraticStrain of dofs of N + (sets) nodes, as `with_virtual_nodes` gives them
+    """
+    set_of = np.full(len(nodes), -1)
+    arms = np.zeros((len(nodes), 3))
+    for number, (node_ids, position) in enumerate(rigid_sets):
+        own = nodes[node_ids] - position
+        if own.any():  # a single node where the virtual one is has nothing to turn
+            set_of[node_ids], arms[node_ids] = number, own
+    return tuple(part for block in blocks for part in _parts(block, dofs_per_node, set_of, arms))
+
+
+def with_virtual_nodes(expansion: sparse.csc_array, dofs_per_node: int, n_sets: int) -> sparse.csc_array:
+    """The expansion T, and behind it rows for the virtual nodes, whose coordinates stand last.
+
+    A virtual node has the freedoms (u_v, theta_v) where nodes have six, theta_v where they have three.
+
+    Returns
+    -------
+    csc (n_nodal + n_sets * dofs_per_node, n)
+    """
+    n = expansion.indptr.size - 1
+    columns = n - 6 * n_sets + 6 * np.arange(n_sets)[:, None] + np.arange(6 - dofs_per_node, 6)
+    shape = (columns.size, n)
+    rows = sparse.csc_array((np.ones(columns.size), (np.arange(columns.size), columns.ravel())), shape=shape)
+    return sparse.csc_array(sparse.vstack([expansion, rows]))
+
+
+def _parts(
+    block: QuadraticStrain, dofs_per_node: int, set_of: IntArray, arms: FloatArray
+) -> Iterator[QuadraticStrain]:
+    """The elements of a block by the number of sets that they touch."""
+    element_nodes = block.dofs[:, ::dofs_per_node] // dofs_per_node
+    sets = np.sort(set_of[element_nodes], axis=1)
+    first = np.concatenate([sets[:, :1] >= 0, (np.diff(sets) > 0) & (sets[:, 1:] >= 0)], axis=1)
+    counts = first.sum(axis=1)
+    for count in np.unique(counts):
+        chosen = counts == count
+        part = block if chosen.all() else block.of(np.flatnonzero(chosen))
+        if count == 0:
+            yield part
+            continue
+        own = sets[chosen][first[chosen]].reshape(-1, count)
+        held = set_of[element_nodes[chosen]][:, None] == own[..., None]
+        yield _tied(
+            part, len(set_of) + own, np.where(held[..., None], arms[element_nodes[chosen]][:, None], 0.0)
+        )
+
+
+def _tied(block: QuadraticStrain, virtual: IntArray, arms: FloatArray) -> QuadraticStrain:
+    """Elements with c virtual nodes (E, c) and the arms (E, c, k, 3) of their nodes, 0 where not held."""
+    n_elements, n_points, n_strains, n = block.B.shape
+    d, (c, k) = block.G.shape[2], arms.shape[1:3]
+    per_node = n // k
+    rotations = d + 3 * np.arange(c)[:, None] + np.arange(3)
+    columns = n + per_node * np.arange(c)[:, None] + np.arange(per_node - 3, per_node)
+
+    B = np.zeros((n_elements, n_points, n_strains, n + c * per_node))
+    B[..., :n] = block.B
+    G = np.zeros((n_elements, n_points, d + 3 * c, n + c * per_node))
+    G[:, :, :d, :n] = block.G
+    G[:, :, rotations.ravel(), columns.ravel()] = 1
+    N = np.zeros((n_elements, n_points, n_strains, d + 3 * c, d + 3 * c))
+    N[..., :d, :d] = block.N
+    by_displacement = block.B.reshape(n_elements, n_points * n_strains, k, per_node)[..., :3]
+    for number, rows in enumerate(rotations):
+        second = _second_displacement(arms[:, number]).reshape(n_elements, 3 * k, 9)
+        strains = by_displacement.reshape(n_elements, -1, 3 * k) @ second
+        N[:, :, :, rows[:, None], rows] = strains.reshape(n_elements, n_points, n_strains, 3, 3)
+    dofs = np.concatenate(
+        [block.dofs, (virtual[..., None] * per_node + np.arange(per_node)).reshape(-1, c * per_node)], 1
+    )
+    return replace(block, dofs=dofs, B=B, G=G, N=N)
+
+
+def _second_displacement(arms: FloatArray) -> FloatArray:
+    """Symmetric forms Q (E, k, 3, 3, 3) of arms r (E, k, 3): theta x (theta x r) = Q(theta, theta)."""
+    eye = np.eye(3)
+    along = eye[:, :, None] * arms[..., None, None, :]
+    return 0.5 * (along + along.swapaxes(-1, -2)) - arms[..., None, None] * eye

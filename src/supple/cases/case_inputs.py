@@ -1,0 +1,55 @@
+"""What the motion of a case depends on: its checked tables, and the files they name with all they include."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from supple.cases.case_tables import CaseTables, files_named
+from supple.errors import CaseError
+from supple.importers import files_read_with
+from supple.importers.toml import Raw
+from supple.storage.run_inputs import Inputs, digest_of
+
+_SAID_NOT_COMPUTED = {"title", "units", "output"}
+
+
+def inputs_of_case(tables: CaseTables, raw: Raw, folder: Path) -> Inputs:
+    """Values of all keys that the motion depends on, defaults too, and digests of all files, by name.
+
+    Raises
+    ------
+    CaseError   a file that cannot be read
+    """
+    values = tables.model_dump(exclude=_SAID_NOT_COMPUTED)
+    return dict(_leaves("", values)) | dict(_digests(raw, folder))
+
+
+def _leaves(name: str, value: Any) -> Iterator[tuple[str, str]]:
+    """Every number and word below a key, by its path; tables in a list by their names where they have any."""
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            yield from _leaves(f"{name}.{key}" if name else key, item)
+    elif isinstance(value, list | tuple) and value and all(isinstance(item, Mapping) for item in value):
+        labels = [str(item.get("name") or number) for number, item in enumerate(value, start=1)]
+        yield f"order of {name}", ", ".join(labels)
+        for label, item in zip(labels, value, strict=True):
+            yield from _leaves(f"{name} '{label}'", item)
+    elif value is not None:
+        yield name, repr(value)
+
+
+def _digests(raw: Raw, folder: Path) -> Iterator[tuple[str, str]]:
+    for _, name in files_named(raw):
+        if isinstance(name, str):
+            for path in files_read_with(folder / name):
+                try:
+                    yield f"the file {_shown(path, folder)}", digest_of(path.read_bytes())
+                except OSError as error:
+                    raise CaseError(f"cannot read {path}: {error.strerror}; check the path") from error
+
+
+def _shown(path: Path, folder: Path) -> str:
+    """From the case file: the same words wherever the command is given."""
+    return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.as_posix()

@@ -1,0 +1,88 @@
+"""Write the static problem of a case's body as an Abaqus or CalculiX deck."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from supple.cases import Case, read_case
+from supple.errors import CaseError, did_you_mean
+from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
+from supple.terminal import console, print_rows, worded
+
+
+def export_case(path: Path, target: Path, *, body: str | None, time: float | None, abaqus: bool) -> None:
+    """Write a body of the case at `path`, clamped where joints hold it, under its loads at one instant.
+
+    body : its name; the only one with elements when None
+    abaqus : three-node shells for Abaqus, not the six-node ones that CalculiX needs
+    time : s, at which the laws of the loads are taken; the end of the run when None
+
+    Raises
+    ------
+    CaseError           mistakes in the case file; no such body, or several to choose from
+    ModelError          whatever a deck cannot hold, or a body that no joint holds
+    ResultFileError     a file that cannot be written
+    """
+    with console.status("reading") as status:
+        case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
+        name = _chosen(case, body)
+        flexible, model = case.flexible[name], case.elements[name]
+        table = next(one for one in case.tables.body if one.name == name)
+        instant = case.run.start + case.run.duration if time is None else time
+        loads = [
+            load.build(*case.place(load.at), case.folder)
+            for load in case.tables.load
+            if load.at.partition(".")[0] == name
+        ]
+        nodal = static_load(
+            flexible, loads, time=instant, rotation=table.rotation, gravity=case.tables.gravity
+        )
+        held = {
+            place
+            for joint in case.tables.joint
+            for owner, _, place in (joint.first.partition("."), joint.second.partition("."))
+            if owner == name
+        }
+        interfaces = sorted(held)
+        clamped = [np.asarray(flexible.interface(place).node_ids) for place in interfaces]
+        if not clamped:
+            raise CaseError(f"{path}: no joint holds body '{name}', so that it has no static equilibrium")
+        program = ABAQUS if abaqus else CALCULIX
+        write_static_deck(
+            target, model, nodal, np.concatenate(clamped), program=program, title=case.title or name
+        )
+    total = resultant(model, nodal)
+    print_rows(
+        f"Static problem of {name}",
+        [
+            ("nodes, elements", f"{model.mesh.n_nodes}, {sum(map(len, model.mesh.cells.values()))}"),
+            ("clamped", ", ".join(interfaces)),
+            ("loads at", f"{instant:g} s"),
+            ("sum of forces, N", _numbers(total[:3])),
+            ("moment about the mesh's origin, N m", _numbers(total[3:])),
+        ],
+    )
+    console.print(f"written to {target} for {program.name}", highlight=False)
+
+
+def _chosen(case: Case, body: str | None) -> str:
+    known = [one.name for one in case.tables.body if one.name in case.elements]
+    if body is None and len(known) == 1:
+        return known[0]
+    if body in known:
+        return str(body)
+    if body is not None:
+        raise CaseError(
+            f"{case.path} has no body '{body}' with elements{did_you_mean(body, known)}; there are: "
+            f"{', '.join(known) or 'none'}"
+        )
+    raise CaseError(
+        f"{case.path} has {len(known)} bodies with elements ({', '.join(known) or 'none'}); "
+        + ("say which one: --body NAME" if known else "only a mesh can be exported")
+    )
+
+
+def _numbers(values: np.ndarray) -> str:
+    return "  ".join(f"{value:.6g}" for value in values)

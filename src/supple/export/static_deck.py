@@ -1,0 +1,248 @@
+"""Abaqus and CalculiX input decks: a mesh with its sections, clamped and loaded, in one static step.
+
+The deck is meant for a second opinion: whoever has one of the two programs runs it and compares.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel, HomogeneousSection, Isotropic
+from supple.fem.section import Section
+from supple.mesh import CellType, Mesh
+from supple.storage.atomic_write import replacing
+
+IntArray = NDArray[np.int64]
+
+CLAMPED, LOADED, EVERY_NODE = "SUPPLE_CLAMPED", "SUPPLE_LOADED", "SUPPLE_ALL"
+"""Node sets of the deck, beside those of the mesh."""
+
+_SOLID_TYPES = {
+    CellType.TETRA4: "C3D4",
+    CellType.TETRA10: "C3D10",
+    CellType.HEXA8: "C3D8",
+    CellType.HEXA20: "C3D20",
+}
+# CalculiX reads twenty characters of a number: thirteen digits, a sign, a point and an exponent.
+_REAL = "%.13g"
+# Numbers on one line of a set; both programs stop at sixteen. An element may go on on the next line.
+_ON_A_LINE = 16
+
+
+@dataclass(frozen=True)
+class DeckProgram:
+    """A program that runs decks, by how it knows a shell triangle.
+
+    shell : str             name of its element
+    has_midsides : bool     whether that has a node on the middle of each side
+    """
+
+    name: str
+    shell: str
+    has_midsides: bool
+
+
+CALCULIX = DeckProgram("CalculiX", "S6", has_midsides=True)
+"""Its three-node shell is a linear wedge, far too stiff in bending: six nodes on the same facets."""
+
+ABAQUS = DeckProgram("Abaqus", "S3", has_midsides=False)
+
+
+def write_static_deck(
+    path: Path | str,
+    model: FiniteElementModel,
+    loads: ArrayLike,
+    clamped: ArrayLike,
+    *,
+    program: DeckProgram = CALCULIX,
+    title: str = "supple",
+) -> Path:
+    """Write a static step with large displacements (NLGEOM) as an input deck; returns the path.
+
+    Nodes and elements are numbered from 1 in the order of the mesh, element types in turn. Set names have
+    blanks and signs replaced by underscores.
+
+    Parameters
+    ----------
+    path : Path             ends in .inp
+    model : FiniteElementModel      shells of one material through the wall, or solids
+    loads : (N, 3) or (N, 6)        forces, N, and on shells moments, N m, on all nodes, of fixed direction
+    clamped : int array (k,)        nodes held in all their freedoms
+    program : CALCULIX or ABAQUS    whose shell triangle is written; mid-side nodes follow those of the mesh
+
+    Raises
+    ------
+    ModelError          beams, and laminates known by their A-B-D matrix alone, which CalculiX does not know;
+                        loads of another shape or not finite, no load at all, no clamped node
+    ResultFileError     the file cannot be written
+    """
+    path = Path(path)
+    if path.suffix != ".inp":
+        raise ModelError(f"cannot write {path}: a deck is read from a .inp file; end the path so")
+    loads, held = np.asarray(loads, dtype=float), np.unique(np.asarray(clamped, dtype=np.int64))
+    _check(model, loads, held)
+    with replacing(path) as temporary, temporary.open("w", encoding="ascii") as file:
+        file.write(f"*HEADING\n{title.encode('ascii', 'replace').decode()}\n")
+        sides = _sides(model, program)
+        _write_mesh(file, model, program, sides)
+        _write_sections(file, model)
+        # A side between clamped nodes is clamped.
+        middle = model.mesh.n_nodes + np.flatnonzero(np.isin(sides, held).all(axis=1))
+        _write_step(file, model.dofs_per_node, loads, np.concatenate([held, middle]))
+    return path
+
+
+def resultant(model: FiniteElementModel, loads: ArrayLike) -> NDArray[np.float64]:
+    """Sum of nodal loads (N, 3) or (N, 6), and of their moments about the origin of the mesh, (6,)."""
+    given = np.asarray(loads, dtype=float)
+    moments = np.cross(model.mesh.nodes, given[:, :3])
+    if given.shape[1] > 3:
+        moments = moments + given[:, 3:]
+    return np.concatenate([given[:, :3].sum(axis=0), moments.sum(axis=0)])
+
+
+def _check(model: FiniteElementModel, loads: NDArray[np.float64], held: IntArray) -> None:
+    n, d = model.mesh.n_nodes, model.dofs_per_node
+    if loads.ndim != 2 or len(loads) != n or loads.shape[1] not in (3, d):
+        raise ModelError(f"loads have shape {loads.shape}; the model has {n} nodes of {d} freedoms")
+    if not np.isfinite(loads).all():
+        raise ModelError(f"the load on node {np.argmin(np.isfinite(loads).all(axis=1))} is not finite")
+    if not loads.any():
+        raise ModelError("no node is loaded: a static step without a load has no displacements to compare")
+    if not held.size or held[0] < 0 or held[-1] >= n:
+        raise ModelError(f"clamped nodes must be numbers from 0 to {n - 1}, at least one")
+    for section in model.sections:
+        if section.cell_type is CellType.LINE2:
+            raise ModelError(
+                "beams cannot be written: their section is known by its stiffness, not by the shape that "
+                "CalculiX needs"
+            )
+        if not isinstance(section.property, HomogeneousSection | Isotropic):
+            raise ModelError(
+                "a laminate cannot be written: its A-B-D matrix does not say the plies of a "
+                "*SHELL SECTION, COMPOSITE"
+            )
+
+
+def _sides(model: FiniteElementModel, program: DeckProgram) -> IntArray:
+    """Sides of the shell triangles by their two nodes (S, 2), each once; none where they have no node."""
+    triangles = model.mesh.cells.get(CellType.TRIANGLE3)
+    if triangles is None or not program.has_midsides:
+        return np.zeros((0, 2), dtype=np.int64)
+    return np.unique(_sides_of(triangles).reshape(-1, 2), axis=0)
+
+
+def _sides_of(triangles: IntArray) -> IntArray:
+    """(E, 3, 2), the smaller number first."""
+    return np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2)
+
+
+def _element_nodes(section: Section, mesh: Mesh, sides: IntArray) -> IntArray:
+    """Nodes (E, k) of the elements of a section, mid-side ones last."""
+    nodes = section.nodes(mesh)
+    if section.cell_type is not CellType.TRIANGLE3 or not len(sides):
+        return nodes
+    # Sides are in ascending order of this key.
+    key = sides @ [mesh.n_nodes, 1]
+    middle = np.searchsorted(key, _sides_of(nodes) @ [mesh.n_nodes, 1])
+    return np.column_stack([nodes, mesh.n_nodes + middle])
+
+
+def _write_mesh(file: TextIO, model: FiniteElementModel, program: DeckProgram, sides: IntArray) -> None:
+    mesh = model.mesh
+    file.write(f"*NODE, NSET={EVERY_NODE}\n")
+    places = np.concatenate([mesh.nodes, mesh.nodes[sides].mean(axis=1)])
+    np.savetxt(
+        file, np.column_stack([np.arange(1, len(places) + 1), places]), fmt=", ".join(["%d", *3 * [_REAL]])
+    )
+    first = _first_numbers(model)
+    for number, section in enumerate(model.sections, 1):
+        kind = _SOLID_TYPES.get(section.cell_type, program.shell)
+        file.write(f"*ELEMENT, TYPE={kind}, ELSET={_section_name(number)}\n")
+        nodes = _element_nodes(section, mesh, sides)
+        rows = np.column_stack([first[section.cell_type] + section.cells, nodes + 1])
+        np.savetxt(file, rows, fmt=_numbers_in_lines(rows.shape[1]))
+    for name, nodes in zip(_set_names(mesh.node_sets), mesh.node_sets.values(), strict=True):
+        _write_set(file, "NSET", name, nodes + 1)
+    for name, cells in zip(_set_names(mesh.cell_sets), mesh.cell_sets.values(), strict=True):
+        members = [first[kind] + numbers for kind, numbers in cells.items()]
+        _write_set(file, "ELSET", name, np.concatenate(members))
+
+
+def _write_sections(file: TextIO, model: FiniteElementModel) -> None:
+    for number, section in enumerate(model.sections, 1):
+        material = _material(section)
+        file.write(f"*MATERIAL, NAME=SUPPLE_MATERIAL_{number}\n")
+        file.write(f"*ELASTIC\n{_REAL % material.youngs_modulus}, {_REAL % material.poissons_ratio}\n")
+        file.write(f"*DENSITY\n{_REAL % material.density}\n")
+        of = f"ELSET={_section_name(number)}, MATERIAL=SUPPLE_MATERIAL_{number}"
+        if isinstance(section.property, HomogeneousSection):
+            file.write(f"*SHELL SECTION, {of}\n{_REAL % section.property.thickness}\n")
+        else:
+            file.write(f"*SOLID SECTION, {of}\n")
+
+
+def _write_step(file: TextIO, dofs_per_node: int, loads: NDArray[np.float64], held: IntArray) -> None:
+    _write_set(file, "NSET", CLAMPED, held + 1)
+    _write_set(file, "NSET", LOADED, np.flatnonzero(loads.any(axis=1)) + 1)
+    file.write(f"*BOUNDARY\n{CLAMPED}, 1, {dofs_per_node}\n")
+    file.write("*STEP, NLGEOM, INC=1000\n*STATIC\n0.1, 1.0\n*CLOAD\n")
+    node, freedom = np.nonzero(loads)
+    np.savetxt(file, np.column_stack([node + 1, freedom + 1, loads[node, freedom]]), fmt=f"%d, %d, {_REAL}")
+    file.write(f"*NODE PRINT, NSET={EVERY_NODE}\nU\n*NODE FILE\nU\n*END STEP\n")
+
+
+def _write_set(file: TextIO, keyword: str, name: str, members: IntArray) -> None:
+    if not members.size:
+        return
+    file.write(f"*{keyword}, {keyword}={name}\n")
+    whole = len(members) // _ON_A_LINE * _ON_A_LINE
+    np.savetxt(file, members[:whole].reshape(-1, _ON_A_LINE), fmt="%d", delimiter=", ")
+    if whole < len(members):
+        np.savetxt(file, members[None, whole:], fmt="%d", delimiter=", ")
+
+
+def _numbers_in_lines(count: int) -> str:
+    """Format of so many numbers; a comma at the end of a line says that they go on."""
+    lines = [", ".join(["%d"] * min(_ON_A_LINE, count - at)) for at in range(0, count, _ON_A_LINE)]
+    return ",\n".join(lines)
+
+
+def _first_numbers(model: FiniteElementModel) -> dict[CellType, int]:
+    """Number of the first element of each type."""
+    sizes = [len(cells) for cells in model.mesh.cells.values()]
+    return dict(zip(model.mesh.cells, np.cumsum([1, *sizes[:-1]]).tolist(), strict=True))
+
+
+def _section_name(number: int) -> str:
+    return f"SUPPLE_SECTION_{number}"
+
+
+def _set_names(sets: Iterable[str]) -> Iterator[str]:
+    """Names that both programs read, each once whatever its case: a repeated one gets a number."""
+    taken: set[str] = set()
+    for name in sets:
+        plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+        plain = plain if plain[:1].isalpha() else f"SET_{plain}"
+        free, count = plain, 1
+        while free.upper() in taken:
+            count += 1
+            free = f"{plain}_{count}"
+        taken.add(free.upper())
+        yield free
+
+
+def _material(section: Section) -> Isotropic:
+    given = section.property
+    if isinstance(given, Isotropic):
+        return given
+    assert isinstance(given, HomogeneousSection)  # _check has refused the others
+    return given.material

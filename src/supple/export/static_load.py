@@ -1,0 +1,54 @@
+"""The load on a body at one instant, node by node, as a static calculation elsewhere takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from supple.body import FlexibleBody
+from supple.errors import ModelError
+from supple.machine import ForceElement, NodalLoad
+from supple.multibody.equations.nodal_load import nodal_forces, prepared
+
+
+def static_load(
+    body: FlexibleBody,
+    loads: Iterable[NodalLoad | ForceElement | Any] = (),
+    *,
+    time: float = 0.0,
+    rotation: ArrayLike = (0.0, 0.0, 0.0),
+    gravity: ArrayLike = (0.0, 0.0, 0.0),
+) -> NDArray[np.float64]:
+    """Forces, and moments of shells, on the nodes of a body at rest and undeformed, in its mesh's axes.
+
+    Parameters
+    ----------
+    loads : NodalLoad           on this body, in space; a law is taken at `time`
+    rotation : (3,)             rotation vector of the body, mesh axes to global, rad
+    gravity : (3,)              global, m/s^2; its load is that of the consistent mass
+    Returns
+    -------
+    float array (N, 3) or (N, 6)    N and N m
+
+    Raises
+    ------
+    ModelError      a load at an interface, which has no node of the mesh
+    """
+    turn = Rotation.from_rotvec(np.asarray(rotation, dtype=float)).as_matrix()
+    fall = np.zeros((len(body.nodes), body.dofs_per_node))
+    fall[:, :3] = np.asarray(gravity, dtype=float) @ turn
+    total = (body.nodal_mass @ fall.ravel()).reshape(fall.shape)
+    for load in loads:
+        if not isinstance(load, NodalLoad) or not load.nodes.size:
+            raise ModelError(
+                f"body '{body.name}': {getattr(load, 'label', type(load).__name__)} acts at an interface, "
+                "and a mesh has no node there; give the load a node set"
+            )
+        forces = nodal_forces(prepared(load), jnp.asarray(body.nodes[load.nodes]), jnp.asarray(turn), time)
+        np.add.at(total[:, :3], load.nodes, np.asarray(forces))
+    return total

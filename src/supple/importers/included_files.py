@@ -1,0 +1,38 @@
+"""The files that a file of cards or keywords is read with: itself and those it includes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from supple.importers.matrices.matrix_file import DMIG_SUFFIXES
+
+__all__ = ["files_read_with"]
+
+# Of Abaqus and CalculiX, then of Nastran, where a name in quotes may run over several lines.
+_INCLUDE = re.compile(
+    r"""^\s*(?: \*INCLUDE\b[^=\n]*=[ \t]*"?(?P<keyword>[^"\n]+)
+            | INCLUDE\s+(?: (?P<quote>['"])(?P<quoted>.*?)(?P=quote) | (?P<plain>[^\n$]+) ) )""",
+    re.IGNORECASE | re.MULTILINE | re.VERBOSE | re.DOTALL,
+)
+
+
+def files_read_with(path: Path) -> tuple[Path, ...]:
+    """A file and, of those kinds that include others, all it includes that are there, each once."""
+    found: dict[Path, None] = {}
+    left = [path]
+    while left:
+        file = left.pop()
+        if file not in found and file.is_file():
+            found[file] = None
+            left += _included(file)
+    return tuple(found)
+
+
+def _included(path: Path) -> Iterator[Path]:
+    if path.suffix.lower() not in (".inp", *DMIG_SUFFIXES):
+        return
+    for match in _INCLUDE.finditer(path.read_text(encoding="utf-8", errors="replace")):
+        name = next(match[kind] for kind in ("keyword", "quoted", "plain") if match[kind])
+        yield path.parent / "".join(line.strip() for line in name.splitlines()).replace("\\", "/")

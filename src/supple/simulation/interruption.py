@@ -1,0 +1,70 @@
+"""Runs that are ended from outside, by Ctrl-C (SIGINT) or by the system (SIGTERM): they say what is kept."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from supple.storage import ResultFile
+
+__all__ = ["INTERRUPTIONS", "Terminated", "noted_interruption", "raising_terminated"]
+
+
+class Terminated(SystemExit):
+    """The process was asked to end (SIGTERM); not caught, it ends with the exit code of that signal."""
+
+    def __init__(self) -> None:
+        super().__init__(128 + signal.SIGTERM)
+
+
+INTERRUPTIONS = (KeyboardInterrupt, Terminated)
+"""What ends a run from outside."""
+
+
+@contextmanager
+def raising_terminated() -> Iterator[bool]:
+    """Within the block SIGTERM raises Terminated, if the program has no way of its own; whether it does."""
+    handles = (
+        threading.current_thread() is threading.main_thread()
+        and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    )
+    if not handles:
+        yield False
+        return
+    signal.signal(signal.SIGTERM, _raise_terminated)
+    try:
+        yield True
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+@contextmanager
+def noted_interruption(file: ResultFile) -> Iterator[None]:
+    """An interruption within the block carries a note: up to which time the file keeps the run."""
+    with raising_terminated() as is_ours:
+        try:
+            yield
+        except INTERRUPTIONS as error:
+            note = _kept(file)
+            error.add_note(note)
+            if is_ours and isinstance(error, Terminated):
+                # Nobody prints an exit; a traceback prints the note of a Ctrl-C.
+                print(note, file=sys.stderr)
+            raise
+
+
+def _kept(file: ResultFile) -> str:
+    if file.last_time == -float("inf"):
+        return f"the run was stopped before its first output time; {file.path} holds nothing yet"
+    return (
+        f"the run up to t = {file.last_time:g} is kept in {file.path}; the same call goes on from there "
+        "(supple run: with --resume)"
+    )
+
+
+def _raise_terminated(_number: int, _frame: FrameType | None) -> None:
+    raise Terminated

@@ -1,0 +1,141 @@
+"""Superblock: the first bytes of an HDF5 file, by which it is opened without waiting for anybody.
+
+A run that goes on, or was killed, leaves its file marked as being written. HDF5 opens such a file in a mode
+in which it reads what is damaged again and again, for minutes. Here the mark is taken off what HDF5 sees,
+never off the file, and damage is reported at once.
+
+Version 3 (HDF5 File Format Specification, II.A): signature (8), version, sizes of addresses and lengths,
+mark; then base, extension, end of file and root group (8 each), and a checksum (4, Jenkins' lookup3) of all.
+"""
+
+from __future__ import annotations
+
+import io
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import h5py
+
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_VERSION = 3
+_FORM = struct.Struct("<8s4B4Q")
+_LENGTH = _FORM.size + 4
+_MASK = 0xFFFFFFFF
+
+
+_MARK, _END = 4, 7  # of the fields
+
+
+class DamagedSuperblockError(ValueError):
+    """The first bytes of a file are not those that were written, or the file ends too early."""
+
+
+def is_current_hdf5(path: Path) -> bool:
+    """Whether a file begins as an HDF5 file with a superblock of version 3, as result files do."""
+    with path.open("rb") as file:
+        return file.read(9) == _SIGNATURE + bytes([_VERSION])
+
+
+@contextmanager
+def open_settled(path: Path) -> Iterator[h5py.File]:
+    """The file, open to read as if nobody were writing it.
+
+    Raises
+    ------
+    DamagedSuperblockError     its first bytes are damaged; it is shorter than it says
+    OSError                    whatever HDF5 finds wrong
+    """
+    with (
+        path.open("rb") as file,
+        h5py.File(_SettledFile(file, _without_mark(file)), "r", driver="fileobj") as settled,
+    ):
+        yield settled
+
+
+def is_marked(path: Path) -> bool:
+    """Whether such a file is marked as being written: a run goes on, or was killed."""
+    return _fields(path)[_MARK] != 0
+
+
+def written_size(path: Path) -> int:
+    """Bytes of such a file that HDF5 knows of; more may be reserved behind them."""
+    return _fields(path)[_END]
+
+
+def _fields(path: Path) -> tuple[Any, ...]:
+    with path.open("rb") as file:
+        return _FORM.unpack(file.read(_FORM.size))
+
+
+class _SettledFile(io.RawIOBase):
+    """A file whose first bytes are replaced; reading beyond its end is an error, never a guess."""
+
+    def __init__(self, file: BinaryIO, first: bytes) -> None:
+        self._file = file
+        self._first = first
+
+    def seekable(self) -> bool:
+        return True
+
+    def readable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET, /) -> int:
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._file.tell()
+
+    def readinto(self, buffer: Any, /) -> int:
+        begin, wanted = self._file.tell(), len(buffer)
+        content = self._file.read(wanted)
+        if len(content) < wanted:
+            raise OSError(f"truncated: {wanted} bytes at {begin} are not there")
+        if begin < len(self._first):
+            content = self._first[begin : begin + wanted] + content[max(0, len(self._first) - begin) :]
+        buffer[:] = content
+        return wanted
+
+
+def _without_mark(file: BinaryIO) -> bytes:
+    """The first bytes of a file without the mark of a writer, and with its length as it is."""
+    first = file.read(_LENGTH)
+    size = file.seek(0, io.SEEK_END)
+    if len(first) < _LENGTH:
+        raise DamagedSuperblockError("the file is truncated")
+    signature, version, offsets, lengths, _, base, extension, end, root = _FORM.unpack(first[: _FORM.size])
+    if int.from_bytes(first[_FORM.size :], "little") != lookup3(first[: _FORM.size]):
+        raise DamagedSuperblockError("the checksum of its first bytes disagrees")
+    if end > size:
+        raise DamagedSuperblockError(f"the file is truncated: {size} of {end} bytes are there")
+    plain = _FORM.pack(signature, version, offsets, lengths, 0, base, extension, size, root)
+    return plain + lookup3(plain).to_bytes(4, "little")
+
+
+def lookup3(data: bytes) -> int:
+    """Bob Jenkins' hash `hashlittle` (2006) of some bytes with initial value 0, 32 bits."""
+    a = b = c = (0xDEADBEEF + len(data)) & _MASK
+    if not data:
+        return c
+    padded = data + bytes(-len(data) % 12)
+    triples = list(struct.iter_unpack("<3I", padded))
+    for x, y, z in triples[:-1]:
+        a, b, c = (a + x) & _MASK, (b + y) & _MASK, (c + z) & _MASK
+        for shift in (4, 6, 8, 16, 19, 4):
+            a = ((a - c) & _MASK) ^ _rotated(c, shift)
+            c = (c + b) & _MASK
+            a, b, c = b, c, a
+    x, y, z = triples[-1]
+    a, b, c = (a + x) & _MASK, (b + y) & _MASK, (c + z) & _MASK
+    for shift in (14, 11, 25, 16, 4, 14, 24):
+        c = ((c ^ b) - _rotated(b, shift)) & _MASK
+        a, b, c = b, c, a
+    # Seven turns of three leave the last one written in b.
+    return b
+
+
+def _rotated(x: int, k: int) -> int:
+    return ((x << k) | (x >> (32 - k))) & _MASK

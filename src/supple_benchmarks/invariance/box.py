@@ -1,0 +1,52 @@
+"""A slender box that bends slowly: as walls of shells, and as beams of the same section."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from supple.fem import BeamSection, FiniteElementModel, HomogeneousSection, Isotropic, shell_model
+from supple.mesh import CellType, Mesh, box_beam
+
+__all__ = ["BOX_LENGTH", "SECTION", "beam_stiffness", "box_of_beams", "box_of_walls", "weak_bending"]
+
+BOX_LENGTH, WIDTH, HEIGHT, WALL = 20.0, 1.0, 0.5, 0.04
+MATERIAL = Isotropic(5.5e9, 0.3, 2700.0)
+
+
+def _thin(width: float, height: float) -> tuple[float, float]:
+    """Area, and moment of inertia about the axis along the width, of a closed rectangle of walls."""
+    return 2 * WALL * (width + height), 2 * WALL * (width * height**2 / 4 + height**3 / 12)
+
+
+AREA, WEAK = _thin(WIDTH, HEIGHT)
+_, STRONG = _thin(HEIGHT, WIDTH)
+TWIST = 2 * WALL * (WIDTH * HEIGHT) ** 2 / (WIDTH + HEIGHT)
+"""Bredt: 4 A^2 t / circumference"""
+SHEAR_FACTOR = 0.5
+SECTION = BeamSection(MATERIAL, AREA, STRONG, WEAK, TWIST, SHEAR_FACTOR, SHEAR_FACTOR, orientation=(0, 1, 0))
+
+
+def weak_bending() -> float:
+    """E I about y, N m2."""
+    return MATERIAL.youngs_modulus * WEAK
+
+
+def beam_stiffness() -> np.ndarray:
+    """E A, G A k twice, G J, E I about y (weak) and z (strong): of the beam, for its reference."""
+    E, G = MATERIAL.youngs_modulus, MATERIAL.shear_modulus
+    shear = G * AREA * SHEAR_FACTOR
+    return np.array([E * AREA, shear, shear, G * TWIST, E * WEAK, E * STRONG])
+
+
+def box_of_beams(n_length: int) -> FiniteElementModel:
+    """Along x; node sets root and tip."""
+    nodes = np.linspace(0, BOX_LENGTH, n_length + 1)[:, None] * np.eye(3)[0]
+    cells = np.column_stack([np.arange(n_length), np.arange(1, n_length + 1)])
+    sets = {"root": np.array([0]), "tip": np.array([n_length])}
+    return shell_model(Mesh(nodes, {CellType.LINE2: cells}, sets), SECTION)
+
+
+def box_of_walls(n_length: int = 16) -> FiniteElementModel:
+    """Closed walls; node sets root and tip are rings."""
+    mesh = box_beam(length=BOX_LENGTH, width=WIDTH, height=HEIGHT, n_length=n_length, n_width=2, n_height=2)
+    return shell_model(mesh, HomogeneousSection(MATERIAL, WALL))

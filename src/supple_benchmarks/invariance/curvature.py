@@ -1,0 +1,68 @@
+"""Large bending in a frame on the root, and the same bend seen from turned frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from supple.body import FullBody
+from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
+from supple_benchmarks.invariance.strip import (
+    BENDING,
+    LENGTH,
+    TORSION,
+    HeldStrip,
+    beam_model,
+    force_that_turns,
+    strip_model,
+)
+
+__all__ = ["bent_strips", "turned_strips"]
+
+ROTATIONS = (0.291, 0.573, 0.874)
+"""rad, of the tip"""
+TURN = 0.2
+"""rad, of the frame against the root"""
+
+
+def bent_strips(quick: bool) -> Iterator[dict[str, Any]]:
+    """Error of the tip against the elastica, frame on the root, as a share of the deflection."""
+    models = {"shell": (strip_model(20), np.array([0.25, 0.5, 0.25])), "beam": (beam_model(40), np.ones(1))}
+    for rotation in ROTATIONS[: 1 if quick else None]:
+        force, (along, across) = force_that_turns(BENDING, LENGTH, rotation)
+        for element, (model, weights) in models.items():
+            tip = model.mesh.nodes_of("tip")
+            body = FullBody(clamped_body("strip", model), FRAMES["nodal-fixed"])
+            found = resting_tip([body], tip, np.outer(weights, [0, 0, force]), tip)
+            error = float(np.hypot(found[0] - along, found[2] - across) / across)
+            yield {"element": element, "tip_rotation": rotation, "error": error}
+
+
+def turned_strips(quick: bool) -> Iterator[dict[str, Any]]:
+    """Energy of the bent or twisted strip in a frame turned about an axis, over that in its own.
+
+    `tip_moved` is how far the same load moves the tip elsewhere, as a share of the deflection.
+    """
+    held = HeldStrip(10 if quick else 20)
+    tip = held.mesh.nodes_of("tip_centre")[0]
+    loads = {
+        "bent": held.tip_force(force_that_turns(BENDING, LENGTH, 0.291)[0]),
+        "twisted": held.tip_couple(0.3 * TORSION / LENGTH),
+    }
+    for case, load in loads.items():
+        motion = held.bent(load)
+        own = held.energy(np.zeros(3), motion)
+        size = np.linalg.norm(motion[tip, :3]) if case == "bent" else LENGTH * abs(motion[tip, 3])
+        for axis, direction in zip("xyz", np.eye(3), strict=True):
+            turn = TURN * direction
+            moved = held.seen_from(turn, load, motion) - motion
+            yield {
+                "element": "shell",
+                "case": case,
+                "axis": axis,
+                "turn_rad": TURN,
+                "energy_ratio": held.energy(turn, motion) / own,
+                "tip_moved": float(np.linalg.norm(moved[tip, :3]) / size),
+            }

@@ -1,0 +1,86 @@
+"""Bodies at rest on a basis of fixed size: what they withhold, and what the indicator says of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from supple.body import FlexibleBody, FullBody
+from supple.reduction import CompressedDerivatives, CraigBampton, PlainQuartic, Rubin, reduce
+from supple_benchmarks.invariance.box import BOX_LENGTH, box_of_walls, weak_bending
+from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
+from supple_benchmarks.invariance.strip import BENDING, LENGTH, TORSION, WIDTH, strip_model
+
+__all__ = ["locked_bodies"]
+
+ROTATION = 0.08
+"""rad, of the tip in linear theory"""
+RECIPES = {"nodal-fixed": CraigBampton(10), "mean-axis": Rubin(10)}
+
+
+def locked_bodies(quick: bool) -> Iterator[dict[str, Any]]:
+    """Error of the tip's motion against the full body in the same frame: plain tensors, and the default.
+
+    `indicator` is what the reduction says of the plain tensors for the load most like the case's.
+    """
+    bodies = [clamped_body("strip", strip_model(20))]
+    if not quick:
+        bodies.append(clamped_body("box", box_of_walls(16)))
+    for body in bodies:
+        for frame in FRAMES:
+            for case, forces in _loads(body).items():
+                yield _row(body, frame, case, forces)
+
+
+def _loads(body: FlexibleBody) -> dict[str, np.ndarray]:
+    """Dead forces (N, 3): spread along the body; a couple at the tip."""
+    x = body.nodes[:, 0]
+    length, bending, torsion, width = (
+        (LENGTH, BENDING, TORSION, WIDTH) if body.name == "strip" else (BOX_LENGTH, weak_bending(), None, 1.0)
+    )
+    spread = np.zeros((len(x), 3))
+    # w' at the tip is p L^3 / 6 E I.
+    spread[:, 2] = 6 * bending * ROTATION / length**2 / len(x)
+    loads = {"uniform": spread}
+    if torsion is not None:
+        assert body.model is not None
+        tip = body.model.mesh.nodes_of("tip")
+        couple = np.zeros((len(x), 3))
+        couple[tip[[0, -1]], 2] = np.array([-1, 1]) * torsion * ROTATION / length / width
+        loads["torsion"] = couple
+    return loads
+
+
+def _row(body: FlexibleBody, frame: str, case: str, forces: np.ndarray) -> dict[str, Any]:
+    assert body.model is not None
+    tip = body.model.mesh.nodes_of("tip")
+    watched = tip[-1:] if case == "torsion" else tip
+    nodes = np.flatnonzero(forces.any(axis=1))
+
+    def moved(form) -> np.ndarray:
+        return resting_tip([form], nodes, forces[nodes], watched) - body.nodes[watched].mean(axis=0)
+
+    exact = moved(FullBody(body, FRAMES[frame]))
+    forms = {
+        quartic: reduce(body, FRAMES[frame], RECIPES[frame], derivatives=CompressedDerivatives(10), **options)
+        for quartic, options in (("plain", {"quartic": PlainQuartic()}), ("condensed", {}))
+    }
+    errors = {
+        quartic: float(np.linalg.norm(moved(form) - exact) / np.linalg.norm(exact))
+        for quartic, form in forms.items()
+    }
+    form = forms["condensed"]
+    locking = form.report.locking
+    assert locking is not None
+    like = {"uniform": "acceleration z", "torsion": "angular acceleration x"}[case]
+    return {
+        "body": body.name,
+        "frame": frame,
+        "case": case,
+        "coordinates": form.n_coordinates,
+        "error_before": errors["plain"],
+        "error": errors["condensed"],
+        "indicator": float(locking.plain[list(locking.loads).index(like)]),
+    }

@@ -1,0 +1,45 @@
+"""The tables of the invariance benchmark."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from supple_benchmarks.table import Table
+
+__all__ = ["tables"]
+
+_TITLES = {
+    "locking": "At rest on a basis of fixed size, against the full body in the same frame",
+    "tie": "A box whose rigid root turns",
+    "damping": "A damped box in two frames, apart over its deflection",
+    "curvature": "A clamped strip against the elastica, frame on the root",
+    "turned_element": "The same strip in frames turned against its root",
+    "split": "A clamped strip against the elastica, split into k bodies",
+}
+
+
+def tables(report: Mapping[str, Any]) -> list[Table]:
+    """A table a study."""
+    found = [_rows(title, report[key]) for key, title in _TITLES.items() if key in report]
+    found.append(_rows("Lateral buckling, load over theory", [report["lateral_buckling"]]))
+    found.append(_rows("A box that swings, against a geometrically exact beam", [report["box_vibration"]]))
+    blade = report["blade_static"]
+    fixed, mean = (np.array(blade[frame]) for frame in ("nodal-fixed", "mean-axis"))
+    apart = float(np.linalg.norm(mean - fixed) / np.linalg.norm(fixed))
+    rows = [
+        {"frame": name, **dict(zip("xyz", tip, strict=True)), "apart": apart} for name, tip in blade.items()
+    ]
+    found.append(_rows("The blade's tip at rest under its mean wind, m", rows))
+    return found
+
+
+def _rows(title: str, rows: list[dict[str, Any]]) -> Table:
+    heads = list(dict.fromkeys(key for row in rows for key in row))
+    return title, heads, [[_cell(row.get(head, "")) for head in heads] for row in rows]
+
+
+def _cell(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,57 @@
+"""The studies of the invariance benchmark, one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from supple.mesh import BladeGrid
+from supple_benchmarks.computer import describe_computer
+from supple_benchmarks.invariance.blade_at_rest import blade_at_rest
+from supple_benchmarks.invariance.buckling import lateral_buckling
+from supple_benchmarks.invariance.curvature import bent_strips, turned_strips
+from supple_benchmarks.invariance.damped import damped_boxes
+from supple_benchmarks.invariance.locked import locked_bodies
+from supple_benchmarks.invariance.splits import split_strips
+from supple_benchmarks.invariance.ties import tied_boxes
+from supple_benchmarks.invariance.vibration import box_vibration
+from supple_benchmarks.progress import Announce
+
+__all__ = ["run_invariance"]
+
+QUICK_GRID = BladeGrid(8, 24)
+
+_ROWS: Mapping[str, tuple[str, Callable[[bool], Iterator[dict[str, Any]]]]] = {
+    "locking": ("bodies on bases of fixed size", locked_bodies),
+    "tie": ("boxes whose tied root turns", tied_boxes),
+    "damping": ("damped boxes in two frames", damped_boxes),
+    "curvature": ("strips bent far", bent_strips),
+    "turned_element": ("strips in turned frames", turned_strips),
+    "split": ("strips split into bodies", split_strips),
+}
+_NUMBERS: Mapping[str, tuple[str, Callable[[bool], dict[str, Any]]]] = {
+    "lateral_buckling": ("lateral buckling", lateral_buckling),
+    "box_vibration": ("a swinging box", box_vibration),
+}
+
+
+def run_invariance(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
+    """The report, ready for JSON, after every study; its keys are a contract."""
+    report: dict[str, Any] = {"quick": quick, "machine": describe_computer()}
+    for key, (label, study) in _ROWS.items():
+        told = announce(label)
+        told(0.0)
+        report[key] = list(study(quick))
+        told(1.0)
+        yield report
+    for key, (label, study) in _NUMBERS.items():
+        told = announce(label)
+        told(0.0)
+        report[key] = study(quick)
+        told(1.0)
+        yield report
+    told = announce("the blade at rest")
+    told(0.0)
+    report["blade_static"] = blade_at_rest(QUICK_GRID if quick else None, told)
+    told(1.0)
+    yield report

@@ -1,0 +1,46 @@
+"""A strip bent far, as one body and split into several with a frame each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface
+from supple.machine import split_body
+from supple.mesh import AlongAxis
+from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
+from supple_benchmarks.invariance.strip import BENDING, LENGTH, force_that_turns, strip_model
+
+__all__ = ["split_strips"]
+
+
+def split_strips(quick: bool) -> Iterator[dict[str, Any]]:
+    """Error of the tip against the elastica, as a share of the deflection."""
+    model = strip_model(24)
+    tip = model.mesh.nodes_of("tip")
+    weights = np.array([0.25, 0.5, 0.25])
+    for rotation in (0.874,) if quick else (0.291, 0.573, 0.874, 1.2):
+        force, (along, across) = force_that_turns(BENDING, LENGTH, rotation)
+        for name in FRAMES:
+            for k in (1, 2) if quick else (1, 2, 4):
+                bodies, joints, own = _parts(model, name, k)
+                nodes = tip if own is None else own
+                found = resting_tip(bodies, nodes, np.outer(weights, [0, 0, force]), nodes, joints=joints)
+                error = float(np.hypot(found[0] - along, found[2] - across) / across)
+                yield {"k": k, "frame": name, "tip_rotation": rotation, "error": error}
+
+
+def _parts(model, frame: str, k: int):
+    """Bodies from the root to the tip, their joints, and the tip's nodes in the last."""
+    if k == 1:
+        return [FullBody(clamped_body("strip", model), FRAMES[frame])], (), None
+    split = split_body("strip", model, AlongAxis(k, (1, 0, 0)), (RigidInterface("root", "root"),))
+    held = ["root", *(f"cut-{number + 1}" for number in range(k - 1))]
+    bodies = [
+        FullBody(part, NodalFixedFrame(name) if frame == "nodal-fixed" else MeanAxisFrame())
+        for part, name in zip(split.parts, held, strict=True)
+    ]
+    last = split.mesh.parts[-1]
+    return bodies, split.joints, last.mesh.nodes_of("tip")

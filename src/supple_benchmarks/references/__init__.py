@@ -1,0 +1,1 @@
+"""References independent of our elements: closed forms and geometrically exact beams."""

@@ -1,0 +1,74 @@
+"""`supple export`: the static problem of a case as a deck."""
+
+from __future__ import annotations
+
+import numpy as np
+from typer.testing import CliRunner
+
+from supple.cli.main import app
+from supple.importers import read_mesh
+from supple.mesh import CellType
+
+WEIGHT = 7850.0 * 1.0 * 0.1 * 0.01 * 9.81
+
+
+def exported(*arguments):
+    return CliRunner().invoke(app, ["export", *map(str, arguments)])
+
+
+def test_a_case_is_written_and_its_load_printed(case_folder, tmp_path):
+    """The clamped strip under its weight, whose moment about the root is half its length away."""
+    deck = tmp_path / "strip-static.inp"
+    result = exported(case_folder / "strip.toml", "-o", deck, "--abaqus")
+    assert result.exit_code == 0, result.output
+    assert f"{-WEIGHT:.6g}" in result.output
+    assert f"{WEIGHT / 2:.5g}" in result.output
+    mesh, again = read_mesh(case_folder / "strip.inp"), read_mesh(deck)
+    np.testing.assert_array_equal(again.cells[CellType.TRIANGLE3], mesh.cells[CellType.TRIANGLE3])
+    np.testing.assert_array_equal(again.nodes_of("SUPPLE_CLAMPED"), np.sort(mesh.nodes_of("ROOT")))
+    assert "for Abaqus" in result.output
+
+
+def test_without_a_word_the_deck_is_for_calculix(case_folder, tmp_path):
+    deck = tmp_path / "strip-static.inp"
+    result = exported(case_folder / "strip.toml", "-o", deck, "--body", "strip", "--time", "0.1")
+    assert result.exit_code == 0, result.output
+    assert "TYPE=S6" in deck.read_text()
+    assert "0.1 s" in result.output
+
+
+OTHER = """
+[[body]]
+name = "other"
+rigid = { mass = 1.0, inertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]] }
+
+[[body.interface]]
+name = "eye"
+position = [0, 0, 0]
+"""
+
+
+def refused(case, tmp_path, *arguments):
+    result = exported(case, "-o", tmp_path / "deck.inp", *arguments)
+    assert result.exit_code != 0
+    assert not (tmp_path / "deck.inp").exists()
+    return " ".join(result.output.split())
+
+
+def test_a_body_that_is_not_there_is_refused(case_folder, tmp_path):
+    message = refused(case_folder / "strip.toml", tmp_path, "--body", "strap")
+    assert "has no body 'strap' with elements" in message
+
+
+def test_a_body_that_no_joint_holds_is_refused(case_folder, tmp_path):
+    case = case_folder / "strip.toml"
+    case.write_text(case.read_text().replace('"strip.root"\n\n[sim', '"other.eye"\n\n[sim') + OTHER)
+    assert "no joint holds body 'strip'" in refused(case, tmp_path)
+
+
+def test_two_bodies_with_elements_want_a_name(case_folder, tmp_path):
+    case = case_folder / "strip.toml"
+    text = case.read_text()
+    start, end = text.index("[[body]]"), text.index("[[joint]]")
+    case.write_text(text + "\n" + text[start:end].replace('name = "strip"', 'name = "second"'))
+    assert "2 bodies with elements (strip, second); say which one: --body NAME" in refused(case, tmp_path)

@@ -1,0 +1,159 @@
+"""A run is continued only as the run that began: what has changed since is named, and refused."""
+
+from __future__ import annotations
+
+import re
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from fixtures.runs_on_disk import RUNS, bits, pendulum
+
+from supple.body import RigidBody
+from supple.cases import read_case, run_case
+from supple.errors import CaseError, ResultFileError
+from supple.importers import files_read_with
+from supple.integrate import AdaptiveStep, Run
+from supple.machine import GROUND, At, Placed, PrescribedRotation, System
+from supple.simulation import simulate
+from supple.storage import read_solution
+
+CASE = """\
+title = "a bar on a motor"
+gravity = [0, 0, -9.81]
+
+[[body]]
+name = "bar"
+rigid = { mass = 1.0, centre = [0.5, 0, 0], inertia = [[0.01, 0, 0], [0, 0.1, 0], [0, 0, 0.1]] }
+interface = [{ name = "pin", position = [0, 0, 0] }]
+
+[[joint]]
+name = "motor"
+kind = "prescribed-rotation"
+first = "ground"
+second = "bar.pin"
+axis = [0, 1, 0]
+law = { kind = "table", file = "angle.csv" }
+
+[simulation]
+duration = 1.0
+output_step = 0.05
+step = 0.05
+
+[output]
+pictures = false
+animation = false
+"""
+
+
+class StoppedError(Exception):
+    pass
+
+
+def stop(*report):
+    if report[-1] > 0.4:
+        raise StoppedError
+
+
+def write_law(path, speed=0.5):
+    times = np.linspace(0.0, 1.0, 21)
+    np.savetxt(path, np.column_stack([times, speed * times**2]), delimiter=",")
+
+
+@pytest.fixture
+def cut(tmp_path):
+    """The folder of a case, whose run was cut off."""
+    write_law(tmp_path / "angle.csv")
+    (tmp_path / "bar.toml").write_text(CASE)
+    with pytest.raises(StoppedError):
+        run_case(read_case(tmp_path / "bar.toml"), tmp_path / "out", progress=stop)
+    return tmp_path
+
+
+def resumed(folder, old="", new=""):
+    path = folder / "bar.toml"
+    path.write_text(path.read_text().replace(old, new) if old else path.read_text())
+    return run_case(read_case(path), folder / "out", resume=True).solution
+
+
+def test_a_file_that_changed_is_named(cut):
+    write_law(cut / "angle.csv", speed=0.6)
+    with pytest.raises(ResultFileError, match=r"another case \(the file angle\.csv has changed\)"):
+        resumed(cut)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("mass = 1.0", "mass = 2.0", "body 'bar'.rigid.mass was 1.0 and is 2.0"),
+        ("duration = 1.0", "duration = 0.5", "simulation.duration was 1.0 and is 0.5"),
+        ("step = 0.05\n\n", "step = 0.025\n\n", "simulation.step was 0.05 and is 0.025"),
+        ("[0, 0, -9.81]", "[0, 0, 0]", "gravity was"),
+    ],
+)
+def test_a_key_that_changed_is_named_with_both_values(cut, old, new, said):
+    with pytest.raises(ResultFileError, match=re.escape(said)):
+        resumed(cut, old, new)
+
+
+def test_what_is_only_said_or_drawn_may_change(cut):
+    whole = resumed(cut, "[output]", "# a remark\n[output]\ntrack = ['bar.pin']")
+    case = read_case(cut / "bar.toml")
+    assert bits(whole) == bits(simulate(case.system, case.run))
+
+
+def test_resume_and_force_exclude_each_other(cut):
+    with pytest.raises(CaseError, match="give one of them"):
+        run_case(read_case(cut / "bar.toml"), cut / "out", resume=True, force=True)
+
+
+def test_included_files_belong_to_a_mesh(tmp_path):
+    (tmp_path / "a.inp").write_text("*NODE\n*INCLUDE, INPUT=b.inp\n** *INCLUDE, INPUT=c.inp\n")
+    (tmp_path / "b.inp").write_text('*include,input="parts/d.inp"\n')
+    (tmp_path / "parts").mkdir()
+    for name in ("c.inp", "parts/d.inp", "e.bdf"):
+        (tmp_path / name).write_text("")
+    (tmp_path / "f.bdf").write_text("BEGIN BULK\nINCLUDE 'e.\nbdf'\nINCLUDE e.bdf\nINCLUDE 'f.bdf'\n")
+    found = {path.name for path in files_read_with(tmp_path / "a.inp")}
+    assert found == {"a.inp", "b.inp", "d.inp"}
+    assert {path.name for path in files_read_with(tmp_path / "f.bdf")} == {"f.bdf", "e.bdf"}
+
+
+SPEED = 2.0
+
+
+def motor(angle):
+    bar = RigidBody("bar", 1.0, (0.5, 0.0, 0.0), np.diag([0.01, 0.1, 0.1]), {"pin": (0.0, 0.0, 0.0)})
+    turn = PrescribedRotation(
+        name="motor", first=GROUND, second=At("bar", "pin"), axis=(0.0, 1.0, 0.0), angle=angle
+    )
+    return System((Placed(bar),), (turn,))
+
+
+def turning(speed):
+    return lambda time: jnp.asarray(speed) * time**2
+
+
+def with_global(time):
+    return SPEED * time**2
+
+
+def test_a_script_that_changed_is_refused_by_what_changed(tmp_path, monkeypatch):
+    run, path = Run(duration=0.2, output_step=0.05), tmp_path / "run.h5"
+    simulate(motor(turning(2.0)), run, file=path)
+    simulate(motor(turning(2.0)), run, file=path)  # another function of the same text and numbers
+    with pytest.raises(ResultFileError, match=r"joint 'motor' has changed"):
+        simulate(motor(turning(3.0)), run, file=path)
+    with pytest.raises(ResultFileError, match=r"the run was 0\.2 from .* and is 0\.2"):
+        simulate(motor(turning(2.0)), Run(0.2, 0.05, step=AdaptiveStep(1e-3, 0.05, 1e-6)), file=path)
+    simulate(motor(with_global), run, file=path, overwrite=True)
+    monkeypatch.setattr(f"{__name__}.SPEED", 3.0)
+    with pytest.raises(ResultFileError, match=r"joint 'motor' has changed"):
+        simulate(motor(with_global), run, file=path)
+
+
+def test_a_heavier_body_is_another_run(tmp_path):
+    simulate(pendulum(), RUNS["fixed"], file=tmp_path / "run.h5")
+    with pytest.raises(ResultFileError, match="body 'bar' has changed"):
+        simulate(pendulum(mass=2.0), RUNS["fixed"], file=tmp_path / "run.h5")
+    assert read_solution(tmp_path / "run.h5").times[-1] == 1.0

@@ -1,0 +1,100 @@
+"""Runs stopped by Ctrl-C or by the system: they say what is kept, and exit as shells expect."""
+
+from __future__ import annotations
+
+import re
+import signal
+import time
+
+import pytest
+from fixtures.runs_on_disk import started
+from fixtures.strip_case import CASE as STRIP
+
+from supple.errors import ResultFileError
+from supple.storage import read_header
+
+COMMAND = "from supple.cli.main import main; main()"
+
+SCRIPT = """
+import sys
+from supple.integrate import FixedStep, Run
+from fixtures.runs_on_disk import pendulum
+from supple.simulation import simulate
+simulate(pendulum(), Run(100.0, 0.1, step=FixedStep(1e-4)), file=sys.argv[1])
+"""
+
+LONG = """\
+title = "a bar on a hinge"
+gravity = [0, 0, -9.81]
+
+[[body]]
+name = "bar"
+rigid = { mass = 1.0, centre = [0.5, 0, 0], inertia = [[0.01, 0, 0], [0, 0.1, 0], [0, 0, 0.1]] }
+interface = [{ name = "pin", position = [0, 0, 0] }]
+
+[[joint]]
+kind = "revolute"
+first = "ground"
+second = "bar.pin"
+axis = [0, 1, 0]
+
+[simulation]
+duration = 100.0
+output_step = 0.1
+step = 1e-4
+"""
+
+
+def stopped(process, path, number, outputs=2):
+    """Exit code and error output of a program that gets a signal once so many output times are on disk."""
+    with process:
+        while process.poll() is None:
+            try:
+                if read_header(path).n_times >= outputs:
+                    break
+            except ResultFileError:
+                pass
+            time.sleep(0.02)
+        process.send_signal(number)
+        printed = process.communicate(timeout=120)
+    return process.returncode, re.sub(r"\s+", " ", "".join(printed))
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_command_says_what_it_keeps_and_can_be_resumed(tmp_path, number, code):
+    (tmp_path / "bar.toml").write_text(LONG)
+    path = tmp_path / "out" / "bar.h5"
+    process = started(COMMAND, "run", tmp_path / "bar.toml", "-o", path.parent)
+    found, printed = stopped(process, path, number)
+    assert found == code, printed
+    header = read_header(path)
+    assert not header.complete
+    last = 0.1 * (header.n_times - 1)
+    assert f"stopped: the run up to t = {last:g} is kept in {path}; the same call goes on" in printed
+    assert "with --resume" in printed
+    assert "Traceback" not in printed
+    assert [each.name for each in path.parent.iterdir()] == ["bar.h5"]
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, -signal.SIGINT), (signal.SIGTERM, 143)])
+def test_a_script_says_what_it_keeps(tmp_path, number, code):
+    path = tmp_path / "run.h5"
+    found, printed = stopped(started(SCRIPT, path), path, number)
+    assert found == code, printed
+    assert f"the run up to t = {0.1 * (read_header(path).n_times - 1):g} is kept in {path}" in printed
+
+
+@pytest.mark.slow
+def test_a_self_correction_says_what_it_keeps(tmp_path):
+    from fixtures.strip_case import abaqus_text
+
+    from supple.mesh import strip
+
+    (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 8, 2)))
+    (tmp_path / "strip.toml").write_text(re.sub(r"reduction = .*\n", "", STRIP).replace("0.4", "4.0"))
+    path = tmp_path / "out" / "self_correction" / "round-0.h5"
+    process = started(COMMAND, "run", tmp_path / "strip.toml", "-o", tmp_path / "out")
+    found, printed = stopped(process, path, signal.SIGTERM)
+    assert found == 143, printed
+    assert f"is kept in {path}" in printed
+    assert "with --resume" in printed
