@@ -89,6 +89,14 @@ class RedundantConstraintWarning(SuppleWarning):
     """Joints that constrain the same motion twice; the redundant rows are named and left out."""
 
 
+class StartWarning(SuppleWarning):
+    """An initial state that the joints do not allow: it was changed, and by how much."""
+
+
+class ResolutionWarning(SuppleWarning):
+    """Time steps, or output times, too far apart for the loads, the prescribed motions or the motion."""
+
+
 class UnlockedWarning(SuppleWarning):
     """A result on a file system that cannot keep other runs from writing it too."""
 

@@ -78,6 +78,7 @@ def hanging(body):
     )
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.StartWarning")  # the joints take the lump along
 @pytest.mark.parametrize("name", FRAMES)
 def test_a_complete_basis_misses_nothing(beam, name):
     """Inertia, elasticity, damping, joints and loads of the full body balance along the run."""

@@ -122,6 +122,7 @@ SPEED = 20.0
 """rad/s: twice the first frequency of the clamped strip in its plane."""
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ResolutionWarning")  # it diverges
 @pytest.mark.slow
 def test_nonlinear_body_stiffens_where_the_linear_one_diverges(clamped_blade):
     """The same strip, basis and motion, with and without the quadratic and cubic forces."""

@@ -141,6 +141,7 @@ def test_adaptive_step_rarely_tries_in_vain(pendulum):
     assert statistics.rejected_steps < 0.05 * statistics.steps
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ResolutionWarning")  # of steps as long as these
 def test_a_cut_step_is_reported_and_the_answer_right(pendulum):
     """Half a second a step is too much for four iterations: halved until it converges, and said so."""
     with pytest.warns(StepCutWarning, match=r"steps did not converge and were cut .* a fixed step below 0.5"):

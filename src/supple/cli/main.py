@@ -54,7 +54,13 @@ def run(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
     ] = None,
-    strict: Annotated[bool, typer.Option("--strict", help="Stop where a model leaves its validity.")] = False,
+    strict: Annotated[
+        bool,
+        typer.Option(
+            "--strict",
+            help="Stop where a warning would be given of the start, the steps or a model's validity.",
+        ),
+    ] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Continue a run that was cut off.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace the result that is there.")] = False,
     debug: Debug = False,

@@ -14,13 +14,14 @@ from supple.correction.correction_rounds import CorrectedSystem, ReductionStart,
 from supple.correction.round_table import best_round, correction_numbers
 from supple.correction.self_correction import self_correct
 from supple.correction.system_correction import Announce, CorrectionProgress
-from supple.errors import ResultFileError, ValidityWarning
+from supple.errors import ResolutionWarning, ResultFileError, StartWarning, ValidityWarning
 from supple.integrate import Run, Validity
 from supple.machine import System
 from supple.multibody.checks.validity import watch
 from supple.simulation import keep_bodies
 from supple.simulation.recorded_columns import columns_of
 from supple.simulation.recorded_run import joint_ends
+from supple.simulation.watched_run import report_resolution, warn_of_unseen_laws
 from supple.storage import ResultFile, write_solution
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
@@ -84,6 +85,8 @@ def correct_recorded(
         )
     limits = watch(corrected.system, run.validity)
     limits.report(limits.observe({}, corrected.solution))
+    warn_of_unseen_laws(corrected.system, run)
+    report_resolution(corrected.system, run, corrected.solution)
     return corrected
 
 
@@ -129,6 +132,8 @@ def _corrected(
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
+            warnings.simplefilter("ignore", ResolutionWarning)
+            warnings.simplefilter("once", StartWarning)
             corrected = self_correct(
                 system, lenient, starts, announce=finished, progress=progress, archive=archive
             )

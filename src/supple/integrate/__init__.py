@@ -9,6 +9,7 @@ from supple.integrate.generalized_alpha import (
     StepFactors,
     StepRule,
     TimeIntegrator,
+    damps_joint_forces,
 )
 from supple.integrate.motion import FloatingMotion, Motion, motion_from_arrays, register_motion
 from supple.integrate.run import leg_size, run
@@ -48,6 +49,7 @@ __all__ = [
     "Tolerances",
     "Validity",
     "concatenate",
+    "damps_joint_forces",
     "leg_size",
     "motion_from_arrays",
     "register_motion",

@@ -27,6 +27,7 @@ __all__ = [
     "StepFactors",
     "StepRule",
     "TimeIntegrator",
+    "damps_joint_forces",
 ]
 
 
@@ -46,6 +47,11 @@ class TimeIntegrator(Protocol):
     def coefficients(self) -> Coefficients:
         """The four parameters of the family."""
         ...
+
+
+def damps_joint_forces(method: TimeIntegrator) -> bool:
+    """Whether oscillations of the multipliers die out: `gamma > 1/2`, spectral radius at infinity below 1."""
+    return method.coefficients.gamma > 0.5 + 1e-12
 
 
 def _second_order(alpha_m: float, alpha_f: float) -> Coefficients:

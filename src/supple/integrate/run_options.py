@@ -19,9 +19,9 @@ MOST_OUTPUT_TIMES = 10_000_000
 
 @dataclass(frozen=True)
 class Validity:
-    """How strictly the limits of a body's kinematics are held.
+    """How strictly the limits of a run are held: of kinematics, of the initial state, of the steps.
 
-    strict : a motion beyond a limit is an error (raised when it is seen) instead of a warning at the end
+    strict : what passes a limit is an error (raised when it is seen) instead of a warning
     spin_ratio : part of a linear body's lowest frequency at which its spin becomes a mistake; at 0.3 the
         missing centrifugal stiffness is already about 10 % of the elastic one
     """

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["JOINT_AXES", "JOINT_COMPONENTS", "Solution", "Statistics", "concatenate"]
+__all__ = ["JOINT_AXES", "JOINT_COMPONENTS", "LARGEST", "Solution", "Statistics", "concatenate"]
 
 JOINT_COMPONENTS = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
 """Columns of the forces of a joint."""
@@ -19,16 +19,32 @@ JOINT_AXES = "joint axes that turn with the first end, z along the axis of the j
 
 @dataclass(frozen=True)
 class Statistics:
-    """Cost of a run: accepted steps, Newton iterations, rejected steps, seconds after and of compiling."""
+    """What a run cost, and how long its steps were for the motion.
+
+    steps, iterations, rejected_steps : accepted steps, Newton iterations, rejected steps
+    seconds, compile_seconds : after and of compiling
+    largest_error : local error of an accepted step, as `AdaptiveStep` measures it
+    largest_turn : rotation of a body within an accepted step, rad
+    """
 
     steps: int = 0
     iterations: int = 0
     rejected_steps: int = 0
     seconds: float = 0.0
     compile_seconds: float = 0.0
+    largest_error: float = 0.0
+    largest_turn: float = 0.0
 
     def __add__(self, other: Statistics) -> Statistics:
-        return Statistics(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+        def joined(name: str) -> Any:
+            own, others = getattr(self, name), getattr(other, name)
+            return max(own, others) if name in LARGEST else own + others
+
+        return Statistics(*(joined(f.name) for f in fields(self)))
+
+
+LARGEST = ("largest_error", "largest_turn")
+"""Statistics of which the parts of a run keep the largest; the others add up."""
 
 
 @dataclass(frozen=True)

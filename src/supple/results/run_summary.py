@@ -139,4 +139,6 @@ def cost_numbers(cost: Statistics) -> dict[str, float]:
         "cuts": cost.rejected_steps,
         "seconds": cost.seconds,
         "compile_seconds": cost.compile_seconds,
+        "largest local error of a step": cost.largest_error,
+        "largest turn in a step, rad": cost.largest_turn,
     }

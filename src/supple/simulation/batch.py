@@ -27,17 +27,21 @@ from supple.integrate import (
     Run,
     Solution,
     Statistics,
-    StepControl,
     concatenate,
+    damps_joint_forces,
 )
+from supple.machine.laws.instants import shortest_scale_of
 from supple.machine.system import System
+from supple.multibody.checks.output_rate import report_output_rate
+from supple.multibody.checks.step_length import report_step_length
 from supple.multibody.checks.validity import Peaks, watch
 from supple.multibody.compiled.engine import as_solution, controls, initial_state
 from supple.multibody.compiled.time_step import Controls, State, march
 from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.floating_solution import failure_message
 from supple.multibody.equations.model import Model
-from supple.simulation.watched_run import check_laws_cover
+from supple.multibody.equations.stops import Stops, laws_of, stepping_instants
+from supple.simulation.watched_run import check_laws_cover, warn_of_unseen_laws
 
 __all__ = ["BatchSolution", "simulate_batch"]
 
@@ -126,17 +130,22 @@ def simulate_batch(
         raise ModelError("a batch takes rigid and reduced bodies: reduce the full ones first")
     if chunk < 1:
         raise ValueError(f"chunk must be at least 1, got {chunk}")
-    times, step = run.times, run.step_control
+    for system in cases:
+        check_laws_cover(system, run.times[0], run.times[-1])
     settings = controls(run)
+    warn_of_unseen_laws(_briefest(cases, run), run)
+    stops = Stops(run.times, stepping_instants(cases, run))
     limits = watch(cases[0], run.validity)
     peaks: dict[str, Peaks] = {}
     solutions: list[Solution] = []
     failures: dict[int, str] = {}
     seconds = compile_seconds = 0.0
+    statistics = Statistics()
     for begin in range(0, len(cases), chunk):
-        part = _marched_together(cases[begin : begin + chunk], times, step, settings)
+        part = _marched_together(cases[begin : begin + chunk], run, stops, settings)
         for solution in part.solutions:
             peaks = limits.observe(peaks, solution)
+            statistics = statistics + solution.statistics
         solutions += part.solutions
         failures |= {begin + own: message for own, message in part.failures.items()}
         seconds += part.seconds
@@ -144,7 +153,19 @@ def simulate_batch(
         if progress is not None:
             progress(min(begin + chunk, len(cases)) / len(cases))
     limits.report(peaks)
+    report_step_length(statistics, run)
+    report_output_rate(cases[0], run, solutions[0])
     return BatchSolution(tuple(solutions), failures, seconds, compile_seconds)
+
+
+def _briefest(cases: Sequence[System], run: Run) -> System:
+    """The case with the law that varies fastest: the others, which differ in numbers, are seen better."""
+    begin, end = float(run.times[0]), float(run.times[-1])
+
+    def shortest(system: System) -> float:
+        return min((shortest_scale_of(law, begin, end) for _, law in laws_of(system)), default=np.inf)
+
+    return min(cases, key=shortest)
 
 
 class _Part(NamedTuple):
@@ -157,18 +178,17 @@ class _Part(NamedTuple):
     compile_seconds: float
 
 
-def _marched_together(
-    cases: Sequence[System], times: np.ndarray, step: StepControl, settings: Controls
-) -> _Part:
+def _marched_together(cases: Sequence[System], run: Run, stops: Stops, settings: Controls) -> _Part:
     began = clock.perf_counter()
-    models, states = _starts(cases, times, step)
+    models, states = _starts(cases, run)
     leaves, axes = _stacked_leaves(models)
     start = jax.tree.map(lambda *items: jnp.stack(items), *states)
-    arguments = leaves, settings, start, jnp.asarray(times[1:])
+    ends, outputs = stops.on_the_way(float(run.times[0]), run.times[1:])
+    arguments = leaves, settings, start, jnp.asarray(ends)
     lowered = _mapped_march(jax.tree.structure(models[0]), axes).lower(*arguments)
-    run = lowered.compile(compiler_options=MARCHING)
+    program = lowered.compile(compiler_options=MARCHING)
     ready = clock.perf_counter()
-    final, history = jax.device_get(run(*arguments))
+    final, history = jax.device_get(program(*arguments))
     seconds = clock.perf_counter() - ready
     solutions = []
     for own, (system, model, first) in enumerate(zip(cases, models, states, strict=True)):
@@ -177,21 +197,23 @@ def _marched_together(
             iterations=int(final.iterations[own]),
             rejected_steps=int(final.rejected_steps[own]),
             seconds=seconds / len(cases),
+            largest_error=float(final.largest_error[own]),
+            largest_turn=float(final.largest_turn[own]),
         )
-        of_case = jax.tree.map(lambda array, own=own: array[own], history)
+        of_case = jax.tree.map(lambda array, own=own: array[own][outputs], history)
         solutions.append(_case_solution(system, model, first, of_case, cost))
+    undamped = bool(cases[0].joints) and not damps_joint_forces(run.method)
     failures = {
-        int(own): failure_message(float(final.time[own]), final.relative_residual[own])
+        int(own): failure_message(float(final.time[own]), final.relative_residual[own], undamped=undamped)
         for own in np.flatnonzero(final.failed)
     }
     return _Part(solutions, failures, seconds, ready - began)
 
 
-def _starts(cases: Sequence[System], times: np.ndarray, step: StepControl) -> tuple[list[Model], list[State]]:
+def _starts(cases: Sequence[System], run: Run) -> tuple[list[Model], list[State]]:
     models, states = [], []
     for system in cases:
-        check_laws_cover(system, times[0], times[-1])
-        model, state = initial_state(system, times[0], step.first)
+        model, state = initial_state(system, run.times[0], run.step_control.first, run.validity)
         if models and jax.tree.structure(model) != jax.tree.structure(models[0]):
             raise ModelError(
                 "the cases of a batch must differ in numbers only: same bodies, joints, kinds of loads, "

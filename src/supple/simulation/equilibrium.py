@@ -65,11 +65,11 @@ def equilibrium(
     search = StaticSearch() if search is None else search
     still = replace(system, bodies=tuple(_at_rest(placed) for placed in system.bodies))
     if system.bodies_of(FullBody):
-        machine, configuration, _ = consistent_start(FullSystem(still), time)
+        machine, configuration, *_ = consistent_start(FullSystem(still), time)
         statics, model = FullStatics(machine), machine.model
         frames = tuple(np.zeros(6) for _ in machine.interiors)
     else:
-        compiled, configuration, _ = consistent_start(CompiledMachine(still, build_model(still)), time)
+        compiled, configuration, *_ = consistent_start(CompiledMachine(still, build_model(still)), time)
         statics, model, frames = CompiledStatics(compiled), compiled.model, ()
     start = StaticState(configuration, np.zeros(len(model.active)), frames)
     found, iterations = search_equilibrium(statics, start, time, search, progress)

@@ -51,13 +51,17 @@ def simulate(
     ModelError          a joint open at the start, a table that begins too late or ends too early
     ConvergenceError    a step that fails at the smallest size: time, residual and remedy; what was computed
                         until then has been handed to `record` and is kept in the file
-    ValidityError       a motion beyond the kinematics, under `Validity(strict=True)`
+    ValidityError       what is warned of below under Validity, Start and Resolution, save output times, under
+                        `Validity(strict=True)`
     ResultFileError     the file holds another run, another run is writing it, or it cannot be read or written
     KeyboardInterrupt   (Ctrl-C; on SIGTERM `Terminated`) with a note up to which time the file keeps the run
 
     Warns
     -----
-    ValidityWarning, StepCutWarning, RedundantConstraintWarning
+    ValidityWarning             a motion beyond what the kinematics can describe
+    StartWarning                initial positions or velocities that the joints do not allow
+    ResolutionWarning           steps, or output times, too far apart for loads and motions
+    StepCutWarning, RedundantConstraintWarning
     """
     if file is None:
         if overwrite:

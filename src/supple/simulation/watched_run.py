@@ -9,11 +9,15 @@ from supple.errors import ModelError, StepCutWarning
 from supple.integrate import FixedStep, Progress, Recorder, Run, Solution, Statistics, StepControl
 from supple.integrate import run as march_through
 from supple.machine import System
+from supple.multibody.checks.output_rate import report_output_rate
+from supple.multibody.checks.rate_jumps import warn_of_rate_jumps
 from supple.multibody.checks.redundant_joints import check_redundant_joints
+from supple.multibody.checks.step_length import report_step_length
+from supple.multibody.checks.step_resolution import warn_of_missed_loads
 from supple.multibody.checks.validity import Peaks, watch
 from supple.simulation.engines import engine_for
 
-__all__ = ["check_laws_cover", "watched_run"]
+__all__ = ["check_laws_cover", "report_resolution", "warn_of_unseen_laws", "watched_run"]
 
 
 def watched_run(
@@ -29,6 +33,7 @@ def watched_run(
     check_not_forked()
     times = run.times
     check_laws_cover(system, times[0], times[-1])
+    warn_of_unseen_laws(system, run)
     limits = watch(system, run.validity)
     peaks: dict[str, Peaks] = {}
 
@@ -37,12 +42,27 @@ def watched_run(
         if record is not None:
             record(leg)
         peaks.update(limits.observe(peaks, leg))
+        if run.validity.strict:
+            report_step_length(leg.statistics, run)
 
     engine = engine_for(system, run)
     solution = march_through(engine, times, resume=resume, progress=progress, record=observed, check=check)
     _report_rejected_steps(solution.statistics, run.step_control)
     limits.report(peaks)
+    report_resolution(system, run, solution)
     return solution
+
+
+def report_resolution(system: System, run: Run, solution: Solution) -> None:
+    """Warn ResolutionWarning of steps, and of output times, that were too far apart for the motion."""
+    report_step_length(solution.statistics, run)
+    report_output_rate(system, run, solution)
+
+
+def warn_of_unseen_laws(system: System, run: Run) -> None:
+    """Warn ResolutionWarning of prescribed motions that jump, and of loads that fixed steps do not see."""
+    named = warn_of_rate_jumps(system, run)
+    warn_of_missed_loads(system, run, besides=named)
 
 
 def check_laws_cover(system: System, begin: float, end: float) -> None:

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import astuple, fields
 from types import MappingProxyType
+from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.integrate import FloatingMotion, Solution, Statistics, motion_from_arrays
+from supple.integrate.solution import LARGEST
 
 Array = NDArray[np.float64]
 
-_COUNTS = tuple(field.name for field in fields(Statistics) if "seconds" not in field.name)
+_COUNTS = ("steps", "iterations", "rejected_steps")
 
 
 def to_arrays(solution: Solution) -> dict[str, Array]:
@@ -69,13 +71,17 @@ def from_arrays(
 
 
 def statistics_row(statistics: Statistics) -> Array:
-    """The counts and seconds of a run as numbers."""
+    """The statistics of a run as numbers."""
     return np.array(astuple(statistics), dtype=np.float64)
 
 
 def statistics_from_rows(rows: Array) -> Statistics:
-    """Sum of rows (k, 5) of `statistics_row`."""
-    totals = dict(zip((field.name for field in fields(Statistics)), rows.sum(axis=0).tolist(), strict=True))
+    """Statistics of a run from those of its parts, rows (k, 7) of `statistics_row`."""
+    names = [field.name for field in fields(Statistics)]
+    totals: dict[str, Any] = {
+        name: float(column.max(initial=0.0) if name in LARGEST else column.sum())
+        for name, column in zip(names, rows.T, strict=True)
+    }
     return Statistics(**{name: int(total) if name in _COUNTS else total for name, total in totals.items()})
 
 

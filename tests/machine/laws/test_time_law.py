@@ -39,10 +39,10 @@ def test_compound_laws_are_defined_where_all_their_parts_are():
     assert (turning.begin, turning.end) == (0.5, 1.5)
 
 
-def test_a_spline_does_not_end():
-    """It stays at its last value, so that it may drive a joint for longer than its rows."""
+def test_a_spline_ends_with_its_rows():
+    """Held at its last value, it would stop a machine at once."""
     spline = Spline([0.5, 2.0], [1.0, 3.0])
-    assert (spline.begin, spline.end) == (float("-inf"), float("inf"))
+    assert (spline.begin, spline.end) == (0.5, 2.0)
 
 
 def test_a_law_of_ones_own_is_taken_as_it_stands():

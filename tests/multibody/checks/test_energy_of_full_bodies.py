@@ -235,6 +235,7 @@ def test_a_swinging_full_body_keeps_its_energy_at_order_two(arm):
     np.testing.assert_allclose(np.log2(coarse / fine), 2.0, atol=0.15)
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.StartWarning")  # the lump is set in motion
 def test_full_and_rigid_bodies_in_one_system(arm, complete):
     """A lump hinged to the arm's tip; at every output as with the arm in its complete basis."""
     lump = RigidBody("lump", 10.0, [0, 0, 0], 0.2 * np.eye(3), {"eye": [-0.2, 0, 0]})

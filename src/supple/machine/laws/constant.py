@@ -38,3 +38,11 @@ class Constant(UnboundedLaw):
     def __call__(self, time: Any) -> Any:  # noqa: ARG002 - a law is called with the time, needed or not
         """The value."""
         return self.value
+
+    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - of the span nothing matters
+        """None."""
+        return np.zeros(0)
+
+    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002
+        """Infinite."""
+        return float("inf")

@@ -7,7 +7,9 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
+from supple.machine.laws.instants import within
 from supple.machine.laws.law_numbers import are_numbers, finite, finite_and_positive
 from supple.machine.laws.unbounded_law import UnboundedLaw
 
@@ -40,3 +42,11 @@ class Ramp(UnboundedLaw):
         """The value at a time."""
         s = jnp.clip(time / self.duration, 0.0, 1.0)
         return self.value * (s**3 * (10.0 + s * (-15.0 + 6.0 * s)))
+
+    def instants(self, begin: float, end: float) -> np.ndarray:
+        """Its beginning and its end."""
+        return within([0.0, self.duration], begin, end)
+
+    def shortest_scale(self, begin: float, end: float) -> float:
+        """The duration; infinite where the span has none of it."""
+        return float(self.duration) if begin < self.duration and end > 0 else float("inf")

@@ -7,7 +7,9 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
+from supple.machine.laws.instants import instants_of, shortest_scale_of
 from supple.machine.laws.law_numbers import are_numbers, finite
 from supple.machine.laws.time_law import as_time_law, check_law_shape
 
@@ -46,3 +48,11 @@ class Scaled:
     def end(self) -> float:
         """Last time at which the law is defined."""
         return self.factor.end
+
+    def instants(self, begin: float, end: float) -> np.ndarray:
+        """Those of the factor."""
+        return instants_of(self.factor, begin, end)
+
+    def shortest_scale(self, begin: float, end: float) -> float:
+        """That of the factor."""
+        return shortest_scale_of(self.factor, begin, end)

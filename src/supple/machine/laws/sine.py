@@ -8,6 +8,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from supple.machine.laws.law_numbers import are_numbers, finite
 from supple.machine.laws.unbounded_law import UnboundedLaw
@@ -38,3 +39,12 @@ class Sine(UnboundedLaw):
     def __call__(self, time: Any) -> Any:
         """The value at a time."""
         return self.amplitude * jnp.sin(2.0 * math.pi * self.frequency_hz * time)
+
+    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - it is smooth everywhere
+        """None."""
+        return np.zeros(0)
+
+    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002
+        """The period."""
+        frequency = abs(float(self.frequency_hz))
+        return 1.0 / frequency if frequency > 0 else float("inf")

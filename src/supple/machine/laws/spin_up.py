@@ -12,6 +12,7 @@ from jax.typing import ArrayLike
 
 from supple.arguments import check_number
 from supple.errors import ModelError
+from supple.machine.laws.instants import within
 from supple.machine.laws.law_numbers import are_numbers
 from supple.machine.laws.unbounded_law import UnboundedLaw
 
@@ -61,3 +62,11 @@ class SpinUp(UnboundedLaw):
         ripple = radian_time**2 * (jnp.cos(t / radian_time) - 1.0)
         rising = self.speed / self.rise_time * (0.5 * t**2 + ripple)
         return jnp.where(t <= self.rise_time, rising, self.speed * (t - 0.5 * self.rise_time))
+
+    def instants(self, begin: float, end: float) -> np.ndarray:
+        """The end of the rise."""
+        return within([self.rise_time], begin, end)
+
+    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - it rises until it is up
+        """The rise time; infinite once the speed is reached."""
+        return self.rise_time if begin < self.rise_time else float("inf")

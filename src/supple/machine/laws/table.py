@@ -7,7 +7,9 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
+from supple.machine.laws.instants import rows_that_bend, within
 from supple.machine.laws.law_numbers import are_numbers, increasing_rows
 
 __all__ = ["Table"]
@@ -51,3 +53,13 @@ class Table:
     def end(self) -> float:
         """Last time at which the law is defined."""
         return float(self.times[-1])
+
+    def instants(self, begin: float, end: float) -> np.ndarray:
+        """The rows, but those in line with their neighbours."""
+        times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
+        slopes = np.diff(values.reshape(len(times), -1), axis=0) / np.diff(times)[:, None]
+        return within(rows_that_bend(times, values, np.diff(slopes, axis=0), 1), begin, end)
+
+    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - of the whole table
+        """The least distance of two rows."""
+        return float(np.diff(self.times).min())

@@ -12,10 +12,15 @@ import numpy as np
 from supple.algebra import read_only
 from supple.arguments import check_numbers
 from supple.errors import ModelError
+from supple.machine.laws.instants import instants_of, shortest_scale_of
 from supple.machine.laws.law_numbers import are_numbers
+from supple.machine.laws.sampled_law import sampled
 from supple.machine.laws.time_law import as_time_law
 
 __all__ = ["Turning"]
+
+N_SPEEDS = 257
+"""Times at which the speed of the axes is looked at."""
 
 
 @jax.tree_util.register_dataclass
@@ -61,3 +66,15 @@ class Turning:
     def end(self) -> float:
         """Last time at which the law is defined."""
         return min(self.vectors.end, self.angle.end)
+
+    def instants(self, begin: float, end: float) -> np.ndarray:
+        """Those of the vectors and of the angle."""
+        own = (instants_of(law, begin, end) for law in (self.vectors, self.angle))
+        return np.unique(np.concatenate([*own]))
+
+    def shortest_scale(self, begin: float, end: float) -> float:
+        """That of the vectors or of the angle, or the time of a turn at the highest speed."""
+        times = np.linspace(begin, end, N_SPEEDS)
+        fastest = float(np.max(np.abs(sampled(self.angle, times, order=1)[1]), initial=0.0))
+        turn = 2 * np.pi / fastest if fastest > 0 else float("inf")
+        return min(turn, *(shortest_scale_of(law, begin, end) for law in (self.vectors, self.angle)))

@@ -18,6 +18,7 @@ from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.consistent_start import JointTerms, consistent_start, joint_terms
 from supple.multibody.equations.inertia import mass_matrix
 from supple.multibody.equations.model import Model
+from supple.multibody.equations.start_change import StartChange
 
 __all__ = ["CompiledMachine", "CompiledStart", "compiled_start"]
 
@@ -52,6 +53,11 @@ class CompiledMachine:
         mass = self.metric(configuration)
         return np.array([mass[p.start : p.start + 6, p.start : p.start + 6] for p in self.model.slices])
 
+    def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
+        """`v^T M v / 2`, body by body: none shares its mass with another."""
+        products = velocity * (self.metric(configuration) @ velocity)
+        return np.array([products[part].sum() / 2 for part in self.model.slices])
+
     def least_change(
         self,
         configuration: Configuration,
@@ -77,6 +83,8 @@ class CompiledStart(NamedTuple):
     velocity: np.ndarray
     acceleration: np.ndarray
     multipliers: np.ndarray
+    change: StartChange
+    """By what positions and velocities differ from those given"""
 
 
 def compiled_start(system: System, time: float) -> CompiledStart:
@@ -85,13 +93,13 @@ def compiled_start(system: System, time: float) -> CompiledStart:
     `M vdot + G^T lambda = - forces`, `G vdot = - d2g/dt2` at constant velocity.
     """
     every = CompiledMachine(system, build_model(system))
-    machine, configuration, velocity = consistent_start(every, time)
+    machine, configuration, velocity, change = consistent_start(every, time)
     model = machine.model
     terms = machine.joint_terms(time, configuration, velocity)
     mass = machine.metric(configuration)
     forces = np.asarray(_forces(model, jnp.asarray(float(time)), configuration, jnp.asarray(velocity)))
     solution = _bordered_solve(mass, terms.jacobian, -forces, -terms.acceleration_bias)
-    return CompiledStart(model, configuration, velocity, solution[: len(mass)], solution[len(mass) :])
+    return CompiledStart(model, configuration, velocity, solution[: len(mass)], solution[len(mass) :], change)
 
 
 _moved = jax.jit(advance, compiler_options=STARTING)

@@ -9,8 +9,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.integrate import Leg, Run, Solution, Statistics, leg_size
+from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joint_forces, leg_size
 from supple.machine import System
+from supple.multibody.checks.start import report_start
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.compiled.time_step import Controls, State, march
 from supple.multibody.equations.build_model import build_model
@@ -23,9 +24,11 @@ from supple.multibody.equations.floating_solution import (
 )
 from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.model import Model
+from supple.multibody.equations.stops import Stops, stepping_instants
 
 __all__ = ["CompiledEngine", "as_solution", "controls", "initial_state"]
 
+WARNING = Validity()
 _SHORTEST = 16
 """Output times of the shortest program: the compiler unrolls shorter loops, which can change last digits."""
 
@@ -44,9 +47,15 @@ def controls(run: Run) -> Controls:
     )
 
 
-def initial_state(system: System, time: float, first_step: float) -> tuple[Model, State]:
-    """The compiled model (redundant constraints left out) and the consistent state at the initial time."""
+def initial_state(
+    system: System, time: float, first_step: float, validity: Validity = WARNING
+) -> tuple[Model, State]:
+    """The compiled model (redundant constraints left out) and the consistent state at the initial time.
+
+    Warns StartWarning (ValidityError when strict) of positions or velocities that the joints do not allow.
+    """
     start = compiled_start(system, time)
+    report_start(start.change, validity)
     acceleration = jnp.asarray(start.acceleration)
     return start.model, _state(
         time=time,
@@ -66,6 +75,8 @@ def _state(**known: Any) -> State:
         "iterations": count,
         "rejected_steps": count,
         "failed": jnp.zeros((), dtype=bool),
+        "largest_error": jnp.zeros(()),
+        "largest_turn": jnp.zeros(()),
     }
     arrays: dict[str, Any] = jax.tree.map(lambda leaf: jnp.asarray(np.asarray(leaf)), known)
     return State(**arrays, **fresh, relative_residual=jnp.zeros(4))
@@ -79,12 +90,13 @@ class CompiledEngine:
         self._run = run
         self._controls = controls(run)
         self._model: Model | None = None
-        self._length = max(_SHORTEST, leg_size(len(run.times)))
+        self._stops = Stops(run.times, stepping_instants([system], run))
+        self._length = max(_SHORTEST, self._stops.most(leg_size(len(run.times))))
         self._program: Any = None
 
     def start(self, time: float) -> State:
         """Consistent positions, velocities, accelerations and multipliers."""
-        model, state = initial_state(self._system, time, self._run.step_control.first)
+        model, state = initial_state(self._system, time, self._run.step_control.first, self._run.validity)
         self._model = jax.device_put(model)  # once, not with every leg
         return state
 
@@ -114,16 +126,19 @@ class CompiledEngine:
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
         """To each of the output times, in one call of the compiled program."""
         began = clock.perf_counter()
+        stops, outputs = self._stops.on_the_way(float(state.time), times)
         # A short leg repeats its end, where nothing is left to do: all legs share one program.
-        padded = jnp.asarray(np.pad(times, (0, max(self._length - len(times), 0)), mode="edge"))
+        padded = jnp.asarray(np.pad(stops, (0, max(self._length - len(stops), 0)), mode="edge"))
         if self._program is None:
             lowered = march.lower(self._model, self._controls, state, padded)
             self._program = lowered.compile(compiler_options=MARCHING)
         ready = clock.perf_counter()
         last, states = self._program(self._model, self._controls, state, padded)
         states = jax.device_get(states)
-        n_reached = int(np.sum(~states.failed[: len(times)]))
         before, after = jax.device_get(state), jax.tree.map(lambda leaf: leaf[-1], states)
+        if len(stops) > len(times):
+            states = jax.tree.map(lambda leaf: leaf[outputs], states)
+        n_reached = int(np.sum(~states.failed[: len(times)]))
         return Leg(
             states=jax.tree.map(lambda leaf: leaf[:n_reached], states),
             n_reached=n_reached,
@@ -134,9 +149,15 @@ class CompiledEngine:
                 rejected_steps=int(after.rejected_steps - before.rejected_steps),
                 seconds=clock.perf_counter() - ready,
                 compile_seconds=ready - began,
+                largest_error=float(after.largest_error),
+                largest_turn=float(after.largest_turn),
             ),
-            stopped=failure_message(float(after.time), after.relative_residual) if after.failed else None,
+            stopped=self._why(after) if after.failed else None,
         )
+
+    def _why(self, failed: State) -> str:
+        undamped = bool(self._system.joints) and not damps_joint_forces(self._run.method)
+        return failure_message(float(failed.time), failed.relative_residual, undamped=undamped)
 
     def solution(self, leg: Leg[State]) -> Solution:
         """The motion of a leg."""

@@ -62,6 +62,10 @@ class State(NamedTuple):
     """True when the smallest step did not converge: the state is that before the step."""
     relative_residual: AnyArray
     """Relative residual of the last iteration, by kind: force, moment, deformation, constraint."""
+    largest_error: AnyArray
+    """Largest local error of an accepted step so far."""
+    largest_turn: AnyArray
+    """Largest rotation of a body within an accepted step so far, rad."""
 
 
 class _Trial(NamedTuple):
@@ -248,6 +252,12 @@ def _local_error(model: Model, rule: StepRule, start: State, trial: _Trial) -> j
     return jnp.max(jnp.abs(error))
 
 
+def _turn(model: Model, increments: jax.Array) -> jax.Array:
+    """Largest rotation of a body within a step, rad."""
+    turns = model.frames.take(increments)[:, 3:]
+    return jnp.sqrt(jnp.max(jnp.sum(turns**2, axis=1)))
+
+
 def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> State:
     """Try one step towards `end`: accept it, or cut it."""
     remaining = end - start.time
@@ -275,6 +285,8 @@ def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> 
         rejected_steps=start.rejected_steps,
         failed=failed,
         relative_residual=trial.relative_residual,
+        largest_error=jnp.maximum(start.largest_error, error),
+        largest_turn=jnp.maximum(start.largest_turn, _turn(model, trial.increments)),
     )
     before = start._replace(
         step=proposed,

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import warnings
 from functools import partial
-from typing import NamedTuple, Protocol, Self, TypeVar
+from typing import Generic, NamedTuple, Protocol, Self, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -27,9 +27,10 @@ from supple.multibody.equations.configuration import AnyArray, Configuration, ad
 from supple.multibody.equations.joint_force import constraints
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.singular_start import check_redundant_nearby, neighbours
+from supple.multibody.equations.start_change import StartChange
 from supple.multibody.equations.step_size import position_rounding
 
-__all__ = ["JointTerms", "StartingMachine", "consistent_start", "joint_terms"]
+__all__ = ["ConsistentStart", "JointTerms", "StartingMachine", "consistent_start", "joint_terms"]
 
 _REDUNDANT = 1e-9
 """A constraint row of which those before it leave less than this part adds nothing."""
@@ -105,6 +106,10 @@ class StartingMachine(Protocol):
         """Mass matrices of the bodies moving rigidly, for the velocities of their frames, (nb, 6, 6)."""
         ...
 
+    def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
+        """Kinetic energies of the bodies, (nb,), at velocities (n,)."""
+        ...
+
     def least_change(
         self,
         configuration: Configuration,
@@ -127,7 +132,17 @@ class StartingMachine(Protocol):
 M = TypeVar("M", bound=StartingMachine)
 
 
-def consistent_start(machine: M, time: float) -> tuple[M, Configuration, np.ndarray]:
+class ConsistentStart(NamedTuple, Generic[M]):
+    """A machine without redundant constraints, in a state that fits its joints."""
+
+    machine: M
+    configuration: Configuration
+    velocity: np.ndarray
+    change: StartChange
+    """By what this differs from the state given"""
+
+
+def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
     """The machine without redundant constraints, and configuration and velocities that fit its joints.
 
     Raises
@@ -144,17 +159,37 @@ def consistent_start(machine: M, time: float) -> tuple[M, Configuration, np.ndar
     configuration, velocity = placed_configuration(system), placed_velocity(system)
     terms = machine.joint_terms(time, configuration, velocity)
     _check_joints_closed(system, machine.model, terms.residual)
+    gaps = terms.residual
     active = independent_constraints(system, terms.jacobian, machine.metric(configuration))
     if active != machine.model.active:
         machine = machine.restricted(active)
     configuration = _joints_closed(machine, time, configuration, velocity)
-    left = every.joint_terms(time, configuration, velocity).residual
+    closed = every.joint_terms(time, configuration, velocity)
+    left = closed.residual
     _check_redundant_closed(system, active, left)
     if len(active) < len(left):
         _check_nearby(every, machine, time, configuration, velocity)
     terms = machine.joint_terms(time, configuration, velocity)
     change = machine.least_change(configuration, velocity, terms, terms.rate)
-    return machine, configuration, velocity + change
+    frames = np.array([np.arange(part.start, part.start + 6) for part in machine.slices])
+    moving = velocity, velocity + change, change
+    return ConsistentStart(
+        machine,
+        configuration,
+        velocity + change,
+        StartChange.of_positions_and_velocities(
+            system,
+            residual=gaps,
+            closed=configuration,
+            rates=closed.rate,
+            velocities=(moving[0][frames], moving[1][frames]),
+            energies=(
+                machine.kinetic_energies(configuration, moving[0]),
+                machine.kinetic_energies(configuration, moving[1]),
+                machine.kinetic_energies(configuration, moving[2]),
+            ),
+        ),
+    )
 
 
 def _check_nearby(

@@ -97,13 +97,23 @@ def last_instant(system: System, done: Solution) -> LastInstant:
     )
 
 
-def failure_message(time: float, relative_residual: np.ndarray) -> str:
-    """Why and where a run stopped; `relative_residual` is that of the four kinds of equations."""
+def failure_message(time: float, relative_residual: np.ndarray, *, undamped: bool = False) -> str:
+    """Why and where a run stopped; `relative_residual` is that of the four kinds of equations.
+
+    undamped : the machine has joints, and the method does not damp their forces
+    """
     kinds = ("forces", "moments", "deformation", "constraints")
     worst = int(np.argmax(np.where(np.isfinite(relative_residual), relative_residual, np.inf)))
+    likely = (
+        "The likely cause is the method: with rho_inf = 1, as with the trapezoidal rule, nothing damps the "
+        "oscillations of joint forces, which grow; take GeneralizedAlpha(0.8), rho_inf = 0.8 in a case "
+        "file. Otherwise: a singular"
+        if undamped
+        else "A singular"
+    )
     return (
         f"no convergence at t = {time:.6g} with the smallest step allowed: relative residual "
-        f"{relative_residual[worst]:.2g} in the {kinds[worst]}. A singular position (a mechanism stretched "
+        f"{relative_residual[worst]:.2g} in the {kinds[worst]}. {likely} position (a mechanism stretched "
         "out), a motion prescribed with a jump, loads far beyond the body's stiffness, or a basis without "
         "the nonlinear terms it needs are the usual causes; what was computed until then is kept"
     )

@@ -10,8 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.integrate import Leg, Run, Solution, Statistics, StepRule
+from supple.integrate import Leg, Run, Solution, Statistics, StepRule, damps_joint_forces
 from supple.machine import System
+from supple.multibody.checks.start import report_start
 from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.equations.floating_solution import (
@@ -22,6 +23,7 @@ from supple.multibody.equations.floating_solution import (
 )
 from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.step_size import next_step
+from supple.multibody.equations.stops import Stops, stepping_instants
 from supple.multibody.full.full_system import FullState, FullSystem
 
 __all__ = ["FullEngine", "March"]
@@ -35,6 +37,8 @@ class March(NamedTuple):
     steps: int = 0
     iterations: int = 0
     rejected_steps: int = 0
+    largest_error: float = 0.0
+    largest_turn: float = 0.0
 
 
 class FullEngine:
@@ -43,11 +47,13 @@ class FullEngine:
     def __init__(self, system: System, run: Run) -> None:
         self._run = run
         self._machine = FullSystem(system)
+        self._stops = Stops(run.times, stepping_instants([system], run))
 
     def start(self, time: float) -> March:
         """Consistent positions and velocities on the joints and in the frames, first accelerations."""
         every = FullSystem(self._machine.system)
-        self._machine, configuration, velocity = consistent_start(every, time)
+        self._machine, configuration, velocity, change = consistent_start(every, time)
+        report_start(change, self._run.validity)
         self._machine.check_frames(configuration)
         state = self._machine.accelerated(self._machine.state_at(time, configuration, velocity))
         return March(state, self._run.step_control.first)
@@ -82,17 +88,22 @@ class FullEngine:
         began = clock.perf_counter()
         reached: list[FullState] = []
         before, stopped = state, None
-        for end in times:
+        stops, outputs = self._stops.on_the_way(state.state.time, times)
+        for number, end in enumerate(stops):
             state, residual = self._to_output(state, float(end))
             if residual is not None:
-                stopped = failure_message(state.state.time, residual)
+                undamped = bool(self._machine.system.joints) and not damps_joint_forces(self._run.method)
+                stopped = failure_message(state.state.time, residual, undamped=undamped)
                 break
-            reached.append(state.state)
+            if number in outputs:
+                reached.append(state.state)
         statistics = Statistics(
             steps=state.steps - before.steps,
             iterations=state.iterations - before.iterations,
             rejected_steps=state.rejected_steps - before.rejected_steps,
             seconds=clock.perf_counter() - began,
+            largest_error=state.largest_error,
+            largest_turn=state.largest_turn,
         )
         return Leg((reached, state.step), len(reached), state, statistics, stopped)
 
@@ -116,7 +127,12 @@ class FullEngine:
             if converged and error <= control.tolerance:
                 if h >= remaining * (1 - 1e-9):
                     new = new._replace(time=end)
-                march = march._replace(state=new, steps=march.steps + 1)
+                march = march._replace(
+                    state=new,
+                    steps=march.steps + 1,
+                    largest_error=max(march.largest_error, float(error)),
+                    largest_turn=max(march.largest_turn, self._turn(march.state, new, h)),
+                )
             else:
                 march = march._replace(rejected_steps=march.rejected_steps + 1)
                 if march.step < control.smallest:
@@ -128,6 +144,13 @@ class FullEngine:
         rule = StepRule(self._run.method.coefficients, h)
         error = rule.position_error(start.auxiliary, end.auxiliary)
         return float(np.max(abs(error) / self._machine.position_scale))
+
+    def _turn(self, start: FullState, end: FullState, h: float) -> float:
+        """Largest rotation of a body's frame within the step, rad."""
+        rule = StepRule(self._run.method.coefficients, h)
+        increments = rule.increment(start.velocity, start.auxiliary, end.auxiliary)
+        turns = [increments[part.start + 3 : part.start + 6] for part in self._machine.slices]
+        return float(np.linalg.norm(turns, axis=1).max())
 
     def solution(self, leg: Leg[March]) -> Solution:
         """The motion of a leg."""

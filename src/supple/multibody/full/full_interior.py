@@ -318,6 +318,17 @@ class FullInterior:
         corner[:3] = state.rotation @ corner[:3]
         return corner
 
+    def kinetic_energy(self, state: InteriorState, velocity: np.ndarray) -> float:
+        """Kinetic energy; `velocity` (3,) is that of the frame's origin, global."""
+        motion = self._motion(state)
+        momenta = self.inertia.momenta(
+            motion.displacement[..., None],
+            motion.rate[..., None],
+            state.angular_velocity[:, None],
+            (state.rotation.T @ velocity)[:, None],
+        )
+        return float(momenta.kinetic[0])
+
     def _border(
         self,
         motion: FullMotion,

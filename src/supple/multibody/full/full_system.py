@@ -304,6 +304,18 @@ class FullSystem:
             masses[interior.index] = interior.frame_mass(self._interior_state(interior, at_rest))
         return masses
 
+    def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
+        """Of full bodies node by node, of the others from the compiled equations."""
+        border = self.to_border(velocity)
+        masses = np.asarray(_mass_matrix(self.model, self.border_configuration(configuration)))
+        products = border * (masses @ border)
+        energies = np.array([products[part].sum() / 2 for part in self.model.slices])
+        state = self.state_at(0.0, configuration, velocity)
+        for interior in self.interiors:
+            moving = velocity[self.slices[interior.index]][:3]
+            energies[interior.index] = interior.kinetic_energy(self._interior_state(interior, state), moving)
+        return energies
+
     def least_change(
         self,
         configuration: Configuration,

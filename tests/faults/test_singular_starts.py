@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -125,6 +127,67 @@ def test_beside_it_a_chain_swings_and_keeps_its_pins(rod):
     solution = simulate(system, RUN)
     assert abs(joint_residuals(system, solution)).max() < 1e-9
     assert np.ptp(solution.bodies["b"].position[:, 0]) > 1e-3
+
+
+def ends_of(solution, name):
+    """Where the left and the right end of a rod of 1 m stand, in the plane, (t, 2) each."""
+    motion = solution.bodies[name]
+    half = 0.5 * motion.rotation[:, :2, 0]
+    return motion.position[:, :2] - half, motion.position[:, :2] + half
+
+
+@pytest.mark.filterwarnings("ignore::supple.errors.StepCutWarning")  # a step ends in the dead point
+def test_a_parallelogram_is_driven_through_its_dead_point(rod):
+    """From 0.52 rad before the flat position to beyond it: it stays a parallelogram."""
+    system = parallelogram(rod, -0.52)
+    with pytest.warns(RedundantConstraintWarning):
+        solution = simulate(system, RUN)
+    pin = -0.52 + solution.times
+    path = np.stack([np.cos(pin), np.sin(pin)], axis=1)
+    np.testing.assert_allclose(ends_of(solution, "crank")[1], path, atol=1e-9)
+    np.testing.assert_allclose(ends_of(solution, "rocker")[1], path + np.array([2.0, 0.0]), atol=1e-6)
+    np.testing.assert_allclose(
+        solution.bodies["coupler"].position[:, :2], path + np.array([1.0, 0.0]), atol=1e-6
+    )
+
+
+def test_a_slider_crank_is_driven_through_all_its_dead_points(rod):
+    """A whole turn and more: folded at pi / 2 and 3 pi / 2, stretched at pi and 2 pi."""
+    system = slider_crank(rod, 1.2)
+    run = Run(14.0, 0.1, step=FixedStep(5e-3), tolerances=Tolerances(1e-10))
+    with pytest.warns(RedundantConstraintWarning):
+        solution = simulate(system, run)
+    angle = 1.2 + 0.5 * solution.times
+    assert angle[-1] > 2 * np.pi + 1.2
+    np.testing.assert_allclose(solution.bodies["slider"].position[:, 0] - 0.05, 2 * np.cos(angle), atol=1e-9)
+
+
+def test_a_chain_slightly_bent_moves_as_a_four_bar_linkage(rod):
+    """One freedom: the first rod's angle gives the others by two circles, and the energy gives its speed."""
+    gravity = np.array([400.0, -9.81])
+    system = replace(chain(rod, 0.05), gravity=(*gravity, 0.0))
+    solution = simulate(system, Run(0.2, 0.005, step=FixedStep(2.5e-4), tolerances=Tolerances(1e-10)))
+    pins = np.array([0.0, 0.0]), np.array([2 * np.cos(0.05) + 1, 0.0])
+    first, second = ends_of(solution, "a")[1], ends_of(solution, "b")[1]
+    assert np.ptp(first[:, 1]) > 0.02
+    # The second joint lies on circles about the first joint and the last pin, below the line between them.
+    apart = pins[1] - first
+    half = np.linalg.norm(apart, axis=1, keepdims=True) / 2
+    across = np.stack([apart[:, 1], -apart[:, 0]], axis=1) / (2 * half)
+    expected = first + apart / 2 + np.sqrt(1 - half**2) * across
+    np.testing.assert_allclose(second, expected, atol=1e-9)
+    motions = [solution.bodies[name] for name in "abc"]
+    kinetic = sum(
+        placed.body.mass * np.sum(motion.velocity**2, axis=1) / 2
+        + placed.body.inertia[2, 2] * motion.angular_velocity[:, 2] ** 2 / 2
+        for placed, motion in zip(system.bodies, motions, strict=True)
+    )
+    work = sum(
+        placed.body.mass * (motion.position[:, :2] - motion.position[0, :2]) @ gravity
+        for placed, motion in zip(system.bodies, motions, strict=True)
+    )
+    assert kinetic.max() > 0.1
+    np.testing.assert_allclose(kinetic, work, atol=2e-3 * kinetic.max())
 
 
 def test_joints_that_repeat_others_everywhere_are_left_out(rod):

@@ -1,0 +1,60 @@
+"""Instants at which a law of time breaks, and how briefly it varies: what a time step must not jump over."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from supple.machine.laws.sampled_law import sampled_instants
+from supple.machine.laws.time_law import TimeLaw
+
+__all__ = ["KnownLaw", "instants_of", "rows_that_bend", "shortest_scale_of", "within"]
+
+BENDS = 1e-6
+"""Of the range of a table: a row that bends the curve by less is no instant."""
+
+
+@runtime_checkable
+class KnownLaw(Protocol):
+    """A law that states its own shape. One that does not is sampled, and what is briefer remains unknown."""
+
+    def instants(self, begin: float, end: float) -> np.ndarray:
+        """Times strictly between at which a derivative jumps, or something brief begins or ends, (k,)."""
+        ...
+
+    def shortest_scale(self, begin: float, end: float) -> float:
+        """Shortest period, rise or distance of rows in the span; infinite where nothing varies."""
+        ...
+
+
+def instants_of(law: TimeLaw, begin: float, end: float) -> np.ndarray:
+    """Ascending times (k,) strictly between `begin` and `end` that steps should meet exactly."""
+    if isinstance(law, KnownLaw):
+        return law.instants(begin, end)
+    return sampled_instants(law, begin, end)
+
+
+def shortest_scale_of(law: TimeLaw, begin: float, end: float) -> float:
+    """Shortest time in which the law is known to vary; infinite where it is not known."""
+    return law.shortest_scale(begin, end) if isinstance(law, KnownLaw) else float("inf")
+
+
+def within(times: Iterable[float] | np.ndarray, begin: float, end: float) -> np.ndarray:
+    """Those of some times that lie strictly between two, each once, ascending."""
+    unique = np.unique(np.asarray(times, dtype=float))
+    return unique[(unique > begin) & (unique < end)]
+
+
+def rows_that_bend(times: np.ndarray, values: np.ndarray, jumps: np.ndarray, power: int) -> np.ndarray:
+    """Times of a table's inner rows at which a derivative jumps by what matters; its first and last row.
+
+    times : (k,)        values : (k, ...)
+    jumps : (k - 2, m)      of the derivative of order `power` at the inner rows
+    """
+    spacing = np.minimum(np.diff(times)[:-1], np.diff(times)[1:])
+    size = float(np.max(np.ptp(values, axis=0), initial=0.0))
+    largest = np.abs(jumps).max(axis=1, initial=0.0)
+    bends = largest * spacing**power > BENDS * size
+    return times[np.concatenate([[True], bends, [True]])]

@@ -1,0 +1,131 @@
+"""Laws of unknown shape, found out by sampling: jumps, and the turning points that a step could jump over.
+
+A function of time written in Python says nothing about itself. It is evaluated at some 17 000 even
+times of the run; where neighbouring samples differ much, jumps are closed in by repeated division. A pulse
+has a turning point: a step that meets it sees the pulse, and the estimate of its error does the rest. What is
+briefer than the distance of the samples stays unseen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+__all__ = ["Jumps", "jumps", "sampled", "sampled_instants"]
+
+BLOCK = 64 * 33
+"""Times that are evaluated together: the divisions of all jumps in one round."""
+N_SAMPLES = 8 * BLOCK - 1
+MOST_NUMBERS = 4_000_000
+"""Of all samples together, for the field of a load on many nodes would not fit."""
+MOST_JUMPS = 64
+DIVISIONS, ROUNDS = 32, 5
+"""A jump is closed in to a 32^5 part of the distance of the samples."""
+JUMPS = 1e-4
+"""Of the range of a function: what is left of its change in the closest bracket of a jump."""
+TURNS = 1e-3
+"""Of the range: turning points that differ by less from those before and after are ripple."""
+MOST_TURNS = 512
+"""A function with more varies everywhere: no step can jump over all of it."""
+
+Sampled = Callable[[np.ndarray], np.ndarray]
+"""Values (k, m) at times (k,)"""
+
+
+class Jumps(NamedTuple):
+    """Where a function jumps, ascending, (k,) each: the instants just before and just after."""
+
+    before: np.ndarray
+    after: np.ndarray
+
+
+def sampled(law: Callable[[Any], Any], times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
+    """Values of a law at times (k,), (k, m), and its derivatives up to an order, (k, m) each."""
+    # One program for any number of times: they go in blocks of one size.
+    size = max(1, min(BLOCK, MOST_NUMBERS // _numbers(law)))
+    blocks = np.pad(times, (0, -len(times) % size), mode="edge").reshape(-1, size)
+    parts = [jax.device_get(_of_block(law, order, jnp.asarray(block))) for block in blocks]
+    return [np.concatenate(each)[: len(times)] for each in zip(*parts, strict=True)]
+
+
+def _numbers(law: Callable[[Any], Any]) -> int:
+    """How many numbers a law gives at a time."""
+    shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
+    return max(1, int(np.prod(shape)))
+
+
+@partial(jax.jit, static_argnums=1, compiler_options={"xla_backend_optimization_level": 0})
+def _of_block(law: Any, order: int, times: jax.Array) -> list[jax.Array]:
+    functions: list[Callable[[Any], Any]] = [lambda time: jnp.ravel(jnp.asarray(law(time), dtype=float))]
+    for _ in range(order):
+        functions.append(_rate(functions[-1]))
+    return [jax.vmap(function)(times) for function in functions]
+
+
+def _rate(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    return lambda time: jax.jvp(function, (time,), (jnp.ones_like(time),))[1]
+
+
+def jumps(of_times: Sampled, times: np.ndarray, values: np.ndarray) -> Jumps:
+    """Jumps of a function, given its values (k, m) at even times (k,): at most `MOST_JUMPS` are found."""
+    size = float(np.max(np.ptp(values, axis=0), initial=0.0))
+    change = np.abs(np.diff(values, axis=0)).max(axis=1)
+    if size == 0 or not np.isfinite(size):
+        return Jumps(np.zeros(0), np.zeros(0))
+    # A jump changes much more than the intervals on both sides of it; a steep but smooth piece does not.
+    beside = np.minimum(np.append(change[1:], 0.0), np.insert(change[:-1], 0, 0.0))
+    order = np.argsort(beside - change)[:MOST_JUMPS]
+    left, right = times[order], times[order + 1]
+    for _ in range(ROUNDS):
+        inner = left[:, None] + np.linspace(0.0, 1.0, DIVISIONS + 1) * (right - left)[:, None]
+        fine = of_times(inner.ravel()).reshape(*inner.shape, -1)
+        steps = np.abs(np.diff(fine, axis=1)).max(axis=2)
+        steepest = np.argmax(steps, axis=1)
+        rows = np.arange(len(left))
+        left, right = inner[rows, steepest], inner[rows, steepest + 1]
+        change = steps[rows, steepest]
+    found = np.flatnonzero(change > JUMPS * size)
+    found = found[np.argsort(left[found])]
+    return Jumps(left[found], right[found])
+
+
+def sampled_instants(law: Callable[[Any], Any], begin: float, end: float) -> np.ndarray:
+    """Times strictly between at which a function of unknown shape jumps (both sides) or turns back, (k,)."""
+    if not end > begin:
+        return np.zeros(0)
+    numbers = _numbers(law)
+    n = min(N_SAMPLES, MOST_NUMBERS // numbers)
+    times = np.linspace(begin, end, max(n, 2) + 1)
+
+    # Three numbers see what any of many components does.
+    mix = np.random.default_rng(0).standard_normal((numbers, 3))
+
+    def of_times(at: np.ndarray) -> np.ndarray:
+        (values,) = sampled(law, at)
+        return values if values.shape[1] <= mix.shape[1] else values @ mix
+
+    values = of_times(times)
+    breaks = jumps(of_times, times, values)
+    turns = [_turning_points(times, column) for column in values.T]
+    every = np.unique(np.concatenate([breaks.before, breaks.after, *turns]))
+    return every[(every > begin) & (every < end)]
+
+
+def _turning_points(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Times at which samples (k,) of a function turn back; none of a function that turns everywhere."""
+    size = np.ptp(values)
+    moving = np.flatnonzero(np.abs(np.diff(values)) > 1e-9 * size)
+    if not moving.size:
+        return np.zeros(0)
+    signs = np.sign(np.diff(values)[moving])
+    # Both ends of a plateau count: the last sample before it that moves, and the first after it.
+    turn = np.flatnonzero(signs[1:] != signs[:-1])
+    at = np.unique(np.concatenate([[0], moving[turn] + 1, moving[turn + 1], [len(values) - 1]]))
+    steps = np.abs(np.diff(values[at]))
+    inner = at[1:-1][(steps[1:] > TURNS * size) | (steps[:-1] > TURNS * size)]
+    return times[inner] if len(inner) <= MOST_TURNS else np.zeros(0)

@@ -1,0 +1,59 @@
+"""Say what the joints changed of an initial state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from supple.errors import StartWarning
+from supple.integrate import Validity
+from supple.multibody.checks.strictness import say
+from supple.multibody.equations.start_change import Open, Slowed, StartChange
+
+__all__ = ["report_start"]
+
+MOST_NAMES = 3
+ROUNDING = 1e-9
+
+
+def report_start(change: StartChange, validity: Validity) -> None:
+    """Warn StartWarning of joints that did not meet, and of velocities they do not allow."""
+    if change.open:
+        worst = change.open[0]
+        others = _others(change.open[1:])
+        bodies = ", ".join(
+            f"body '{moved.body}' was moved by {moved.distance:.3g}"
+            + (f" and turned by {moved.angle:.3g} rad" if moved.angle > ROUNDING else "")
+            for moved in change.moved[:MOST_NAMES]
+        )
+        message = (
+            f"joint '{worst.joint}' is open by {worst.gap:.3g} in the initial configuration ({worst.row})"
+            f"{others}: {bodies} to close it. Place the bodies so that both ends meet"
+        )
+        say(message, StartWarning, validity)
+    if change.slowed:
+        before, after = change.energies
+        bodies = ", ".join(map(_slowed, change.slowed[:MOST_NAMES]))
+        joints = ", ".join(f"'{each.joint}' ({each.row})" for each in change.against[:MOST_NAMES])
+        message = (
+            f"the joints do not allow the initial velocities, which were changed: the kinetic energy is "
+            f"{after:.4g} J instead of {before:.4g} J ({100 * (after / before - 1):+.3g} %); {bodies}; "
+            f"against {joints}. Give velocities that the joints allow, or none to a body that joints drive"
+        )
+        say(message, StartWarning, validity)
+
+
+def _others(joints: Sequence[Open]) -> str:
+    if not joints:
+        return ""
+    names = ", ".join(f"'{each.joint}'" for each in joints[:MOST_NAMES])
+    return f", and so are {len(joints)} others ({names})" if len(joints) > 1 else f", and so is {names}"
+
+
+def _slowed(body: Slowed) -> str:
+    (speed, new_speed), (spin, new_spin) = body.speeds, body.spins
+    changes = [
+        f"{new:.4g} {unit} instead of {old:.4g}"
+        for old, new, unit in ((speed, new_speed, "m/s"), (spin, new_spin, "rad/s"))
+        if abs(new - old) > ROUNDING * (speed + new_speed + spin + new_spin)
+    ]
+    return f"body '{body.body}' starts with {' and '.join(changes) or 'another direction of motion'}"

@@ -1,0 +1,70 @@
+"""Where steps stop besides the output times: the instants that an adaptive step must not jump over."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.integrate import AdaptiveStep, Run
+from supple.machine import System, TimeLaw
+from supple.machine.laws.instants import instants_of
+
+__all__ = ["Stops", "laws_of", "stepping_instants"]
+
+_NEAREST = 1e-5
+"""Of the duration: instants nearer to a stop are not met; steps that short lose digits of accelerations."""
+
+
+def laws_of(system: System) -> list[tuple[str, TimeLaw]]:
+    """Names and laws of all prescribed motions and loads, in that order, those without a law left out."""
+    every = [(f"joint '{joint.name}'", joint.law) for joint in system.joints]
+    every += [(load.label, load.law) for load in system.loads]
+    return [(name, law) for name, law in every if law is not None]
+
+
+def stepping_instants(systems: Sequence[System], run: Run) -> np.ndarray:
+    """Ascending times (k,) in the run that adaptive steps meet besides its output times; none of fixed."""
+    control, times = run.step_control, run.times
+    if not isinstance(control, AdaptiveStep):
+        return np.zeros(0)
+    laws = {id(law): law for system in systems for _, law in laws_of(system)}
+    found = [instants_of(law, float(times[0]), float(times[-1])) for law in laws.values()]
+    instants = np.unique(np.concatenate([np.zeros(0), *found]))
+    nearest = max(control.smallest, min(control.first, _NEAREST * run.duration))
+    after = np.clip(np.searchsorted(times, instants), 1, len(times) - 1)
+    apart = np.minimum(np.abs(instants - times[after - 1]), np.abs(times[after] - instants))
+    return _spaced(instants[apart > nearest], nearest)
+
+
+def _spaced(instants: np.ndarray, nearest: float) -> np.ndarray:
+    """Without those that follow the one before too closely."""
+    kept, last = [], -np.inf
+    for instant in instants:
+        if instant - last > nearest:
+            kept.append(instant)
+            last = instant
+    return np.array(kept)
+
+
+@dataclass(frozen=True, eq=False)
+class Stops:
+    """The output times of a run (t,) and the instants between them (k,)."""
+
+    times: np.ndarray
+    instants: np.ndarray
+
+    def on_the_way(self, reached: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Where to stop on the way from a time to some output times, and which of the stops are these."""
+        between = self.instants[(self.instants > reached) & (self.instants < times[-1])]
+        if not between.size:
+            return times, np.arange(len(times))
+        stops = np.sort(np.concatenate([times, between]))
+        return stops, np.searchsorted(stops, times)
+
+    def most(self, size: int) -> int:
+        """Stops of the longest leg of so many output times."""
+        before = np.searchsorted(self.instants, self.times)
+        ahead = before[np.minimum(np.arange(len(before)) + size, len(before) - 1)]
+        return size + int(np.max(ahead - before, initial=0))
