@@ -135,7 +135,7 @@ class Assembly:
         """
         m, n_pairs = X.shape[1], len(first)
         forces = np.zeros((self.n, n_pairs))
-        for block, gather in zip(self.model.blocks, self.gathers, strict=True):
+        for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, n_points, s, n_e = block.B.shape
             each = n_points * (s + 1) * block.G.shape[2] * n_pairs + n_e * (n_pairs + m)
             for elements in _ranges(n_elements, each):

@@ -178,7 +178,7 @@ def strain_pair_forces(
     float array (E, n, p)
     """
     a = _directions(block.G, X)
-    Na = np.tensordot(a, block.N, axes=(2, 1)).transpose(0, 1, 4, 3, 2)  # (E, g, d, s, m)
+    Na = _contract(block.N, a.swapaxes(2, 3)).transpose(0, 1, 4, 3, 2)  # (E, g, d, s, m)
     picked, other = Na[..., first], a[:, :, :, None, second]
     second_strain = np.zeros((*picked.shape[:2], *picked.shape[3:]))
     for i in range(picked.shape[2]):  # over the few gradients, so that no product of all of them is held

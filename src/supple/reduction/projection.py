@@ -43,18 +43,19 @@ def project(
     with timed(seconds, "tensors"):
         products = strain_products(body, V)
         tensors = plain = products.internal_force()
-        time = 0.0 if damping is None else damping.retardation_time
-        material = products.material(plain) if time else None
     motion, found = None, None
     if not body.is_linear:
         left_out = Condensation(body, basis)
         with timed(seconds, "condensation"):
-            tensors = quartic.tensors(plain, left_out)
+            products = quartic.strains(products, left_out)
+            tensors = products.internal_force()
             motion = quartic.motion(left_out)
         with timed(seconds, "locking"):
             found = locking(left_out, plain, tensors)
         warn_of_locking(body.name, found, motion is not None)
 
+    time = 0.0 if damping is None else damping.retardation_time
+    material = products.material(tensors) if time else None
     nodal_basis = body.expansion @ V
     rotations = body.rotation_operator
     return ReducedBody(

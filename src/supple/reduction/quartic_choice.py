@@ -7,14 +7,14 @@ from typing import Protocol
 
 from supple.reduction.condensation import Condensation
 from supple.reduction.condensed_motion import CondensedMotion
-from supple.reduction.tensors import InternalForceTensors
+from supple.reduction.tensors import StrainProducts
 
 
 class QuarticChoice(Protocol):
     """CondensedQuartic() or PlainQuartic()."""
 
-    def tensors(self, plain: InternalForceTensors, left_out: Condensation) -> InternalForceTensors:
-        """The tensors of the reduced body, from those of its columns alone."""
+    def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:
+        """Products of the strains of the reduced body, from those of its columns alone."""
         ...
 
     def motion(self, left_out: Condensation) -> CondensedMotion | None:
@@ -26,8 +26,8 @@ class QuarticChoice(Protocol):
 class CondensedQuartic:
     """Stiff motion outside the columns follows them at rest: its lack blocks nothing; see `Condensation`."""
 
-    def tensors(self, plain: InternalForceTensors, left_out: Condensation) -> InternalForceTensors:
-        """The quartic tensor less what that motion releases."""
+    def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:
+        """The quadratic strains less what that motion takes away: of force and of damping alike."""
         return plain.condensed(left_out.energy)
 
     def motion(self, left_out: Condensation) -> CondensedMotion | None:
@@ -39,8 +39,8 @@ class CondensedQuartic:
 class PlainQuartic:
     """The body moves in its columns alone, as in published work, and locks where they lack stiff motion."""
 
-    def tensors(self, plain: InternalForceTensors, left_out: Condensation) -> InternalForceTensors:  # noqa: ARG002
-        """The tensors of the columns."""
+    def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:  # noqa: ARG002
+        """Those of the columns."""
         return plain
 
     def motion(self, left_out: Condensation) -> CondensedMotion | None:  # noqa: ARG002

@@ -130,6 +130,15 @@ class StrainProducts:
         quartic = _fold_quartic(self.pair_by_pair, len(self.stiffness))
         return InternalForceTensors(self.stiffness, _fold_cubic(self.strain_by_pair), quartic)
 
+    def condensed(self, energy: np.ndarray) -> StrainProducts:
+        """Of the strains that are left when motion outside the columns follows them.
+
+        energy : (n2, n2)   R of `Condensation`: of the strains that this motion takes away
+        """
+        if self.pair_by_pair is None:
+            return self
+        return replace(self, pair_by_pair=self.pair_by_pair - energy)
+
     def material(self, force: InternalForceTensors) -> MaterialTensors | None:
         """The tensors of the tangent less those of K_geo = F^T g + H m2 / 2; None for a linear body.
 

@@ -45,6 +45,6 @@ def critical_load(model: FiniteElementModel, weights: NDArray[np.float64], expec
                 return float(np.linalg.eigvalsh(tangent)[0])
         raise ConvergenceError(f"the strip found no rest under {force:.4g} N in its plane")
 
-    found = brentq(lowest, 0.7 * expected, 1.2 * expected, rtol=1e-5)
+    found = brentq(lowest, 0.7 * expected, 1.2 * expected, xtol=1e-5 * expected)
     assert isinstance(found, float)
     return found

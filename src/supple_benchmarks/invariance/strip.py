@@ -69,7 +69,8 @@ def force_that_turns(bending: float, length: float, rotation: float) -> tuple[fl
     """Dead tip force that turns an elastica's tip by so much, N; where the tip then is, along and across."""
 
     def missing(force: float) -> float:
-        return elastica(bending, length, force)[2] - rotation
+        _, _, turned = elastica(bending, length, force)
+        return turned - rotation
 
     scale = bending / length**2
     force = brentq(missing, 0.1 * scale, 20 * scale, xtol=1e-12 * scale)

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 
-def elastica(bending_stiffness, length, tip_force):
+def elastica(bending_stiffness: float, length: float, tip_force: float) -> tuple[float, float, float]:
     """Tip (along, across, rotation) of a cantilever that lies along x, clamped at its root.
 
     E I theta'' = -P cos theta,  theta(0) = 0,  theta'(L) = 0. The rotation of the tip is shot for, from there
@@ -24,4 +24,4 @@ def elastica(bending_stiffness, length, tip_force):
 
     tip = brentq(lambda angle: shot(angle)[0], 0.0, np.pi / 2, xtol=1e-13)
     _, _, along, across = shot(tip)
-    return -along, -across, tip
+    return float(-along), float(-across), float(tip)  # pyright: ignore[reportArgumentType]
