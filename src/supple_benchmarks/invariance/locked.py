@@ -9,12 +9,15 @@ from typing import Any
 import numpy as np
 
 from supple.body import FlexibleBody, FullBody
+from supple.errors import LockingWarning
 from supple.reduction import (
     CompressedDerivatives,
     CraigBampton,
     PlainQuartic,
     ReducedBody,
     Rubin,
+    project,
+    reduction_basis,
 )
 from supple_benchmarks.invariance.box import BOX_LENGTH, box_of_walls, weak_bending
 from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
