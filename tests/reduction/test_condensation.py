@@ -74,15 +74,17 @@ def left_out(request):
 
 
 def strain_forces(body, q):
-    """sum w B^T D N(G q, G q), element by element, in the coordinates of the body."""
-    u, total = body.expansion @ q, np.zeros(body.n_nodal)
+    """sum w B^T D N(G q, G q), element by element with its virtual nodes, in the coordinates of the body."""
+    u = body.force.expansion @ q
+    total = np.zeros_like(u)
     for each in body.force.blocks:
         a = np.einsum("egdn,en->egd", each.G, u[each.dofs])
-        strain = np.einsum("sdf,egd,egf->egs", each.N, a, a)
+        N = np.broadcast_to(each.N, (*a.shape[:2], *each.N.shape[-3:]))
+        strain = np.einsum("egsdf,egd,egf->egs", N, a, a)
         D = np.broadcast_to(each.D, (len(a), *each.D.shape[-2:]))
         force = np.einsum("eg,egsn,est,egt->en", each.w, each.B, D, strain)
         np.add.at(total, each.dofs, force)
-    return body.expansion.T @ total
+    return body.force.expansion.T @ total
 
 
 def least_energy(body, basis, gamma):

@@ -83,7 +83,7 @@ def locking(left_out: Condensation, plain: InternalForceTensors, chosen: Interna
     an interface: pushed along its six lowest shapes), each load scaled to the energy that turns the softest
     of them by 0.1 rad in linear theory. Two or three static solutions of r unknowns each.
 
-    plain, chosen : of the columns alone, and of the reduced body
+    plain, chosen : of the columns alone, and of the reduced body; one object where nothing is condensed
     """
     body = left_out.body
     free = left_out.energy + left_out.interface_energy

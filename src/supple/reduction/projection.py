@@ -47,8 +47,10 @@ def project(
     if not body.is_linear:
         left_out = Condensation(body, basis)
         with timed(seconds, "condensation"):
-            products = quartic.strains(products, left_out)
-            tensors = products.internal_force()
+            of_columns, products = products, quartic.strains(products, left_out)
+            # The indicator tells a body without condensation by its tensors: they are the same object.
+            if products is not of_columns:
+                tensors = products.internal_force()
             motion = quartic.motion(left_out)
         with timed(seconds, "locking"):
             found = locking(left_out, plain, tensors)
