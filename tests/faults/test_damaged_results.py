@@ -106,7 +106,7 @@ def test_no_single_mutation_reads_silently_wrong(tmp_path, written, at_once):
     assert check_mutations(written, tmp_path, 1, 40) > 20  # and the mutations do hit
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("seed", range(2, 7))
 def test_none_of_many_mutations_reads_silently_wrong(tmp_path, written, seed, at_once):
     assert check_mutations(written, tmp_path, seed, 400) > 200

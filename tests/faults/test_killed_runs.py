@@ -64,7 +64,7 @@ def test_a_killed_run_is_continued_to_the_same_bits(tmp_path, kind, uninterrupte
     check_plain(tmp_path / "run.h5", kind, 1, uninterrupted[kind])
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("seed", range(2, 22))
 @pytest.mark.parametrize("kind", ["fixed", "adaptive"])
 def test_a_killed_run_is_continued_to_the_same_bits_at_many_moments(tmp_path, kind, seed, uninterrupted):
@@ -105,7 +105,7 @@ def test_a_killed_self_correction_goes_on_to_the_same_bits(tmp_path, corrected):
     check_correcting(tmp_path / "run.h5", 5, *corrected)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("seed", range(10, 30))
 def test_a_killed_self_correction_goes_on_to_the_same_bits_at_many_moments(tmp_path, seed, corrected):
     check_correcting(tmp_path / "run.h5", seed, *corrected)

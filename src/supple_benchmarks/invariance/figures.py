@@ -33,7 +33,6 @@ def _draw_frame(axes: Axes, frame: str, rows: list[dict[str, Any]]) -> None:
         own = [row for row in rows if row["k"] == k]
         x, y = [row["tip_rotation"] for row in own], [row["error"] for row in own]
         draw_curve(axes, x, y, _POINTS, rank, str(k))
-    axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_title(f"{frame} frames", loc="left")
     axes.set_xlabel("rotation of the tip, rad")

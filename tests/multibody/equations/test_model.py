@@ -39,9 +39,10 @@ def test_size_of_a_system_is_the_span_of_its_points(rod, turned):
     np.testing.assert_allclose(system_length(system), np.hypot(2.0, 3.5), rtol=1e-14)
 
 
-def test_size_of_a_single_point_is_one():
-    ball = RigidBody("ball", 1.0, [0, 0, 0], np.eye(3))
-    assert system_length(System((Placed(ball, position=[5, 0, 0]),))) == 1.0
+def test_size_of_a_single_point_is_a_length_of_its_body():
+    """Whatever the unit of length: sqrt(trace(J) / m)."""
+    ball = RigidBody("ball", 2.0, [0, 0, 0], 6.0 * np.eye(3))
+    assert system_length(System((Placed(ball, position=[5, 0, 0]),))) == pytest.approx(3.0)
 
 
 def test_joint_axes_coincide_at_the_start(rod, turned):
