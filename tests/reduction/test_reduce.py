@@ -94,7 +94,7 @@ def test_derivatives_free_the_strip_to_shorten(cantilever, root_frame, nonlinear
     """A tip load that bends the strip by a twentieth of its length: linear columns alone lock in tension.
 
     With plain tensors, that is; condensed ones need no derivatives for it. Columns that only bend miss
-    the elastica's stiffening, of the deflection a share 2 int w''^2 w'^2 / int w''^2 with w' = theta (1 - s^2).
+    the elastica's stiffening, of the deflection a share 2 int w''^2 w'^2 / int w''^2; w' = theta (1 - s^2).
     """
     share = 0.05
     exact, deflection = _tip_load(cantilever, root_frame, nonlinear_static, share)

@@ -44,8 +44,8 @@ class Condensation:
         z(gamma) = 1/2 sum_jk gamma_j gamma_k (1 - P) t_jk
 
     A stiff direction that is missing, such as the shortening of a bent beam, would otherwise block bending.
-    What N(q, z) would add stays small, a share of the order of |theta|^2 of the work whatever the slenderness: 0.41
-    theta^2 for a beam under uniform load that turns by theta at its tip. Columns of derivatives bring it in.
+    What N(q, z) would add is a share of the order of theta^2 of the work, whatever the slenderness: 0.41
+    theta^2 for a beam under uniform load whose tip turns by theta. Columns of derivatives bring it in.
     z moves no interface against another: joints and loads there see V gamma alone. So z is K-orthogonal to
     their static shapes too, which most bases contain.
 
