@@ -48,16 +48,21 @@ step = 1e-4
 def stopped(process, path, number, outputs=2):
     """Exit code and error output of a program that gets a signal once so many output times are on disk."""
     with process:
-        while process.poll() is None:
-            try:
-                if read_header(path).n_times >= outputs:
-                    break
-            except ResultFileError:
-                pass
-            time.sleep(0.02)
-        process.send_signal(number)
-        printed = process.communicate(timeout=120)
+        try:
+            while process.poll() is None and _outputs_in(path) < outputs:
+                time.sleep(0.02)
+            process.send_signal(number)
+            printed = process.communicate(timeout=120)
+        finally:
+            process.kill()
     return process.returncode, re.sub(r"\s+", " ", "".join(printed))
+
+
+def _outputs_in(path):
+    try:
+        return read_header(path).n_times
+    except ResultFileError:
+        return 0
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
