@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -50,14 +51,14 @@ class BodyKind(CheckedTable):
     """True of what may bring RBE2 and RBE3 elements as interfaces."""
 
 
-class ElasticKind(BodyKind):
+class ElasticKind(BodyKind, ABC):
     """What an elastic body is made of."""
 
     is_elastic = True
 
+    @abstractmethod
     def source(self, folder: Path, mesh: str, /) -> BodySource:
         """What the files hold, which lie in `folder`; a superelement has no mesh file."""
-        raise NotImplementedError
 
 
 class Homogeneous(ElasticKind):
@@ -76,9 +77,9 @@ class Homogeneous(ElasticKind):
         material = Isotropic(self.youngs_modulus, self.poissons_ratio, self.density)
         return elements_source(read, lambda: self.model(read, material))
 
+    @abstractmethod
     def model(self, mesh: Mesh, material: Isotropic) -> FiniteElementModel:
         """The elements on a mesh."""
-        raise NotImplementedError
 
 
 class Shell(Homogeneous):

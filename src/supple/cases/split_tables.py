@@ -18,6 +18,7 @@ from supple.cases.interfaces import Interface
 from supple.cases.joints import Joint
 from supple.cases.loads import Load
 from supple.cases.split import SplitSource
+from supple.cases.springs import Spring
 from supple.errors import ModelError, SuppleWarning
 from supple.machine.split_body import SplitBody, cut_name, part_name
 
@@ -64,9 +65,8 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
             text = each.place(text)
         return text
 
-    def at_parts(item: Joint | object) -> object:
-        ends = {key: placed(getattr(item, key)) for key in ("first", "second")}
-        return item.model_copy(update=ends)  # type: ignore[attr-defined]
+    def at_parts(item: Joint | Spring) -> Joint | Spring:
+        return item.model_copy(update={"first": placed(item.first), "second": placed(item.second)})
 
     bodies = [
         part

@@ -12,7 +12,7 @@ import numpy as np
 from supple.integrate import StepFactors
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.compiled.elimination import solve_bordering_column
-from supple.multibody.compiled.time_step import position_scale
+from supple.multibody.compiled.time_step import kinds_of_rows, position_scale
 from supple.multibody.equations.balance import Balance, balance, tangent
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import Configuration, SystemMotion
@@ -33,14 +33,10 @@ class CompiledStatics:
         """The residuals at rest."""
         model = self.machine.model
         terms = _balance(model, jnp.asarray(float(time)), state.configuration, jnp.asarray(state.multipliers))
-        columns = [np.asarray(getattr(terms, name)) for name in ("internal", "applied", "joint", "residual")]
-        squares = np.zeros((len(columns), 3))
-        for part in model.slices:
-            ends = (part.start, part.start + 3, part.start + 6)
-            own = [np.add.reduceat(np.append(column[: part.stop], 0.0) ** 2, ends) for column in columns]
-            squares += np.array(own)
-        scale = np.sqrt(squares[:3].max(axis=0))
-        relative = np.sqrt(squares[3]) / np.where(scale > 0, scale, 1.0)
+        columns = (terms.internal, terms.applied, terms.joint, terms.residual)
+        norms = np.sqrt(kinds_of_rows(model) @ np.stack(columns, axis=1) ** 2)
+        scale = norms[:, :3].max(axis=1)
+        relative = norms[:, 3] / np.where(scale > 0, scale, 1.0)
         gap = float(np.max(abs(np.asarray(terms.constraint_residual)), initial=0.0)) / float(model.length)
         return Unbalance(relative, gap, terms)
 

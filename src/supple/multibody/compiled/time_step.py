@@ -28,7 +28,7 @@ from supple.multibody.equations.model import BodyGroup, Model
 from supple.multibody.equations.places import Places, assembled_vector
 from supple.multibody.equations.step_size import next_step, position_rounding
 
-__all__ = ["Controls", "State", "march", "position_scale"]
+__all__ = ["Controls", "State", "kinds_of_rows", "march", "position_scale"]
 
 
 class Controls(NamedTuple):
@@ -92,7 +92,7 @@ class _Iteration(NamedTuple):
     multiplier_change: jax.Array
 
 
-def _kinds(model: Model) -> np.ndarray:
+def kinds_of_rows(model: Model) -> np.ndarray:
     """(3, n) rows that pick translations, rotations and deformations out of the velocity vector."""
     kinds = np.zeros((3, model.n_velocities))
     for part in model.slices:
@@ -125,7 +125,7 @@ def _relative_residual(
 ) -> jax.Array:
     """Residual of each kind over the largest term in balance, and the constraints' over the accelerations."""
     columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
-    norms = jnp.sqrt(_kinds(model) @ jnp.stack(columns, axis=1) ** 2)
+    norms = jnp.sqrt(kinds_of_rows(model) @ jnp.stack(columns, axis=1) ** 2)
     forces = _relative(norms[:, 0], jnp.max(norms[:, 1:], axis=1))
     accelerations = model.length * jnp.max(jnp.abs(trial / position_scale(model)), initial=0.0)
     largest_gap = jnp.max(jnp.abs(terms.constraint_residual), initial=0.0)
