@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from supple.arguments import check_instance, check_members, check_numbers, check_sequence
@@ -95,6 +96,12 @@ class Placed:
                 )
             array.setflags(write=False)
             object.__setattr__(self, item, array)
+
+    def positions(self, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
+        """Positions `R + A (x + u)` (k, 3) in space of some of its nodes, or all, deformed as it starts."""
+        own = nodes if isinstance(nodes, slice) else np.asarray(nodes)
+        local = self.body.nodes[own] + self.body.expand(self.coordinates)[own]
+        return self.position + local @ self.rotation.T
 
 
 Load = ForceElement | NodalLoad | BaseAcceleration

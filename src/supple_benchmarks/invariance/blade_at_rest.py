@@ -2,32 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable
+from typing import NamedTuple
 
-from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame
-from supple.machine import GROUND, At, Constant, DeadForce, Fixed, Placed, Scaled, System
-from supple.mesh import BladeGrid
+from supple.body import FullBody
+from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System
+from supple.multibody import StaticSearch
 from supple.simulation import equilibrium
-from supple_benchmarks.nrel5mw_blade import BODY, RATED, ROOT, Blade
+from supple_benchmarks.nrel5mw_blade import BODY, FRAMES, RATED, ROOT, Blade
 
-__all__ = ["blade_at_rest"]
+__all__ = ["Rest", "blade_at_rest"]
+
+RESIDUAL = 1e-7
 
 
-def blade_at_rest(grid: BladeGrid | None, progress: Any = lambda *_: None) -> Mapping[str, list[float]]:
-    """Displacement of the tip section against the clamped root, m, in the axes of the mesh."""
-    blade = Blade() if grid is None else Blade(grid)
+class Rest(NamedTuple):
+    """Tip section against the clamped root, m, in the axes of the mesh; iterations to get there."""
+
+    tip: list[float]
+    iterations: int
+
+
+def blade_at_rest(blade: Blade, progress: Callable[[float], None] = lambda _: None) -> dict[str, Rest]:
+    """The blade at rest in each frame, by its name."""
     body = blade.body()
     wind = blade.steady_load(body, RATED)[:, 0].reshape(len(body.nodes), -1)[blade.leading_edge, :3]
+    clamp = Fixed(first=GROUND, second=At(BODY, ROOT), name="clamp")
+    load = DeadForce(body=BODY, at=blade.leading_edge, force=wind)
     tip = blade.mesh.nodes_of("tip")
     found = {}
-    for name, frame in (("nodal-fixed", NodalFixedFrame(ROOT)), ("mean-axis", MeanAxisFrame())):
-        clamp = Fixed(first=GROUND, second=At(BODY, ROOT), name="clamp")
-        load = DeadForce(body=BODY, at=blade.leading_edge, force=Scaled(wind, Constant(1.0)))
-        # The ground's end of the clamp is where the interface stands.
+    for name, frame in FRAMES.items():
         system = System((Placed(FullBody(body, frame)),), (clamp,), (load,))
-        rest = equilibrium(system, progress=lambda iteration, _: progress(iteration / 100)).system.bodies[0]
-        local = body.nodes[tip] + rest.body.expand(rest.coordinates)[tip]
-        moved = rest.position + local @ rest.rotation.T - body.nodes[tip]
-        found[name] = moved.mean(axis=0).tolist()
+        rest = equilibrium(system, search=StaticSearch(residual=RESIDUAL))
+        (placed,) = rest.system.bodies
+        moved = placed.positions(tip) - body.nodes[tip]
+        found[name] = Rest(moved.mean(axis=0).tolist(), rest.iterations)
+        progress(len(found) / len(FRAMES))
     return found

@@ -54,6 +54,4 @@ def resting_tip(
     clamp = Fixed(first=GROUND, second=At(first.name, "root"), name="clamp")
     load = DeadForce(body=last.name, at=np.asarray(nodes), force=Scaled(np.asarray(forces), Constant(1.0)))
     found = equilibrium(System(tuple(map(Placed, bodies)), (clamp, *joints), (load,))).system.bodies[-1]
-    own = np.asarray(watched)
-    local = found.body.nodes[own] + found.body.expand(found.coordinates)[own]
-    return (found.position + local @ found.rotation.T).mean(axis=0)
+    return found.positions(watched).mean(axis=0)

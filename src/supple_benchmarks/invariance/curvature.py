@@ -48,7 +48,7 @@ def turned_strips(quick: bool) -> Iterator[dict[str, Any]]:
     held = HeldStrip(10 if quick else 20)
     tip = held.mesh.nodes_of("tip_centre")[0]
     loads = {
-        "bent": held.tip_force(force_that_turns(BENDING, LENGTH, 0.291)[0]),
+        "bent": held.tip_force([0, 0, force_that_turns(BENDING, LENGTH, 0.291)[0]]),
         "twisted": held.tip_couple(0.3 * TORSION / LENGTH),
     }
     for case, load in loads.items():

@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
+from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
 from supple.errors import ConvergenceError
-from supple.fem import BeamSection, FiniteElementModel, HomogeneousSection, Isotropic, assemble, shell_model
+from supple.fem import (
+    BeamSection,
+    FiniteElementModel,
+    HomogeneousSection,
+    Isotropic,
+    ShellSection,
+    assemble,
+    shell_model,
+)
 from supple.mesh import CellType, Mesh, strip
 from supple_benchmarks.references.elastica import elastica
 
@@ -78,20 +87,27 @@ def force_that_turns(bending: float, length: float, rotation: float) -> tuple[fl
     return force, np.array(elastica(bending, length, force)[:2])
 
 
+def turned_rigidly(mesh: Mesh, motion: Array, around: Rotation) -> Array:
+    """Nodal freedoms (N, 6) of a motion followed by a rotation about the origin."""
+    moved = around.apply(mesh.nodes + motion[:, :3]) - mesh.nodes
+    return np.column_stack([moved, (around * Rotation.from_rotvec(motion[:, 3:])).as_rotvec()])
+
+
 class HeldStrip:
     """The strip with its root prescribed exactly, so that it can stand turned against the frame."""
 
-    def __init__(self, n_length: int = 20) -> None:
+    def __init__(self, n_length: int = 20, wall: ShellSection = WALL) -> None:
         self.mesh = strip_mesh(n_length)
-        self.assembly = assemble(strip_model(n_length))
+        self.model = shell_model(self.mesh, wall)
+        self.assembly = assemble(self.model)
         free = np.ones((self.mesh.n_nodes, 6), dtype=bool)
         free[self.mesh.nodes_of("root")] = False
         self.free = np.flatnonzero(free)
 
-    def tip_force(self, force: float) -> Array:
-        """Dead forces (N, 6) along z, shared by the tip's nodes."""
+    def tip_force(self, force: ArrayLike) -> Array:
+        """A dead force (3,) as (N, 6), shared by the tip's nodes."""
         load = np.zeros((self.mesh.n_nodes, 6))
-        load[self.mesh.nodes_of("tip"), 2] = force * np.array([0.25, 0.5, 0.25])
+        load[self.mesh.nodes_of("tip"), :3] = np.outer([0.25, 0.5, 0.25], np.asarray(force))
         return load
 
     def tip_couple(self, torque: float) -> Array:
@@ -100,32 +116,32 @@ class HeldStrip:
         load[self.mesh.nodes_of("tip")[[0, -1]], 2] = -torque / WIDTH, torque / WIDTH
         return load
 
+    def tangent(self, motion: Array) -> csc_array:
+        """Of the freedoms that are not prescribed."""
+        return self.assembly.tangent(motion.ravel())[self.free][:, self.free]
+
     def bent(self, load: Array, steps: int = 3) -> Array:
         """Nodal freedoms (N, 6) at rest, the root along the frame."""
         return self._resting(load, np.zeros((self.mesh.n_nodes, 6)), steps)
 
-    def seen_from(self, turn: Array, load: Array, motion: Array) -> Array:
+    def seen_from(self, turn: ArrayLike, load: Array, motion: Array) -> Array:
         """The same rest in a frame against which all stands turned, back in the axes of the root."""
         around = Rotation.from_rotvec(turn)
         turned_load = around.apply(load.reshape(-1, 3)).reshape(-1, 6)
-        found = self._resting(turned_load, self._turned(motion, around), 1)
-        return self._turned(found, around.inv())
+        found = self._resting(turned_load, turned_rigidly(self.mesh, motion, around), 1)
+        return turned_rigidly(self.mesh, found, around.inv())
 
     def energy(self, turn: Array, motion: Array) -> float:
         """Strain energy of a motion followed by a turn, J."""
-        return float(self.assembly.energy(self._turned(motion, Rotation.from_rotvec(turn)).ravel()))
-
-    def _turned(self, motion: Array, around: Rotation) -> Array:
-        moved = around.apply(self.mesh.nodes + motion[:, :3]) - self.mesh.nodes
-        return np.column_stack([moved, (around * Rotation.from_rotvec(motion[:, 3:])).as_rotvec()])
+        turned = turned_rigidly(self.mesh, motion, Rotation.from_rotvec(turn))
+        return float(self.assembly.energy(turned.ravel()))
 
     def _resting(self, load: Array, start: Array, steps: int) -> Array:
         q = start.copy()
         for share in np.arange(1, steps + 1) / steps:
             for _ in range(30):
                 residual = (share * load.ravel() - self.assembly.internal_force(q.ravel()))[self.free]
-                tangent = self.assembly.tangent(q.ravel())[self.free][:, self.free]
-                change = splu(tangent.tocsc()).solve(residual)
+                change = splu(self.tangent(q)).solve(residual)
                 q.reshape(-1)[self.free] += change
                 if np.abs(change).max() < 1e-9:
                     break
