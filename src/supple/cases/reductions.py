@@ -86,7 +86,7 @@ class Accuracy(CheckedTable):
     )
     absolute: Positive | None = Field(None, description="largest RMS error of the nodes, m")
     instants: int = Field(50, ge=1, description="output times at which a run's residual is evaluated")
-    directions: int = Field(3, ge=1, description="columns added a round")
+    directions: int = Field(4, ge=1, description="columns added a round")
     largest_size: int = Field(60, ge=1, description="coordinates")
     max_rounds: int = Field(8, ge=1, description="enrichments before giving up")
 

@@ -72,10 +72,6 @@ def test_derivatives_beat_as_many_linear_columns(report):
         assert errors[25, "picked"] < 0.5 * errors[25, "none"]
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="since shells have quadratic curvature the coarse blade's estimate is 0.65 of the truth, not 0.7",
-)
 def test_self_correction_meets_its_error_and_knows_it(report):
     """A two-hundredth of the tip's amplitude in three rounds, fewer coordinates than a fixed basis."""
     for frame in ("nodal-fixed", "mean-axis"):
