@@ -120,9 +120,9 @@ def test_condensed_bodies_do_not_lock_and_the_indicator_says_by_how_much_others_
     ],
 )
 def test_condensed_beams_bend_far_about_both_axes_at_once(frame, derivatives, allowed):
-    """By 0.3 rad, six times as far about the weak axis: bending, torsion and stretch are all coupled.
+    """By 0.3 rad, nine times as far about the weak axis: bending, torsion and stretch are all coupled.
 
-    What is left is N(q, z), a share of theta^2 = 0.09 of the work; the columns alone are a quarter or more off.
+    What is left is N(q, z), a share of theta^2 = 0.09 of the work; the columns alone are a fifth or more off.
     """
     body = beam_body("root", "tip")
     basis = reduction_basis(body, frame, CraigBampton(n_modes=6), derivatives=derivatives)

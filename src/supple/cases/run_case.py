@@ -106,7 +106,8 @@ def _run_case(
         _write_report(case, folder, correction_numbers(rounds), {})
         raise
     warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
-    tracked = tracked_places(system, solution, {name: case.place(name) for name in case.parts.output.track})
+    places = {name: case.place(name) for name in case.parts.output.track}
+    tracked = tracked_places(system, solution, places, case.bases)
     numbers = summarize(system, solution, tracked, units=case.units)
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_report(case, folder, result.rounds, result.numbers)
@@ -166,12 +167,13 @@ def _draw(case: Case, result: CaseResult, folder: Path, progress: Progress) -> N
     elements = case.elements if output.colour == "von-mises" else None
     if output.pictures:
         case.notify("drawing pictures")
-        draw_run(folder, *run, tracked=result.tracked, elements=elements, units=case.units)
+        draw_run(folder, *run, tracked=result.tracked, elements=elements, bases=case.bases, units=case.units)
     if output.animation:
         animate_run(
             folder / "motion.gif",
             *run,
             elements=elements,
+            bases=case.bases,
             units=case.units,
             progress=lambda share: progress("drawing the animation", share),
         )

@@ -11,7 +11,7 @@ import numpy as np
 from supple.body import FullBody
 from supple.fem import FiniteElementModel
 from supple.integrate import FloatingMotion, Solution
-from supple.machine import System
+from supple.machine import At, System
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody, clamped_modes
 from supple.results import (
@@ -19,6 +19,7 @@ from supple.results import (
     deflections,
     joint_loads,
     node_positions,
+    observer_of,
     von_mises_history,
     without_noise,
 )
@@ -56,6 +57,7 @@ def draw_run(
     *,
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
     elements: Elements | None = None,
+    bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> list[Path]:
     """Draw everything but the animation: mesh, modes and deformation of the bodies, what is tracked, joints.
@@ -66,6 +68,7 @@ def draw_run(
     meshes : of the elastic bodies to draw, by name; each has faces
     tracked : motions of places, by their names
     elements : of these bodies, by name, to draw their von Mises stress too; see `von_mises_history`
+    bases : interfaces that deflections are seen from, by body, where it is not its own first one
     units : of the model; without names no unit is written
 
     Returns
@@ -85,7 +88,7 @@ def draw_run(
         )
         if body.name in reduced:
             pictures.append(_draw_modes(path("modes"), reduced[body.name], surface, units))
-        pictures.append(_draw_deformed(path("deformed"), body, solution, surface, units))
+        pictures.append(_draw_deformed(path("deformed"), body, (system, solution), bases, surface, units))
         if elements is not None:
             model = elements[body.name]
             pictures.append(_draw_stress(path("stress"), body, model, mesh, solution, units))
@@ -111,6 +114,7 @@ def animate_run(
     meshes: Mapping[str, Mesh],
     *,
     elements: Elements | None = None,
+    bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
     progress: Callable[[float], None] | None = None,
 ) -> Path | None:
@@ -123,7 +127,8 @@ def animate_run(
     actors, traced, n_nodes = [], [], 0
     for body, mesh in _drawn(system, meshes):
         motion = solution.bodies[body.name].at(chosen)
-        deflection = np.linalg.norm(deflections(body, motion), axis=2)
+        seen_from = observer_of(system, solution, body.name, bases, chosen)
+        deflection = np.linalg.norm(deflections(body, motion, seen_from), axis=2)
         values = deflection
         if elements is not None:
             values = stress_factor * von_mises_history(body, elements[body.name], motion.coordinates)
@@ -205,11 +210,17 @@ def _draw_modes(path: Path, body: ReducedBody, surface: Skin, units: UnitSystem)
 
 
 def _draw_deformed(
-    path: Path, body: ElasticBody, solution: Solution, surface: Skin, units: UnitSystem
+    path: Path,
+    body: ElasticBody,
+    run: tuple[System, Solution],
+    bases: Mapping[str, At],
+    surface: Skin,
+    units: UnitSystem,
 ) -> Path:
     """The body when it is bent most, enlarged if that were too little to see."""
+    system, solution = run
     instants, motion = _sampled(body, solution)
-    displaced = deflections(body, motion)
+    displaced = deflections(body, motion, observer_of(system, solution, body.name, bases, instants))
     size = np.linalg.norm(displaced, axis=2).max(axis=1)
     worst = int(np.argmax(size))
     scale, enlarged = _enlargement(body, displaced[worst])
