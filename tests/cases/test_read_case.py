@@ -370,7 +370,7 @@ ONE_MISTAKE = {
     "modal damping of a reduction that corrects itself": (
         f"{SIZES}\n{DAMPING}",
         'damping = { kind = "modal", ratio = 0.02 }',
-        "damping.kind: a reduction that corrects itself takes rayleigh or rayleigh-ratio damping; or fix its",
+        "damping.kind: a reduction that corrects itself takes rayleigh or rayleigh-ratio damping, or modal",
     ),
     "derivatives without modes": (
         "modes = 10, ",

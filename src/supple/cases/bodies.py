@@ -14,7 +14,6 @@ from supple.body import (
     FlexibleBody,
     FullBody,
     MeanAxisFrame,
-    ModalDamping,
     NodalFixedFrame,
     RigidBody,
     check_rigid_connections,
@@ -168,7 +167,6 @@ class Body(CheckedTable):
         frame = self.frame.build()
         damped = self.damping.build(flexible, frame) if self.damping else None
         if self.reduction is None or self.reduction.corrects_itself or isinstance(self.reduction, FullOrder):
-            assert not isinstance(damped, ModalDamping)  # a rule of the case file
             return FullBody(flexible, frame, damped)
         step = f"reducing body '{self.name}' ({flexible.n} freedoms)"
         notify(step)

@@ -11,7 +11,7 @@ from pydantic import Field
 from supple import reduction
 from supple.body import FlexibleBody
 from supple.cases.body_kinds import is_elastic, kind_of
-from supple.cases.damping import is_modal
+from supple.cases.damping import damps_all_modes
 from supple.cases.table import Made
 from supple.correction import ReductionStart, SelfCorrection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, names, table
@@ -317,11 +317,11 @@ def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
             "a basis of fixed size needs modes too; add modes = 10, or accuracy = {relative = 1e-3} "
             "to start with these derivatives and correct itself",
         )
-    if is_modal(body) and (accuracy is not None or not sized):
+    if damps_all_modes(body) and (accuracy is not None or not sized):
         yield (
             (*path, "damping", "kind"),
-            "a reduction that corrects itself takes rayleigh or rayleigh-ratio damping; or fix its size "
-            "with modes = 10 and derivatives = {..}",
+            "a reduction that corrects itself takes rayleigh or rayleigh-ratio damping, or modal damping of "
+            "modes = 10; or fix its size with modes = 10 and derivatives = {..}",
         )
 
 
@@ -331,8 +331,11 @@ def _nonlinear_options_have_strains(path: KeyPath, body: Raw) -> Mistakes:
     linear = body.get("linear") is True or (kind is not None and kind.is_elastic and not kind.has_elements)
     if linear and table(given, "derivatives").get("kind") in ("compressed", "picked"):
         yield (*path, "reduction", "derivatives"), "a linear body has no modal derivatives; remove the key"
-    if is_modal(body) and given.get("basis") == "none":
-        message = "a body that is not reduced takes rayleigh or rayleigh-ratio damping"
+    if damps_all_modes(body) and given.get("basis") == "none":
+        message = (
+            "a body that is not reduced takes rayleigh or rayleigh-ratio damping, or modal damping of "
+            "modes = 10"
+        )
         yield (*path, "damping", "kind"), message
 
 
