@@ -148,7 +148,8 @@ class ModalDamping:
     def matrix(self, stiffness: ArrayLike, mass: ArrayLike) -> NDArray[np.float64]:
         """C (r, r) from the modes of dense matrices (r, r)."""
         M = np.asarray(mass, dtype=np.float64)
-        columns = self._columns(*linalg.eigh(np.asarray(stiffness, dtype=np.float64), M), M)
+        squares, modes = linalg.eigh(np.asarray(stiffness, dtype=np.float64), M)
+        columns = self._columns(squares, modes, M)
         return columns @ columns.T
 
     def columns(
