@@ -112,7 +112,7 @@ class Sized(CheckedTable):
     steady: bool = Field(
         True,
         description="false leaves out of a fixed size the static answers to steady motion: "
-        "up to nine columns besides the modes",
+        "up to twelve columns besides the modes",
     )
 
     @property
