@@ -141,6 +141,13 @@ def test_a_reduction_corrects_itself_unless_its_size_is_fixed(folder, reduction,
     assert body.corrects_itself is corrects
 
 
+@pytest.mark.parametrize("reduction", ['reduction = { basis = "none" }', ""])
+def test_modal_damping_of_so_many_modes_needs_no_fixed_size(folder, reduction):
+    modal = 'damping = { kind = "modal", ratio = 0.02, modes = 12 }'
+    body = read(folder, GOOD.replace(SIZES, reduction).replace(DAMPING, modal)).tables.body[0]
+    assert body.damping.build().n_modes == 12
+
+
 def test_a_rigid_body_has_nothing_to_correct(folder):
     assert not read(folder, GOOD).tables.body[1].corrects_itself
 
