@@ -14,6 +14,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import NamedTuple
 
+from forked_copy import fork_copies
+
 from supple.errors import SuppleError
 
 SECONDS = 20.0
@@ -103,6 +105,7 @@ def _serve(pipe: Connection, other_end: Connection, reader: Callable[[Path], obj
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     warnings.simplefilter("ignore")
+    fork_copies()
     while True:
         try:
             path = pipe.recv()
