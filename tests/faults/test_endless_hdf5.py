@@ -29,7 +29,7 @@ def soon(monkeypatch):
     monkeypatch.setattr("supple.copied_hdf5.SECONDS", 2.0)
     began = time.perf_counter()
     yield
-    assert time.perf_counter() - began < 15.0
+    assert time.perf_counter() - began < 60.0
 
 
 @pytest.mark.usefixtures("soon")

@@ -19,7 +19,7 @@ def fork_copies() -> None:
     copied_hdf5._answer = _answer
 
 
-def _answer(words: list[str], seconds: float) -> tuple[int, str]:
+def _answer(words: list[str], seconds: float) -> tuple[int | None, str]:
     reading, writing = os.pipe()
     child = os.fork()
     if not child:
@@ -41,7 +41,7 @@ def _answer(words: list[str], seconds: float) -> tuple[int, str]:
             said += piece
         else:
             os.kill(child, signal.SIGKILL)
-            raise OSError(f"HDF5 does not come to an end within {seconds:.0f} s, which is the limit")
+            return None, ""
     finally:
         os.close(reading)
         _, status = os.waitpid(child, 0)
