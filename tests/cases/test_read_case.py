@@ -188,7 +188,11 @@ ONE_MISTAKE = {
         "duration = -10.0",
         "law.duration: should be greater than 0, got -10.0 (a time)",
     ),
-    "not finite": ("stiffness = 10.0", "stiffness = inf", "should be a finite number, got inf (force per length)"),
+    "not finite": (
+        "stiffness = 10.0",
+        "stiffness = inf",
+        "should be a finite number, got inf (force per length)",
+    ),
     "short vector": ("[0.0, 0.0, -9.81]", "[0.0, 0.0]", "gravity: 3 items are needed, got [0.0, 0.0]"),
     "long vector": (
         "[0.0, 0.0, -9.81]",

@@ -2,7 +2,8 @@
 
     python tools/fuzz --quick               # about a minute; the exit code tells of faults
     python tools/fuzz -n 100000             # and writes report.json and report.md beside this file
-    python tools/fuzz -n 100000 --kept F    # counts are kept in F, from which the same command goes on
+    python tools/fuzz -n 100000 --kept F    # counts are kept in F, from which the same command goes on; it
+                                            # tries the faults that were listed again
 
 Seeds are fixed: mutation k of a kind is the same file on every machine.
 """
@@ -22,7 +23,7 @@ import numpy as np
 from corpus import Kind, kinds
 from mutate import mutated
 from tally import Tally
-from worker import MEMORY, SECONDS, Outcome, Worker
+from worker import MEMORY, SECONDS, WAITING, Outcome, Worker
 
 SEED = 20261122
 QUICK = 2500
@@ -50,6 +51,10 @@ def main() -> int:
             chosen = [kind for kind in chosen if not kind.is_hdf5]
         for kind in chosen:
             _check_seeds(kind, Path(folder))
+        for label, number in tally.take_back():
+            for kind in chosen:
+                if kind.label == label:
+                    _try(kind, Path(folder), range(number, number + 1), tally, given.keep)
         end = given.first + -(-(QUICK if given.quick else given.n) // len(chosen))
         while waiting := [kind for kind in chosen if tally.next(kind.label) < end]:
             for kind in waiting:
@@ -122,8 +127,9 @@ def _write_report(tally: Tally) -> None:
         "# Mutated files",
         "",
         f"{date}: {tally.n_mutations} mutations of valid files, seed {SEED}, within {MEMORY / 2**30:g} GiB",
-        f"and {SECONDS:g} s each. A file is read (good) or refused by an error of supple's own; all other",
-        "outcomes are faults.",
+        f"and {SECONDS:g} s of processor time each (or {WAITING * SECONDS:g} s by the clock). A file is read",
+        "(good) or refused by an error of supple's own; all other outcomes are faults. Copies of HDF5 files",
+        "(`copied_hdf5`) are made by a process that is forked, instead of one that is begun anew.",
         "",
         f"| kind of file | {' | '.join(heads)} |",
         f"| --- |{' --- |' * len(heads)}",

@@ -53,6 +53,13 @@ class Tally:
             if len(alike) < SHOWN:
                 self.faults.append({"kind": kind, "number": number, **finding._asdict()})
 
+    def take_back(self) -> list[tuple[str, int]]:
+        """Kinds and numbers of the faults listed, which count no more: to be tried again, once mended."""
+        listed, self.faults = self.faults, []
+        for fault in listed:
+            self.counts[fault["kind"]][fault["outcome"]] -= 1
+        return [(fault["kind"], fault["number"]) for fault in listed]
+
     def next(self, kind: str) -> int:
         """Number of the next mutation of a kind."""
         return self.first + sum(self.counts.get(kind, Counter()).values())
