@@ -10,6 +10,7 @@ from typing import Any
 from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import Progress, silent
+from supple.cases.outputs import check_outputs
 from supple.cases.remains import check_remains, result_path
 from supple.correction import Round, SelfCorrectionError, correct_recorded, correction_numbers
 from supple.errors import CaseError
@@ -69,6 +70,7 @@ def run_case(
     """
     if resume and force:
         raise CaseError("--resume goes on with a result and --force replaces it: give one of them")
+    check_outputs(case, folder)
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     with ExclusiveLock(folder):
