@@ -155,3 +155,14 @@ def test_a_file_system_without_locks_earns_a_warning(tmp_path, make, monkeypatch
     with pytest.warns(UnlockedWarning, match=r"run\.h5 knows no locks: make sure yourself"):
         write_solution(tmp_path / "run.h5", make(), case="a")
     assert read_header(tmp_path / "run.h5").complete
+
+
+def test_a_run_that_was_stopped_has_no_report_of_the_one_before(tmp_path, case):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    run_case(case, tmp_path / "out")
+    assert (tmp_path / "out" / "bar.json").exists()
+    with pytest.raises(KeyboardInterrupt):
+        run_case(case, tmp_path / "out", force=True, progress=stop)
+    assert not (tmp_path / "out" / "bar.json").exists()
