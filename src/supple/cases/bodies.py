@@ -101,10 +101,10 @@ class Body(CheckedTable):
     damping: Damping | None = None
     split: Split | None = None
     linear: bool = Field(False, description="true leaves the nonlinear strains out (for comparison)")
-    position: Vector = Field(ZERO, description="start of the mesh origin, global axes, m")
+    position: Vector = Field(ZERO, description="start of the mesh origin, global axes")
     rotation: Vector = Field(ZERO, description="start orientation as a rotation vector, global axes, rad")
-    velocity: Vector = Field(ZERO, description="start velocity of the mesh origin, global axes, m/s")
-    angular_velocity: Vector = Field(ZERO, description="start angular velocity, body axes, rad/s")
+    velocity: Vector = Field(ZERO, description="start velocity of the mesh origin, global axes")
+    angular_velocity: Vector = Field(ZERO, description="start angular velocity, body axes, rad per time")
 
     @property
     def kind(self) -> str:

@@ -13,6 +13,7 @@ from supple.cases.bodies import Body
 from supple.cases.body_kinds import KINDS
 from supple.cases.ends import ends_exist
 from supple.cases.joints import Joint
+from supple.cases.laws import tables_suit_the_run
 from supple.cases.loads import Load
 from supple.cases.output import Output
 from supple.cases.simulation import Simulation
@@ -27,7 +28,7 @@ class CaseTables(CheckedTable):
     """A whole case file."""
 
     title: str = Field(description="one line for tables and pictures")
-    gravity: Vector = Field(ZERO, description="global axes, m/s2")
+    gravity: Vector = Field(ZERO, description="acceleration, global axes")
     units: dict[str, str] = Field(
         default_factory=dict,
         description='such as { length = "mm", mass = "t", time = "s" }; nothing is converted',
@@ -71,7 +72,8 @@ def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
     raw : mapping    the case as the TOML reader returns it
     folder : Path    where the case file lies: its file names are relative to it
     """
-    return [mistake for rule in RULES for mistake in rule(raw)] + list(_files_exist(raw, folder))
+    broken = [mistake for rule in RULES for mistake in rule(raw)]
+    return [*broken, *_files_exist(raw, folder), *tables_suit_the_run(raw, folder)]
 
 
 def _files_exist(raw: Raw, folder: Path) -> Mistakes:

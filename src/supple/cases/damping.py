@@ -59,8 +59,8 @@ class Rayleigh(Made):
     makes = RayleighDamping
 
     kind: Literal["rayleigh"]
-    alpha: NonNegative = Field(description="1/s")
-    beta: NonNegative = Field(description="s")
+    alpha: NonNegative = Field(description="per time")
+    beta: NonNegative = Field(description="a time")
 
 
 class LinearRayleigh(Made):
@@ -69,8 +69,8 @@ class LinearRayleigh(Made):
     makes = LinearRayleighDamping
 
     kind: Literal["linear-rayleigh"]
-    alpha: NonNegative = Field(description="1/s")
-    beta: NonNegative = Field(description="s")
+    alpha: NonNegative = Field(description="per time")
+    beta: NonNegative = Field(description="a time")
 
 
 class Modal(Made):

@@ -84,7 +84,7 @@ class Accuracy(CheckedTable):
         None,
         description="largest RMS error of the nodes over their largest displacement from the first interface",
     )
-    absolute: Positive | None = Field(None, description="largest RMS error of the nodes, m")
+    absolute: Positive | None = Field(None, description="largest RMS error of the nodes, a length")
     instants: int = Field(50, ge=1, description="output times at which a run's residual is evaluated")
     directions: int = Field(4, ge=1, description="columns added a round")
     largest_size: int = Field(60, ge=1, description="coordinates")
@@ -308,7 +308,7 @@ def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
         return
     accuracy = given.get("accuracy")
     if {"relative", "absolute"} <= table(given, "accuracy").keys():
-        message = "give the error either as relative or as absolute (m), not both"
+        message = "give the error either as relative or as absolute (a length), not both"
         yield (*path, "reduction", "accuracy", "absolute"), message
     sized = "modes" in given or given.get("basis") == "guyan"
     if "derivatives" in given and not sized and accuracy is None:

@@ -203,10 +203,23 @@ def _draw_modes(path: Path, body: ReducedBody, surface: Skin, units: UnitSystem)
     if body.interfaces:
         modes = clamped_modes(body, body.interfaces[0].name, n_modes=N_MODES)
         titles = mode_titles(modes.frequencies / (2 * np.pi), units)
-        return plot_mode_shapes(path, body.nodes, surface, modes.shapes, titles)
+        return plot_mode_shapes(path, body.nodes, surface, _of_one_sign(modes.shapes), titles)
     values, vectors = np.linalg.eigh(body.stiffness)
     titles = mode_titles(np.sqrt(values[:N_MODES]) / (2 * np.pi), units)
-    return plot_mode_shapes(path, body.nodes, surface, body.expand(vectors[:, :N_MODES].T), titles)
+    shapes = _of_one_sign(body.expand(vectors[:, :N_MODES].T))
+    return plot_mode_shapes(path, body.nodes, surface, shapes, titles)
+
+
+def _of_one_sign(shapes: np.ndarray) -> np.ndarray:
+    """Modes (m, N, 3), which have no sign, with their largest component positive.
+
+    Of several that are as large the first one counts, so that rounding does not turn a picture over.
+    """
+    components = shapes.reshape(len(shapes), -1)
+    size = np.abs(components)
+    first = np.argmax(size >= 0.999 * size.max(axis=1, keepdims=True), axis=1)
+    signs = np.where(components[np.arange(len(shapes)), first] < 0.0, -1.0, 1.0)
+    return shapes * signs[:, None, None]
 
 
 def _draw_deformed(

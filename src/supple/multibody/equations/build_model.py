@@ -93,6 +93,7 @@ class _BodyPlaces:
 
     @classmethod
     def of(cls, sizes: tuple[int, ...]) -> _BodyPlaces:
+        """Of bodies with so many coordinates, one after the other."""
         ends = np.cumsum([0, *sizes])[:-1]
         return cls(sizes, tuple(int(e) + 6 * i for i, e in enumerate(ends)), tuple(int(e) for e in ends))
 
@@ -180,6 +181,7 @@ class _End:
 
     @property
     def key(self) -> Hashable:
+        """Ends of one key are computed together."""
         return self.body < 0, self.motion.shape
 
 
