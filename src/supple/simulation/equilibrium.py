@@ -1,14 +1,15 @@
-"""Static equilibrium of a machine: where it rests under its loads at one time."""
+"""Equilibrium of a machine: where it rests, or how it turns steadily, under its loads at one time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from supple.body import FullBody
-from supple.machine import Placed, System
+from supple.machine import Placed, Spin, System
 from supple.multibody import CompiledStatics, FullStatics
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.equations.build_model import build_model
@@ -16,17 +17,19 @@ from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.equations.floating_solution import body_motions, joint_multipliers
 from supple.multibody.equations.joint_wrench import joint_wrenches
+from supple.multibody.equations.model import Model
 from supple.multibody.equations.static_search import StaticSearch, StaticState, search_equilibrium
+from supple.multibody.equations.steady_motion import Turning
 from supple.multibody.full.full_system import FullSystem
 
-__all__ = ["Equilibrium", "equilibrium"]
+__all__ = ["Equilibrium", "RestingState", "equilibrium", "placed_at_rest", "resting_state"]
 
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """A machine at rest.
+    """A machine at rest, or turning steadily.
 
-    system       : System       its bodies placed and deformed as they rest: `simulate` starts there
+    system       : System       its bodies placed, moving and deformed as they are: `simulate` starts there
     joint_forces : {name: (6,)} force and moment on each joint's second end, as in a `Solution`
     iterations   : int          that the search took
     """
@@ -40,19 +43,23 @@ def equilibrium(
     system: System,
     *,
     time: float = 0.0,
+    spin: Spin | None = None,
     search: StaticSearch | None = None,
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> Equilibrium:
-    """Where a machine rests under gravity, its loads and its joints' laws at one time.
+    """Where a machine rests, or turns steadily, under gravity, its loads and its joints' laws at one time.
 
-        f(q) + G(q)^T lambda = Q(t, q),     g(q, t) = 0
+        I(q, w) + f(q) + G(q)^T lambda = Q(t, q),     g(q, t) = 0
 
-    The search goes downhill from where the bodies are placed, so that it ends in a stable equilibrium nearby.
-    Velocities that the bodies were given do not matter; those of the equilibrium are zero.
+    with the inertia force `I` of the `spin`, zero without one. The search goes downhill from where the bodies
+    are placed, so that it ends in a stable equilibrium nearby. Velocities that the bodies were given do not
+    matter; those of the equilibrium are the spin's. Loads and gravity that do not turn along are taken as
+    they are at that instant.
 
     Parameters
     ----------
     time : of the loads and laws
+    spin : Spin       of the machine, or of the bodies that it names; the others stand
     search : StaticSearch       accuracy and step
     progress : hears of each iteration and its largest relative residual
 
@@ -62,19 +69,47 @@ def equilibrium(
     ConvergenceError    no equilibrium was found
     Source: Kelley & Keyes (1998) for the search.
     """
+    found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
+    multipliers = joint_multipliers(found.system, found.model.active, np.asarray(found.state.multipliers))
+    forces = _joint_forces(found.system, found.state, time, multipliers)
+    return Equilibrium(placed_at_rest(found), forces, found.iterations)
+
+
+class RestingState(NamedTuple):
+    """An equilibrium as arrays."""
+
+    system: System
+    """As it was placed"""
+    model: Model
+    turning: Turning
+    state: StaticState
+    iterations: int
+
+
+def resting_state(
+    system: System,
+    *,
+    time: float,
+    spin: Spin | None,
+    search: StaticSearch | None = None,
+    progress: Callable[[int, float], None] = lambda *_: None,
+) -> RestingState:
+    """The arrays behind an `equilibrium`, with its arguments and errors."""
     search = StaticSearch() if search is None else search
+    turning = Turning(np.zeros((len(system.bodies), 3)), np.zeros(3))
+    if spin is not None:
+        turning = Turning(spin.angular_velocities(system), spin.point)
     still = replace(system, bodies=tuple(_at_rest(placed) for placed in system.bodies))
     if system.bodies_of(FullBody):
         machine, configuration, *_ = consistent_start(FullSystem(still), time)
-        statics, model = FullStatics(machine), machine.model
+        statics, model = FullStatics(machine, turning if spin else None), machine.model
         frames = tuple(np.zeros(6) for _ in machine.interiors)
     else:
         compiled, configuration, *_ = consistent_start(CompiledMachine(still, build_model(still)), time)
-        statics, model, frames = CompiledStatics(compiled), compiled.model, ()
+        statics, model, frames = CompiledStatics(compiled, turning if spin else None), compiled.model, ()
     start = StaticState(configuration, np.zeros(len(model.active)), frames)
-    found, iterations = search_equilibrium(statics, start, time, search, progress)
-    multipliers = joint_multipliers(still, model.active, np.asarray(found.multipliers))
-    return Equilibrium(_placed(still, found), _joint_forces(still, found, time, multipliers), iterations)
+    state, iterations = search_equilibrium(statics, start, time, search, progress)
+    return RestingState(still, model, turning, state, iterations)
 
 
 def _joint_forces(
@@ -98,17 +133,22 @@ def _at_rest(placed: Placed) -> Placed:
     return replace(placed, velocity=none, angular_velocity=none, coordinate_rates=np.zeros(0))
 
 
-def _placed(system: System, state: StaticState) -> System:
-    """The system with its bodies where the state says."""
+def placed_at_rest(found: RestingState) -> System:
+    """The system with its bodies where the state says, turning steadily."""
     bodies, first = [], 0
+    system, (velocities, point), state = found.system, found.turning, found.state
     for index, placed in enumerate(system.bodies):
         after = first + placed.body.n_coordinates
-        rotation = np.asarray(state.configuration.rotations[index])
+        left, _, right = np.linalg.svd(np.asarray(state.configuration.rotations[index]))
+        rotation, position = left @ right, np.asarray(state.configuration.origins[index])
         bodies.append(
             replace(
                 placed,
-                position=state.configuration.origins[index],
-                rotation=np.linalg.svd(rotation)[0] @ np.linalg.svd(rotation)[2],
+                position=position,
+                rotation=rotation,
+                assembled=placed.assembly,
+                velocity=np.cross(velocities[index], position - point),
+                angular_velocity=velocities[index] @ rotation,
                 coordinates=state.configuration.coordinates[first:after],
             )
         )

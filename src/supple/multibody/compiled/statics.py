@@ -1,4 +1,4 @@
-"""Machines of rigid and reduced bodies at rest."""
+"""Machines of rigid and reduced bodies at rest, or turning steadily."""
 
 from __future__ import annotations
 
@@ -19,6 +19,12 @@ from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.static_search import StaticCorrection, StaticState, Unbalance
+from supple.multibody.equations.steady_motion import (
+    Turning,
+    in_turning_axes,
+    linear_equations,
+    steady_motion,
+)
 
 __all__ = ["CompiledStatics"]
 
@@ -28,15 +34,19 @@ class CompiledStatics:
     """A `StaticMachine` whose steps are compiled."""
 
     machine: CompiledMachine
+    turning: Turning | None = None
+    """None for machines at rest"""
 
     def unbalance(self, state: StaticState, time: float) -> Unbalance:
         """The residuals at rest."""
         model = self.machine.model
-        terms = _balance(model, jnp.asarray(float(time)), state.configuration, jnp.asarray(state.multipliers))
-        columns = (terms.internal, terms.applied, terms.joint, terms.residual)
+        terms = _balance(
+            model, self.turning, jnp.asarray(float(time)), state.configuration, jnp.asarray(state.multipliers)
+        )
+        columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
         norms = np.sqrt(kinds_of_rows(model) @ np.stack(columns, axis=1) ** 2)
-        scale = norms[:, :3].max(axis=1)
-        relative = norms[:, 3] / np.where(scale > 0, scale, 1.0)
+        scale = norms[:, 1:].max(axis=1)
+        relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
         gap = float(np.max(abs(np.asarray(terms.constraint_residual)), initial=0.0)) / float(model.length)
         return Unbalance(relative, gap, terms)
 
@@ -44,6 +54,7 @@ class CompiledStatics:
         """One implicit step of length k."""
         change = _correction(
             self.machine.model,
+            self.turning,
             jnp.asarray(float(time)),
             state.configuration,
             jnp.asarray(state.multipliers),
@@ -63,21 +74,34 @@ class CompiledStatics:
         return np.asarray(position_scale(self.machine.model))
 
 
-def _at_rest(
-    model: Model, time: jax.Array, configuration: Configuration, multipliers: jax.Array
+def _motion(
+    model: Model,
+    turning: Turning | None,
+    time: jax.Array,
+    configuration: Configuration,
+    multipliers: jax.Array,
 ) -> SystemMotion:
+    if turning is not None:
+        return steady_motion(model, turning, time, configuration, multipliers)
     none = jnp.zeros(model.n_velocities)
     return SystemMotion(time, configuration, none, none, multipliers)
 
 
 @partial(jax.jit, compiler_options=STARTING)
-def _balance(model: Model, time: jax.Array, configuration: Configuration, multipliers: jax.Array) -> Balance:
-    return balance(model, _at_rest(model, time, configuration, multipliers))
+def _balance(
+    model: Model,
+    turning: Turning | None,
+    time: jax.Array,
+    configuration: Configuration,
+    multipliers: jax.Array,
+) -> Balance:
+    return balance(model, _motion(model, turning, time, configuration, multipliers))
 
 
 @partial(jax.jit, compiler_options=STARTING)
 def _correction(
     model: Model,
+    turning: Turning | None,
     time: jax.Array,
     configuration: Configuration,
     multipliers: jax.Array,
@@ -85,9 +109,14 @@ def _correction(
     k: jax.Array,
 ) -> tuple[jax.Array, jax.Array]:
     """Increment of the configuration (n,), change of the multipliers (m,)."""
-    motion = _at_rest(model, time, configuration, multipliers)
+    motion = _motion(model, turning, time, configuration, multipliers)
     n, m = model.n_velocities, multipliers.shape[0]
-    matrix = tangent(model, motion, terms.linearization, jnp.zeros(n), StepFactors(k, jnp.zeros(())))
+    if turning is None:
+        matrix = tangent(model, motion, terms.linearization, jnp.zeros(n), StepFactors(k, jnp.zeros(())))
+    else:
+        steady = linear_equations(model, turning, motion, terms)
+        axes = in_turning_axes(model, configuration)
+        matrix = axes @ (steady.mass + k * steady.stiffness) @ axes.T
     rows = constraint_rows(model, terms.linearization.joints)
     # Rows of one size: multipliers in parts of what the matrix holds.
     size = jnp.max(jnp.abs(jnp.diag(matrix)))

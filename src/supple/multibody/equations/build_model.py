@@ -214,7 +214,7 @@ def _end(system: System, end: At, axes: np.ndarray, ground_point: np.ndarray) ->
     placed = system.bodies[index]
     position, motion = interface_motion(placed, end.interface)
     cubic_turn = placed.body.interface(end.interface).cubic_turn
-    return _End(index, motion, cubic_turn, offset=position, axes=placed.rotation.T @ axes)
+    return _End(index, motion, cubic_turn, offset=position, axes=placed.assembly.rotation.T @ axes)
 
 
 def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:
@@ -312,8 +312,9 @@ def row_scales(system: System) -> np.ndarray:
 
 def system_length(system: System) -> float:
     """Size of the system: the largest distance between interfaces, nodes and frame origins at the start."""
-    points = [placed.position[None] for placed in system.bodies]
-    points += [placed.position + placed.body.nodes @ placed.rotation.T for placed in system.bodies]
+    assemblies = [(placed.body.nodes, *placed.assembly) for placed in system.bodies]
+    points = [position[None] for _, position, _ in assemblies]
+    points += [position + nodes @ rotation.T for nodes, position, rotation in assemblies]
     extent = np.ptp(np.concatenate(points), axis=0)
     return float(np.linalg.norm(extent)) or _largest_gyration(system)
 
