@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.machine import Spin, System
 
 __all__ = ["LinearMachine"]
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,3 +42,7 @@ class LinearMachine:
     def size(self) -> int:
         """Number k of independent coordinates."""
         return len(self.mass)
+
+    def coordinates_of(self, motions: np.ndarray) -> np.ndarray:
+        """Independent coordinates (k, ..) of motions (n, ..), the nearest ones where these open joints."""
+        return np.linalg.lstsq(self.basis, motions, rcond=None)[0]

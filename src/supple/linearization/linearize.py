@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import scipy.linalg
 from scipy.spatial.transform import Rotation
@@ -18,13 +15,9 @@ from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
 from supple.multibody import StaticSearch
-from supple.multibody.equations.balance import balance
-from supple.multibody.equations.compiler_options import STARTING
-from supple.multibody.equations.model import Model
-from supple.multibody.equations.static_search import StaticState
+from supple.multibody.compiled.statics import balanced
 from supple.multibody.equations.steady_motion import (
     LinearEquations,
-    Turning,
     linear_equations,
     steady_motion,
 )
@@ -65,8 +58,8 @@ def linearize(
     full = list(system.bodies_of(FullBody))
     if full:
         raise ModelError(
-            f"body '{full[0]}' is a FullBody, whose linear equations are too many to be solved as they stand: "
-            "place reduce(body, frame, basis), whose modes converge as columns are added"
+            f"body '{full[0]}' is a FullBody, whose linear equations are too many to be solved directly: "
+            "place reduce(body, frame, basis), whose modes converge with its columns"
         )
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
     equations = _equations(found, time)
@@ -88,13 +81,8 @@ def linearize(
 
 def _equations(found: RestingState, time: float) -> LinearEquations:
     model, turning, state = found.model, found.turning, found.state
-    return LinearEquations(*map(np.asarray, _compiled(model, turning, jnp.asarray(float(time)), state)))
-
-
-@partial(jax.jit, compiler_options=STARTING)
-def _compiled(model: Model, turning: Turning, time: jax.Array, state: StaticState) -> LinearEquations:
-    motion = steady_motion(model, turning, time, state.configuration, jnp.asarray(state.multipliers))
-    return linear_equations(model, turning, motion, balance(model, motion))
+    motion = steady_motion(model, turning, time, state.configuration, state.multipliers)
+    return linear_equations(model, turning, motion, balanced(model, motion))
 
 
 class _Projected(NamedTuple):

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.linearization.linear_machine import LinearMachine
@@ -18,34 +18,34 @@ __all__ = ["MachineModes", "machine_modes"]
 class MachineModes:
     """Free motions `p(t) = Re( shape exp(eigenvalue t) )` of a linearised machine, slowest first.
 
-    eigenvalues : complex (k,)      1/s, of each conjugate pair the one above the real axis; both of two real ones
+    eigenvalues : complex (k,)      1/s, of each conjugate pair the one above the real axis; real ones alone
     shapes : complex (n, k)         of frames and deformation coordinates, in the frames' own axes, of unit
         kinetic energy norm `shape^H M shape = 1`, the largest independent coordinate real
     independent : complex (m, k)    the same in the coordinates of the `LinearMachine`
     """
 
     machine: LinearMachine
-    eigenvalues: NDArray[np.complex128]
-    independent: NDArray[np.complex128]
+    eigenvalues: Any
+    independent: Any
 
     @property
-    def shapes(self) -> NDArray[np.complex128]:
+    def shapes(self) -> np.ndarray:
         """Of frames and deformation coordinates, (n, k)."""
         return self.machine.basis @ self.independent
 
     @property
-    def frequencies(self) -> NDArray[np.float64]:
+    def frequencies(self) -> np.ndarray:
         """Damped angular frequencies, rad/s, (k,); zero for motions that do not oscillate."""
         return self.eigenvalues.imag
 
     @property
-    def damping_ratios(self) -> NDArray[np.float64]:
+    def damping_ratios(self) -> np.ndarray:
         """`-Re(s) / |s|`, (k,): negative for unstable modes, 0 for rigid motions."""
         size = abs(self.eigenvalues)
         return np.where(size > 0, -self.eigenvalues.real / np.where(size > 0, size, 1.0), 0.0)
 
     @property
-    def unstable(self) -> NDArray[np.bool_]:
+    def unstable(self) -> np.ndarray:
         """Which modes grow by more than round-off explains, (k,)."""
         largest = float(np.max(abs(self.eigenvalues), initial=0.0))
         return self.eigenvalues.real > 1e-7 * largest
@@ -74,7 +74,8 @@ def machine_modes(machine: LinearMachine, n_modes: int | None = None) -> Machine
     # Velocities in units of a typical frequency, so that both halves of the state are of one size.
     unit = np.sqrt(np.linalg.norm(stiffness)) or 1.0
     state = np.block([[np.zeros((k, k)), unit * np.eye(k)], [-stiffness / unit, -damping]])
-    values, vectors = scipy.linalg.eig(state)
+    values: Any
+    values, vectors = np.linalg.eig(state)
     values = np.where(abs(values) < 3e-7 * unit / np.sqrt(k), 0.0, values)
     kept = values.imag >= 0
     values, vectors = values[kept], vectors[:k, kept]

@@ -9,11 +9,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.integrate import StepFactors
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.compiled.elimination import solve_bordering_column
 from supple.multibody.compiled.time_step import kinds_of_rows, position_scale
-from supple.multibody.equations.balance import Balance, balance, tangent
+from supple.multibody.equations.balance import Balance, balance
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.joint_force import constraint_rows
@@ -24,9 +23,10 @@ from supple.multibody.equations.steady_motion import (
     in_turning_axes,
     linear_equations,
     steady_motion,
+    step_matrix,
 )
 
-__all__ = ["CompiledStatics"]
+__all__ = ["CompiledStatics", "balanced"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +40,7 @@ class CompiledStatics:
     def unbalance(self, state: StaticState, time: float) -> Unbalance:
         """The residuals at rest."""
         model = self.machine.model
-        terms = _balance(
-            model, self.turning, jnp.asarray(float(time)), state.configuration, jnp.asarray(state.multipliers)
-        )
+        terms = balanced(model, self._motion(state, time))
         columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
         norms = np.sqrt(kinds_of_rows(model) @ np.stack(columns, axis=1) ** 2)
         scale = norms[:, 1:].max(axis=1)
@@ -52,17 +50,26 @@ class CompiledStatics:
 
     def correction(self, state: StaticState, time: float, unbalance: Unbalance, k: float) -> StaticCorrection:
         """One implicit step of length k."""
-        change = _correction(
-            self.machine.model,
-            self.turning,
-            jnp.asarray(float(time)),
-            state.configuration,
-            jnp.asarray(state.multipliers),
-            unbalance.terms,
-            jnp.asarray(k),
+        model, terms = self.machine.model, unbalance.terms
+        motion = self._motion(state, time)
+        if self.turning is None:
+            matrix = step_matrix(model, motion, terms, k, 0.0)
+        else:
+            steady = linear_equations(model, self.turning, motion, terms)
+            axes = in_turning_axes(model, state.configuration)
+            matrix = axes @ (steady.mass + k * steady.stiffness) @ axes.T
+        rows = np.asarray(constraint_rows(model, terms.linearization.joints))
+        n, m = len(matrix), len(rows)
+        # Rows of one size: multipliers in parts of what the matrix holds.
+        size = float(np.max(abs(np.diag(matrix))))
+        bordered = np.block(
+            [
+                [matrix, size * rows.T, np.asarray(terms.residual)[:, None]],
+                [size * rows, np.zeros((m, m)), (size / k * np.asarray(terms.constraint_residual))[:, None]],
+            ]
         )
-        increment, multipliers = (np.asarray(part) for part in change)
-        return StaticCorrection(increment, multipliers)
+        change = -np.asarray(_solved(jnp.asarray(bordered)))
+        return StaticCorrection(k * change[:n], size * change[n:])
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment (n,)."""
@@ -73,58 +80,16 @@ class CompiledStatics:
         """What counts as a large change of each freedom, (n,)."""
         return np.asarray(position_scale(self.machine.model))
 
-
-def _motion(
-    model: Model,
-    turning: Turning | None,
-    time: jax.Array,
-    configuration: Configuration,
-    multipliers: jax.Array,
-) -> SystemMotion:
-    if turning is not None:
-        return steady_motion(model, turning, time, configuration, multipliers)
-    none = jnp.zeros(model.n_velocities)
-    return SystemMotion(time, configuration, none, none, multipliers)
+    def _motion(self, state: StaticState, time: float) -> SystemMotion:
+        still = Turning(np.zeros((len(self.machine.model.sizes), 3)), np.zeros(3))
+        motion = self.turning or still, time, state.configuration, state.multipliers
+        return steady_motion(self.machine.model, *motion)
 
 
 @partial(jax.jit, compiler_options=STARTING)
-def _balance(
-    model: Model,
-    turning: Turning | None,
-    time: jax.Array,
-    configuration: Configuration,
-    multipliers: jax.Array,
-) -> Balance:
-    return balance(model, _motion(model, turning, time, configuration, multipliers))
+def balanced(model: Model, motion: SystemMotion) -> Balance:
+    """The terms of the equations of motion, by a program compiled quickly."""
+    return balance(model, motion)
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def _correction(
-    model: Model,
-    turning: Turning | None,
-    time: jax.Array,
-    configuration: Configuration,
-    multipliers: jax.Array,
-    terms: Balance,
-    k: jax.Array,
-) -> tuple[jax.Array, jax.Array]:
-    """Increment of the configuration (n,), change of the multipliers (m,)."""
-    motion = _motion(model, turning, time, configuration, multipliers)
-    n, m = model.n_velocities, multipliers.shape[0]
-    if turning is None:
-        matrix = tangent(model, motion, terms.linearization, jnp.zeros(n), StepFactors(k, jnp.zeros(())))
-    else:
-        steady = linear_equations(model, turning, motion, terms)
-        axes = in_turning_axes(model, configuration)
-        matrix = axes @ (steady.mass + k * steady.stiffness) @ axes.T
-    rows = constraint_rows(model, terms.linearization.joints)
-    # Rows of one size: multipliers in parts of what the matrix holds.
-    size = jnp.max(jnp.abs(jnp.diag(matrix)))
-    bordered = jnp.block(
-        [
-            [matrix, size * rows.T, terms.residual[:, None]],
-            [size * rows, jnp.zeros((m, m)), (size / k * terms.constraint_residual)[:, None]],
-        ]
-    )
-    change = -solve_bordering_column(bordered)
-    return k * change[:n], size * change[n:]
+_solved = jax.jit(solve_bordering_column, compiler_options=STARTING)

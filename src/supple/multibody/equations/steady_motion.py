@@ -15,20 +15,29 @@ The last bracket is also the derivative of the unbalanced force of a steady stat
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
-from supple.algebra.rotation import skew
+from supple.algebra.cross import cross_matrices
 from supple.integrate import StepFactors
-from supple.multibody.equations.balance import Balance, tangent
+from supple.multibody.equations.balance import Balance, Linearization, tangent
+from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
-from supple.multibody.equations.places import Block, Places, assembled_matrix, assembled_vector, over
 
-__all__ = ["LinearEquations", "Turning", "in_turning_axes", "linear_equations", "steady_motion"]
+__all__ = [
+    "LinearEquations",
+    "Turning",
+    "in_turning_axes",
+    "linear_equations",
+    "steady_motion",
+    "step_matrix",
+]
 
 
 class Turning(NamedTuple):
@@ -54,31 +63,24 @@ class LinearEquations(NamedTuple):
 
 
 def steady_motion(
-    model: Model, turning: Turning, time: AnyArray, configuration: Configuration, multipliers: AnyArray
+    model: Model, turning: Turning, time: float, configuration: Configuration, multipliers: AnyArray
 ) -> SystemMotion:
     """The motion of bodies that turn without any other change of what they see."""
     w = turning.angular_velocities
-    velocity = jnp.cross(w, configuration.origins - turning.point)
-    in_body = jnp.einsum("bji,bj->bi", configuration.rotations, w)
-    acceleration = jnp.cross(w, velocity)
-
-    def of_frames(translation: jax.Array, rotation: jax.Array) -> jax.Array:
-        frames = jnp.concatenate([translation, rotation], axis=1)
-        return assembled_vector(model.n_velocities, [(model.frames, frames)])
-
-    still = jnp.zeros_like(in_body)
-    return SystemMotion(
-        time, configuration, of_frames(velocity, in_body), of_frames(acceleration, still), multipliers
-    )
+    velocity, acceleration = np.zeros((2, model.n_velocities))
+    places = np.array(model.frames.starts)[:, None] + np.arange(3)
+    moving = np.cross(w, configuration.origins - turning.point)
+    velocity[places] = moving
+    velocity[places + 3] = np.einsum("bji,bj->bi", configuration.rotations, w)
+    acceleration[places] = np.cross(w, moving)
+    return SystemMotion(jnp.asarray(float(time)), configuration, velocity, acceleration, multipliers)
 
 
 def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms: Balance) -> LinearEquations:
     """The equations of motion, linearised about a steady motion, at which `terms` were evaluated."""
-    mass, by_velocity, by_position = (
-        _tangent(model, motion, terms, StepFactors(jnp.asarray(p), jnp.asarray(v)))
-        for p, v in ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
-    )
-    damping, stiffness = by_velocity - mass, by_position - mass
+    mass = step_matrix(model, motion, terms, 0.0, 0.0)
+    damping = step_matrix(model, motion, terms, 0.0, 1.0) - mass
+    stiffness = step_matrix(model, motion, terms, 1.0, 0.0) - mass
     axes = in_turning_axes(model, motion.configuration)
     mass, damping, stiffness = (axes.T @ each @ axes for each in (mass, damping, stiffness))
     frames, translations = _spins(model, turning, motion.configuration)
@@ -86,32 +88,38 @@ def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms
         mass=mass,
         damping=damping + mass @ (frames + translations),
         stiffness=stiffness + damping @ frames + mass @ translations @ frames,
-        jacobian=constraint_rows(model, terms.linearization.joints) @ axes,
+        jacobian=np.asarray(constraint_rows(model, terms.linearization.joints)) @ axes,
     )
 
 
-def in_turning_axes(model: Model, configuration: Configuration) -> jax.Array:
+def step_matrix(
+    model: Model, motion: SystemMotion, terms: Balance, by_position: float, by_velocity: float
+) -> np.ndarray:
+    """`M + by_velocity C + by_position K` (n, n), by one compiled program whatever the factors are."""
+    factors = StepFactors(jnp.asarray(by_position), jnp.asarray(by_velocity))
+    return np.asarray(_tangent(model, motion, terms.linearization, factors))
+
+
+@partial(jax.jit, compiler_options=STARTING)
+def _tangent(
+    model: Model, motion: SystemMotion, linearization: Linearization, factors: StepFactors
+) -> jax.Array:
+    return tangent(model, motion, linearization, jnp.zeros(model.n_velocities), factors)
+
+
+def in_turning_axes(model: Model, configuration: Configuration) -> np.ndarray:
     """Matrix (n, n) from small motions in the bodies' axes to increments of the configuration."""
-    first, _ = _frame_places(model)
-    rest = jnp.ones(model.n_velocities).at[first.index].set(0.0)
-    turned = Block(first, first, configuration.rotations)
-    return assembled_matrix((model.n_velocities, model.n_velocities), [turned]) + jnp.diag(rest)
+    axes = np.eye(model.n_velocities)
+    for start, rotation in zip(model.frames.starts, np.asarray(configuration.rotations), strict=True):
+        axes[start : start + 3, start : start + 3] = rotation
+    return axes
 
 
-def _tangent(model: Model, motion: SystemMotion, terms: Balance, factors: StepFactors) -> jax.Array:
-    return tangent(model, motion, terms.linearization, jnp.zeros(model.n_velocities), factors)
-
-
-def _spins(model: Model, turning: Turning, configuration: Configuration) -> tuple[jax.Array, jax.Array]:
+def _spins(model: Model, turning: Turning, configuration: Configuration) -> tuple[np.ndarray, np.ndarray]:
     """`S` and `S_R`, (n, n)."""
-    shape = model.n_velocities, model.n_velocities
-    first, second = _frame_places(model)
-    cross = over(skew, jnp.einsum("bji,bj->bi", configuration.rotations, turning.angular_velocities))
-    translations = assembled_matrix(shape, [Block(first, first, cross)])
-    return translations + assembled_matrix(shape, [Block(second, second, cross)]), translations
-
-
-def _frame_places(model: Model) -> tuple[Places, Places]:
-    """Where translations and rotations of the frames stand."""
-    starts = model.frames.starts
-    return Places(starts, 3), Places(tuple(start + 3 for start in starts), 3)
+    frames, translations = np.zeros((2, model.n_velocities, model.n_velocities))
+    in_body = np.einsum("bji,bj->bi", configuration.rotations, turning.angular_velocities)
+    for start, spin in zip(model.frames.starts, cross_matrices(in_body), strict=True):
+        first, second = slice(start, start + 3), slice(start + 3, start + 6)
+        translations[first, first] = frames[first, first] = frames[second, second] = spin
+    return frames, translations
