@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from supple.cases import bodies, joints, loads, output, simulation, springs
+from supple.cases import bodies, joints, loads, output, simulation, spin, springs
 from supple.cases.bodies import Body
 from supple.cases.body_kinds import KINDS
 from supple.cases.ends import ends_exist
@@ -16,6 +16,7 @@ from supple.cases.joints import Joint
 from supple.cases.loads import Load
 from supple.cases.output import Output
 from supple.cases.simulation import Simulation
+from supple.cases.spin import SpinTable
 from supple.cases.springs import Spring
 from supple.errors import ModelError
 from supple.importers.text_file import is_file
@@ -37,6 +38,7 @@ class CaseTables(CheckedTable):
     load: Annotated[tuple[Load, ...], Field(strict=False)] = ()
     spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
     simulation: Simulation
+    spin: SpinTable | None = None
     output: Output = Field(default_factory=lambda: Output.model_validate({}))
 
 
@@ -56,6 +58,7 @@ RULES: tuple[Rule, ...] = (
     *loads.RULES,
     *springs.RULES,
     *simulation.RULES,
+    *spin.RULES,
     *output.RULES,
     _units_are_one_set,
     ends_exist,

@@ -10,6 +10,7 @@ from supple.linearization.frequency_response import (
 from supple.linearization.linear_machine import LinearMachine
 from supple.linearization.linearize import linearize
 from supple.linearization.machine_modes import MachineModes, machine_modes
+from supple.linearization.mode_motion import mode_motion
 from supple.linearization.ports import Port, RotationPort, TranslationPort
 from supple.linearization.state_space import Acceleration, StateSpace, Velocity, state_space
 
@@ -30,6 +31,7 @@ __all__ = [
     "linearize",
     "machine_modes",
     "modal_assurance",
+    "mode_motion",
     "random_response",
     "state_space",
 ]

@@ -36,6 +36,12 @@ class CampbellDiagram:
         """Damped angular frequencies, rad/s, (ns, nm)."""
         return self.eigenvalues.imag
 
+    @property
+    def damping_ratios(self) -> Array:
+        """`-Re(s) / |s|`, (ns, nm)."""
+        size = abs(self.eigenvalues)
+        return np.where(size > 0, -self.eigenvalues.real / np.where(size > 0, size, 1.0), 0.0)
+
 
 def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
     """`|a^H b|^2 / (|a|^2 |b|^2)` of the shapes of two sets of modes, in the mass norm, (n1, n2)."""

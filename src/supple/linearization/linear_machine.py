@@ -28,6 +28,7 @@ class LinearMachine:
     time      : float           of loads and laws
     mass, damping, stiffness : (k, k)
     basis     : N, (n, k)
+    full_mass : (n, n)          of `p`, the joints' constraints not considered
     """
 
     system: System
@@ -37,6 +38,7 @@ class LinearMachine:
     damping: Array
     stiffness: Array
     basis: Array
+    full_mass: Array
 
     @property
     def size(self) -> int:

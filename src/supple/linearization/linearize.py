@@ -76,6 +76,7 @@ def linearize(
         damping=projected.damping,
         stiffness=projected.stiffness,
         basis=basis,
+        full_mass=equations.mass,
     )
 
 

@@ -18,7 +18,8 @@ __all__ = ["MachineModes", "machine_modes"]
 class MachineModes:
     """Free motions `p(t) = Re( shape exp(eigenvalue t) )` of a linearised machine, slowest first.
 
-    eigenvalues : complex (k,)      1/s, of each conjugate pair the one above the real axis; real ones alone
+    eigenvalues : complex (k,)      1/s, of each conjugate pair the one above the real axis, of both zeros of a
+        free rigid motion one; real ones alone
     shapes : complex (n, k)         of frames and deformation coordinates, in the frames' own axes, of unit
         kinetic energy norm `shape^H M shape = 1`, the largest independent coordinate real
     independent : complex (m, k)    the same in the coordinates of the `LinearMachine`
@@ -43,6 +44,16 @@ class MachineModes:
         """`-Re(s) / |s|`, (k,): negative for unstable modes, 0 for rigid motions."""
         size = abs(self.eigenvalues)
         return np.where(size > 0, -self.eigenvalues.real / np.where(size > 0, size, 1.0), 0.0)
+
+    @property
+    def kinetic_shares(self) -> np.ndarray:
+        """Each body's part of the kinetic energy, in axes that turn along, (nb, k); columns add up to 1."""
+        machine, shapes = self.machine, self.shapes
+        weighted = np.real(shapes.conj() * (machine.full_mass @ shapes))
+        sizes = [6 + placed.body.n_coordinates for placed in machine.system.bodies]
+        starts = np.cumsum([0, *sizes[:-1]])
+        energies = np.add.reduceat(weighted, starts, axis=0)
+        return energies / energies.sum(axis=0)
 
     @property
     def unstable(self) -> np.ndarray:
@@ -78,6 +89,8 @@ def machine_modes(machine: LinearMachine, n_modes: int | None = None) -> Machine
     values, vectors = np.linalg.eig(state)
     values = np.where(abs(values) < 3e-7 * unit / np.sqrt(k), 0.0, values)
     kept = values.imag >= 0
+    # Each free rigid motion has two poles at zero, its place and its rate: they count as one mode.
+    kept[np.flatnonzero(values == 0)[1::2]] = False
     values, vectors = values[kept], vectors[:k, kept]
     order = np.lexsort((values.real, abs(values)))[:n_modes]
     y = scipy.linalg.solve_triangular(lower.T, vectors[:, order])

@@ -9,12 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from supple.body import FullBody
+from supple.integrate import Solution, Statistics
 from supple.machine import Placed, Spin, System
 from supple.multibody import CompiledStatics, FullStatics
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import Configuration
-from supple.multibody.equations.consistent_start import consistent_start
+from supple.multibody.equations.consistent_start import consistent_start, placed_velocity
 from supple.multibody.equations.floating_solution import body_motions, joint_multipliers
 from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.model import Model
@@ -29,14 +30,19 @@ __all__ = ["Equilibrium", "RestingState", "equilibrium", "placed_at_rest", "rest
 class Equilibrium:
     """A machine at rest, or turning steadily.
 
-    system       : System       its bodies placed, moving and deformed as they are: `simulate` starts there
-    joint_forces : {name: (6,)} force and moment on each joint's second end, as in a `Solution`
-    iterations   : int          that the search took
+    system     : System     its bodies placed, moving and deformed as they are: `simulate` starts there
+    solution   : Solution   the same as a motion of one instant, for what reads motions
+    iterations : int        that the search took
     """
 
     system: System
-    joint_forces: Mapping[str, np.ndarray]
+    solution: Solution
     iterations: int
+
+    @property
+    def joint_forces(self) -> Mapping[str, np.ndarray]:
+        """Force and moment (6,) on each joint's second end, as in a `Solution`."""
+        return {name: forces[0] for name, forces in self.solution.joint_forces.items()}
 
 
 def equilibrium(
@@ -70,9 +76,7 @@ def equilibrium(
     Source: Kelley & Keyes (1998) for the search.
     """
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
-    multipliers = joint_multipliers(found.system, found.model.active, np.asarray(found.state.multipliers))
-    forces = _joint_forces(found.system, found.state, time, multipliers)
-    return Equilibrium(placed_at_rest(found), forces, found.iterations)
+    return Equilibrium(placed_at_rest(found), _one_instant(found, time), found.iterations)
 
 
 class RestingState(NamedTuple):
@@ -112,20 +116,25 @@ def resting_state(
     return RestingState(still, model, turning, state, iterations)
 
 
-def _joint_forces(
-    system: System, state: StaticState, time: float, multipliers: Mapping[str, np.ndarray]
-) -> dict[str, np.ndarray]:
-    """`joint_wrenches` of one instant at rest."""
+def _one_instant(found: RestingState, time: float) -> Solution:
+    """The equilibrium as a motion of one instant."""
+    system, state = placed_at_rest(found), found.state
     sizes = np.array([6 + placed.body.n_coordinates for placed in system.bodies])
     slices = tuple(
         slice(int(end - size), int(end)) for end, size in zip(np.cumsum(sizes), sizes, strict=True)
     )
-    still = np.zeros((1, int(sizes.sum())))
     configuration = Configuration(*(np.asarray(part)[None] for part in state.configuration))
-    motions = body_motions(system, slices, configuration, still, still)
-    of_instant = {name: own[None] for name, own in multipliers.items()}
-    forces = joint_wrenches(system, np.array([time]), motions, of_instant)
-    return {name: force[0] for name, force in forces.items()}
+    moving = placed_velocity(system)[None]
+    bodies = body_motions(system, slices, configuration, moving, np.zeros_like(moving))
+    multipliers = joint_multipliers(system, found.model.active, np.asarray(state.multipliers))
+    times, of_instant = np.array([time]), {name: own[None] for name, own in multipliers.items()}
+    return Solution(
+        times=times,
+        bodies=bodies,
+        joint_forces=joint_wrenches(system, times, bodies, of_instant),
+        statistics=Statistics(steps=0, iterations=found.iterations, rejected_steps=0, seconds=0.0),
+        multipliers=of_instant,
+    )
 
 
 def _at_rest(placed: Placed) -> Placed:

@@ -89,7 +89,7 @@ def draw_run(
         if elements is not None:
             model = elements[body.name]
             pictures.append(_draw_stress(path("stress"), body, model, mesh, solution, units))
-    machine = _draw_machine(folder / "machine.png", system, solution, meshes, units)
+    machine = draw_machine(folder / "machine.png", system, solution, meshes, units)
     if machine is not None:
         pictures.append(machine)
     if tracked:
@@ -156,10 +156,13 @@ def animate_run(
     )
 
 
-def _draw_machine(
-    path: Path, system: System, solution: Solution, meshes: Mapping[str, Mesh], units: UnitSystem
+def draw_machine(
+    path: Path, system: System, solution: Solution, meshes: Mapping[str, Mesh], units: UnitSystem = UNNAMED
 ) -> Path | None:
-    """The whole machine where it starts; None where it has neither rigid bodies nor joints."""
+    """Draw the whole machine where it starts; None where it has neither rigid bodies nor joints.
+
+    Parameters as for `draw_run`.
+    """
     start = np.array([0])
     glyphs = glyphs_of(system, solution, start)
     if glyphs.is_empty:
