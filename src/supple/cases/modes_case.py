@@ -125,15 +125,18 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
 
 
 def _draw(case: Case, modes: MachineModes, folder: Path, progress: Progress) -> None:
-    from supple.viz import animate_run, draw_machine
+    from supple.viz import animate_run, draw_machine, mode_titles
 
+    titles = mode_titles(modes.frequencies / (2 * np.pi), case.units)
     system = replace(modes.machine.system, loads=())
     size = _size(modes)
     for number in range(len(modes.eigenvalues)):
         motion = mode_motion(modes, number, amplitude=AMPLITUDE * size)
         stem = f"{case.path.stem}-mode-{number + 1}"
         if case.tables.output.pictures:
-            draw_machine(folder / f"{stem}.png", system, motion, case.drawn, case.units)
+            draw_machine(
+                folder / f"{stem}.png", system, motion, case.drawn, title=titles[number], units=case.units
+            )
         if case.tables.output.animation:
             animate_run(folder / f"{stem}.gif", system, motion, case.drawn, units=case.units)
         progress("drawing modes", (number + 1) / len(modes.eigenvalues))

@@ -88,5 +88,5 @@ def static_case(case: Case, folder: Path, *, time: float = 0.0, progress: Progre
         from supple.viz import draw_machine
 
         picture = folder / f"{case.path.stem}-static.png"
-        draw_machine(picture, found.system, found.solution, case.drawn, case.units)
+        draw_machine(picture, found.system, found.solution, case.drawn, units=case.units)
     return StaticResult(found, tracked, numbers)

@@ -23,7 +23,8 @@ class CampbellDiagram:
     """Modes over speed, each followed by the likeness of its shape.
 
     rates : (ns,) rad/s
-    eigenvalues : complex (ns, nm)      column by column the same mode, in axes that turn along
+    eigenvalues : complex (ns, nm)      column by column the same mode, in axes that turn along; NaN where
+        it is no longer there
     likeness : (ns - 1, nm)             modal assurance between neighbouring speeds; low where modes veer
     """
 
@@ -82,25 +83,38 @@ def campbell_diagram(
     followed: list[np.ndarray] = []
     likeness: list[Array] = []
     before: MachineModes | None = None
+    wanted = n_modes
     for number, spin in enumerate(spins):
         modes = machine_modes(linearize(system, spin=spin, time=time))
         if before is None:
-            chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
+            rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
+            wanted = len(chosen)
         else:
             table = modal_assurance(before, modes)
             # Of two shapes alike, the nearer frequency.
             apart = abs(before.eigenvalues[:, None] - modes.eigenvalues)
             size = abs(before.eigenvalues[:, None]) + abs(modes.eigenvalues) + 1e-300
-            _, chosen = linear_sum_assignment(apart / size - table)
-            likeness.append(table[np.arange(len(chosen)), chosen])
-        modes = replace(
-            modes, eigenvalues=modes.eigenvalues[chosen], independent=modes.independent[:, chosen]
-        )
-        followed.append(modes.eigenvalues)
-        before = modes
+            rows, chosen = linear_sum_assignment(apart / size - table)
+            likeness.append(_placed(len(table), rows, table[rows, chosen]))
+        eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
+        # A mode that has become two real ones, or none, is looked for by its last shape.
+        shapes = np.zeros_like(modes.independent, shape=(len(modes.independent), wanted))
+        if before is not None:
+            shapes = before.independent.copy()
+        shapes[:, rows] = modes.independent[:, chosen]
+        followed.append(eigenvalues)
+        known = np.where(np.isnan(eigenvalues), 0.0 if before is None else before.eigenvalues, eigenvalues)
+        before = replace(modes, eigenvalues=known, independent=shapes)
         progress((number + 1) / len(spins))
     return CampbellDiagram(
         np.array([spin.rate for spin in spins]),
         np.array(followed),
         np.array(likeness).reshape(len(spins) - 1, len(followed[0])),
     )
+
+
+def _placed(size: int, rows: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values in their rows, NaN elsewhere."""
+    every = np.full(size, np.nan, dtype=values.dtype)
+    every[rows] = values
+    return every

@@ -18,8 +18,8 @@ __all__ = ["MachineModes", "machine_modes"]
 class MachineModes:
     """Free motions `p(t) = Re( shape exp(eigenvalue t) )` of a linearised machine, slowest first.
 
-    eigenvalues : complex (k,)      1/s, of each conjugate pair the one above the real axis, of both zeros of a
-        free rigid motion one; real ones alone
+    eigenvalues : complex (k,)      1/s, of a conjugate pair the one above the real axis, of both zeros of a
+        free rigid motion one; others that are real, alone
     shapes : complex (n, k)         of frames and deformation coordinates, in the frames' own axes, of unit
         kinetic energy norm `shape^H M shape = 1`, the largest independent coordinate real
     independent : complex (m, k)    the same in the coordinates of the `LinearMachine`

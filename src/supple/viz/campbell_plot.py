@@ -45,13 +45,14 @@ def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem
         axes = figure.subplots()
         for order in range(1, N_ORDERS + 1):
             axes.plot(rates, order * rates, color="0.7", linewidth=0.7)
-            axes.annotate(
-                f"{order}P", (rates[-1], order * rates[-1]), color="0.5", fontsize=7, annotation_clip=True
-            )
+            # Amid the diagram: its right edge belongs to the names of the modes.
+            middle = 0.55 * rates[0] + 0.45 * rates[-1]
+            axes.annotate(f"{order}P", (middle, order * middle), color="0.4", fontsize=7, ha="center")
         for number, mode in enumerate(frequencies.T, start=1):
-            axes.plot(rates, mode, marker="o", markersize=2.5, label=f"mode {number}")
-        axes.set_ylim(0, 1.1 * float(frequencies.max(initial=0.0)) or 1.0)
+            axes.plot(rates, mode, marker="o", markersize=2.5)
+            beside = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "fontsize": 7}
+            axes.annotate(f"mode {number}", (rates[-1], mode[-1]), annotation_clip=False, **beside)
+        axes.set_ylim(0, 1.1 * float(np.nanmax(frequencies, initial=0.0)) or 1.0)
         axes.set_xlabel(labelled("speed", unit))
         axes.set_ylabel(labelled("frequency", unit))
-        axes.legend(loc="upper left", ncols=2)
         return save_figure(figure, path)

@@ -29,6 +29,11 @@ from supple.multibody.equations.steady_motion import (
 __all__ = ["CompiledStatics", "balanced"]
 
 
+_ROUND_OFF = 1e-4
+"""Where all terms of a kind vanish, as the moments of a hanging rod do, rounding of the others is left: what
+residuals are compared with is no less than this part of the largest kind, both as work in a large motion."""
+
+
 @dataclass(frozen=True, eq=False)
 class CompiledStatics:
     """A `StaticMachine` whose steps are compiled."""
@@ -42,8 +47,10 @@ class CompiledStatics:
         model = self.machine.model
         terms = balanced(model, self._motion(state, time))
         columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
-        norms = np.sqrt(kinds_of_rows(model) @ np.stack(columns, axis=1) ** 2)
+        works = self.position_scale[:, None] * np.stack(columns, axis=1)
+        norms = np.sqrt(kinds_of_rows(model) @ works**2)
         scale = norms[:, 1:].max(axis=1)
+        scale = np.maximum(scale, _ROUND_OFF * scale.max())
         relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
         gap = float(np.max(abs(np.asarray(terms.constraint_residual)), initial=0.0)) / float(model.length)
         return Unbalance(relative, gap, terms)
