@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -151,7 +151,7 @@ class Body(CheckedTable):
         folder : where that file lies
         notify : hears of each long step
         """
-        start = {key: np.array(getattr(self, key)) for key in _START}
+        start: dict[str, Any] = {key: np.array(getattr(self, key)) for key in _START}
         return Placed(self._form(flexible, folder, notify), **start)
 
     def _form(

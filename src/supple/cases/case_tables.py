@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from supple.cases import bodies, joints, loads, output, simulation, springs
+from supple.cases import bodies, joints, loads, output, simulation, spin, springs
 from supple.cases.bodies import Body
 from supple.cases.body_kinds import KINDS
 from supple.cases.ends import ends_exist
@@ -17,6 +17,7 @@ from supple.cases.laws import tables_suit_the_run
 from supple.cases.loads import Load
 from supple.cases.output import Output
 from supple.cases.simulation import Simulation
+from supple.cases.spin import SpinTable
 from supple.cases.springs import Spring
 from supple.errors import ModelError
 from supple.importers.text_file import is_file
@@ -38,6 +39,7 @@ class CaseTables(CheckedTable):
     load: Annotated[tuple[Load, ...], Field(strict=False)] = ()
     spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
     simulation: Simulation
+    spin: SpinTable | None = None
     output: Output = Field(default_factory=lambda: Output.model_validate({}))
 
 
@@ -57,6 +59,7 @@ RULES: tuple[Rule, ...] = (
     *loads.RULES,
     *springs.RULES,
     *simulation.RULES,
+    *spin.RULES,
     *output.RULES,
     _units_are_one_set,
     ends_exist,

@@ -92,7 +92,7 @@ def draw_run(
         if elements is not None:
             model = elements[body.name]
             pictures.append(_draw_stress(path("stress"), body, model, mesh, solution, units))
-    machine = _draw_machine(folder / "machine.png", system, solution, meshes, units)
+    machine = draw_machine(folder / "machine.png", system, solution, meshes, units=units)
     if machine is not None:
         pictures.append(machine)
     if tracked:
@@ -161,10 +161,19 @@ def animate_run(
     )
 
 
-def _draw_machine(
-    path: Path, system: System, solution: Solution, meshes: Mapping[str, Mesh], units: UnitSystem
+def draw_machine(
+    path: Path,
+    system: System,
+    solution: Solution,
+    meshes: Mapping[str, Mesh],
+    *,
+    title: str | None = None,
+    units: UnitSystem = UNNAMED,
 ) -> Path | None:
-    """The whole machine where it starts; None where it has neither rigid bodies nor joints."""
+    """Draw the whole machine where it starts; None where it has neither rigid bodies nor joints.
+
+    title : the instant unless given. Other parameters as for `draw_run`.
+    """
     start = np.array([0])
     glyphs = glyphs_of(system, solution, start)
     if glyphs.is_empty:
@@ -176,9 +185,9 @@ def _draw_machine(
     scene = scene_of(actors) if actors else None
     nodes = np.empty((0, 3)) if scene is None else scene.positions[0]
     camera = _upright_camera(np.concatenate([nodes[None], glyphs.points], axis=1), system.gravity)
-    title = measured(f"t = {solution.times[0]:.4g}", units.time)
+    instant = measured(f"t = {solution.times[0]:.4g}", units.time)
     skin = None if scene is None else scene.skin
-    return plot_machine(path, nodes, skin, glyphs, camera=camera, title=title, units=units)
+    return plot_machine(path, nodes, skin, glyphs, camera=camera, title=title or instant, units=units)
 
 
 def _upright_camera(positions: np.ndarray, gravity: np.ndarray) -> Camera | None:
