@@ -92,7 +92,7 @@ def _equations(found: RestingState, time: float) -> LinearEquations:
 
 
 def _carried(system: System, found: RestingState, time: float) -> tuple[RestingState, float]:
-    """A system where it is placed, its joints carrying what is unbalanced there; and what part they cannot."""
+    """A system where it is placed, its joints carrying what is unbalanced; and what part they cannot."""
     model = build_model(system, found.model.active)
     configuration, none = placed_configuration(system), np.zeros(len(found.model.active))
     terms = balanced(model, steady_motion(model, found.turning, time, configuration, none))
