@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from supple.body import FlexibleBody
+from supple.error_equation.products_of_run import few_instants, pair_products, weights_of_instants
 
 __all__ = ["ForcePolynomial", "TangentHistory", "force_polynomial", "tangent_history"]
 
@@ -17,10 +18,6 @@ Array = NDArray[np.float64]
 SMALLEST_MONOMIAL = 1e-6
 """Of the largest change of the monomials along the run: what instants need not tell."""
 MOST_SAMPLES = 120
-CANDIDATES = 400
-"""Instants among which those are chosen at which tangents are assembled."""
-ALLOWED = 1e-3
-"""Part of the tangent's change that may be missed at an instant that was not chosen."""
 FACTOR_ROWS = 256
 
 
@@ -96,52 +93,26 @@ def tangent_history(
 
     motion : (n, s) X;  coordinates, rates : (t, s);  onto : (n, k) Z
     """
+    k = onto.shape[1]
     scale = np.sqrt(np.sum(motion * (body.stiffness @ motion), axis=0))
-    scale = scale / max(float(np.max(np.abs(coordinates * scale), initial=0.0)), np.finfo(float).tiny)
-    looked = np.unique(np.linspace(0, len(coordinates) - 1, CANDIDATES).round().astype(int))
-    candidates = _monomials(coordinates[looked] * scale)
-    _, R, order = linalg.qr(candidates.T, mode="economic", pivoting=True)
-    sizes = np.abs(np.diag(R))
-    number = min(int(np.sum(sizes > SMALLEST_MONOMIAL * max(sizes[0], 1e-300))), MOST_SAMPLES)
-    if not number or not np.any(coordinates):
-        none = np.zeros((0, onto.shape[1], onto.shape[1]))
-        without = np.zeros((len(coordinates), 0))
+    largest = float(np.max(np.abs(coordinates * scale), initial=0.0))
+    if not largest:
+        none, without = np.zeros((0, k, k)), np.zeros((len(coordinates), 0))
         return TangentHistory(none, none, without, without, 0.0)
-    chosen = list(looked[order[:number]])
-    others = [int(i) for i in looked[order[number : number + 3]]]
+    g, rate = coordinates * (scale / largest), rates * (scale / largest)
+    monomials = np.hstack([g, pair_products(g, g)])
+    moving = np.hstack([rate, 2 * pair_products(g, rate)])
+    chosen, others = few_instants(monomials, SMALLEST_MONOMIAL, MOST_SAMPLES)
     sampled = [_gains(body, motion @ coordinates[i], onto) for i in chosen]
+    weights = weights_of_instants(monomials, chosen, monomials)
     missed = 0.0
     for other in others:
         exact = np.sum(_gains(body, motion @ coordinates[other], onto), axis=0)
-        weights = _weights(_monomials(coordinates[chosen] * scale), _monomials(coordinates[[other]] * scale))
-        told = np.tensordot(weights[0], np.sum(sampled, axis=1), axes=1)
+        told = np.tensordot(weights[other], np.sum(sampled, axis=1), axes=1)
         missed = max(missed, float(linalg.norm(told - exact) / max(float(linalg.norm(exact)), 1e-300)))
-    here = _monomials(coordinates[chosen] * scale)
-    moving = _monomial_rates(coordinates * scale, rates * scale)
     material, geometric = (np.array(each) for each in zip(*sampled, strict=True))
-    return TangentHistory(
-        material,
-        geometric,
-        _weights(here, _monomials(coordinates * scale)),
-        _weights(here, moving),
-        missed,
-    )
-
-
-def _monomials(g: Array) -> Array:
-    """(t, s + n2): coordinates, then their products."""
-    first, second = np.triu_indices(g.shape[1])
-    return np.hstack([g, g[:, first] * g[:, second]])
-
-
-def _monomial_rates(g: Array, rate: Array) -> Array:
-    first, second = np.triu_indices(g.shape[1])
-    return np.hstack([rate, g[:, first] * rate[:, second] + rate[:, first] * g[:, second]])
-
-
-def _weights(sampled: Array, wanted: Array) -> Array:
-    """Weights (t, m) with which rows of `sampled` add up to rows of `wanted`, in least squares."""
-    return linalg.lstsq(sampled.T, wanted.T, cond=1e-13)[0].T
+    rates_of_weights = weights_of_instants(monomials, chosen, moving)
+    return TangentHistory(material, geometric, weights, rates_of_weights, missed)
 
 
 def _gains(body: FlexibleBody, q: Array, onto: Array) -> tuple[Array, Array]:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_jacobian
-from supple.body import Damping, FlexibleBody, FullBody, Frame, in_space
+from supple.algebra.rotation import rotation_exp, rotation_log
+from supple.body import FullBody, in_space
 from supple.error_equation.elastic_history import force_polynomial, tangent_history
 from supple.error_equation.error_model import body_of_columns, system_of_columns
 from supple.error_equation.error_space import ErrorSpace
@@ -25,20 +24,22 @@ from supple.error_equation.linearised_march import (
     first_error,
     march_error,
 )
-from supple.error_equation.nodal_squares import NodalSquares, nodal_squares
+from supple.error_equation.nodal_squares import nodal_squares
 from supple.error_equation.run_columns import RunColumns
 from supple.integrate import Coefficients, Solution
 from supple.machine import System
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.model import Model
-from supple.reduction import ReducedBody
 
-__all__ = ["ErrorHistory", "JudgedBody", "StartError", "error_histories"]
+__all__ = ["ErrorEquation", "ErrorHistory", "JudgedBody", "StartError"]
 
 Array = NDArray[np.float64]
 
 STEPS_AT_ONCE = 64
+MORE_DIRECTIONS = 8
+SMALLEST_DIRECTION = 0.02
+"""Of the error: what the columns of the corrected motion leave out of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +56,21 @@ class StartError(NamedTuple):
 
     position: Array
     velocity: Array
+
+
+class _InColumns(NamedTuple):
+    """Motion of a body within its error space: columns `Z chosen` (k, s), coordinates and rates (t, s)."""
+
+    chosen: Array
+    coordinates: Array
+    rates: Array
+
+
+class _Point(NamedTuple):
+    """A motion of the system of columns, at every step, about which the integrator is linearised."""
+
+    motion: SystemMotion
+    bodies: Mapping[str, _InColumns]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,203 +100,298 @@ class ErrorHistory:
     def at_nodes(self, row: int) -> Array:
         """Error of every node in space, (N, 3), at one step."""
         full, motion = self.body.full, self.body.motion
-        q = motion.vectors[:, : motion.r] @ motion.coordinates[row, : motion.r]
-        place = full.nodes + full.expand(q)
+        place = full.nodes + full.expand(motion.basis @ motion.shown[row])
         seen = full.expand(self.deformation @ self.coordinates[row]) + np.cross(self.turn[row], place)
         return in_space(self.origin[[row]], self.rotation[[row]], seen[None])[0]
 
 
-class _Prepared(NamedTuple):
-    """What the march takes of one body."""
+@dataclass(frozen=True, eq=False)
+class ErrorEquation:
+    """The error equation of a run.
 
-    gain: ElasticGain | None
-    history: GainHistory | None
-
-
-def error_histories(
-    reduced: System,
-    bodies: Mapping[str, JudgedBody],
-    coefficients: Coefficients,
-    steps: Solution,
-    active: tuple[int, ...],
-    start: Mapping[str, StartError],
-) -> dict[str, ErrorHistory]:
-    """Errors of the bodies of a run, driven by the run's own residual.
-
-    Parameters
-    ----------
     reduced : System        as it was simulated
     bodies : JudgedBody     by name; other bodies have no error of their own, but follow
     coefficients : Coefficients     of the run's integrator
     steps : Solution        of the run, at every step that it took
     active : constraint equations of the run, the redundant ones left out
     start : StartError      by name, of those bodies that do not start as they should
-
-    Returns
-    -------
-    dict of ErrorHistory    at every step
     """
-    columns = {
-        name: body_of_columns(each.full.body, each.full.frame, each.space.vectors, each.full.damping)
-        for name, each in bodies.items()
-    }
-    system = system_of_columns(reduced, columns)
-    model = build_model(system, active)
-    names = [placed.body.name for placed in system.bodies]
-    places = dict(zip(names, model.slices, strict=True))
-    motion = _motion(system, bodies, steps, active)
-    prepared = [
-        _prepared(each, columns[name].r, places[name].start + 6)
-        for name, each in bodies.items()
-        if not each.full.body.is_linear
-    ]
-    gains = tuple(each[0] for each in prepared)
-    histories = tuple(each[1] for each in prepared)
-    position, velocity = _start_vectors(bodies, places, model.n_velocities, start)
-    model = jax.device_put(model)
-    gains = jax.device_put(gains)
-    first = jax.tree.map(lambda leaf: leaf[0], motion)
-    begun = first_error(
-        model, gains, first, tuple(_rows(own, slice(0, 1)) for own in histories), position, velocity
-    )
-    found = [np.asarray(begun.position)[None]]
-    for block, number in _blocks(motion, histories, steps.times):
-        begun, states = march_error(model, gains, coefficients, begun, block)
-        begun = jax.tree.map(lambda leaf, n=number: leaf[n - 1], states)
-        found.append(np.asarray(states.position)[:number])
-    errors = np.concatenate(found)
-    return {
-        name: _history(each, steps, name, errors[:, places[name]]) for name, each in bodies.items()
-    }
 
+    reduced: System
+    bodies: Mapping[str, JudgedBody]
+    coefficients: Coefficients
+    steps: Solution
+    active: tuple[int, ...]
+    start: Mapping[str, StartError]
 
-def _motion(
-    system: System, bodies: Mapping[str, JudgedBody], steps: Solution, active: tuple[int, ...]
-) -> SystemMotion:
-    """The run in the coordinates of the system of columns, at every step."""
-    names = [placed.body.name for placed in system.bodies]
-    sizes = {placed.body.name: placed.body.n_coordinates for placed in system.bodies}
+    def first(self) -> ErrorState:
+        """Differences of the true motion and the run's at every step, to first order; of all columns."""
+        return self._march(self._run, *self._start_vectors())
 
-    def deformation(name: str, item: str) -> Array:
-        if name not in bodies:
-            return getattr(steps.bodies[name], f"coordinate_{item}" if item != "coordinates" else item)
-        own = getattr(bodies[name].motion, item)
-        return np.pad(own, ((0, 0), (0, sizes[name] - own.shape[1])))
+    def again(self, found: ErrorState) -> ErrorState:
+        """The differences once more, from the equation about the corrected motion.
 
-    def joined(frame: Sequence[str], item: str) -> Array:
-        parts = []
-        for name in names:
-            parts += [getattr(steps.bodies[name], each) for each in frame]
-            parts.append(deformation(name, item))
-        return np.hstack(parts)
+        Of each body's error the leading directions are taken into the motion, so that its forces remain
+        polynomials of few coordinates.
+        """
+        point = self._corrected(found)
+        here = self._differences(point.motion)
+        still = [np.asarray(each[0]) - own[0] for each, own in zip(found[:2], here[:2], strict=True)]
+        more = self._march(point, *still)
+        return ErrorState(*(own + each for own, each in zip(here, more, strict=True)))._replace(
+            position=self._composed(here.position, more.position)
+        )
 
-    multipliers = np.hstack(
-        [np.zeros((len(steps.times), 0))] + [steps.multipliers[joint.name] for joint in system.joints]
-    )
-    return SystemMotion(
-        time=np.asarray(steps.times),
-        configuration=Configuration(
+    def histories(self, found: ErrorState) -> dict[str, ErrorHistory]:
+        """What the differences are of each body."""
+        return {name: self._history(name, found.position[:, self._places[name]]) for name in self.bodies}
+
+    @cached_property
+    def _system(self) -> System:
+        columns = {
+            name: body_of_columns(each.full.body, each.full.frame, each.space.vectors, each.full.damping)
+            for name, each in self.bodies.items()
+        }
+        return system_of_columns(self.reduced, columns)
+
+    @cached_property
+    def _model(self) -> Model:
+        return build_model(self._system, self.active)
+
+    @cached_property
+    def _names(self) -> list[str]:
+        return [placed.body.name for placed in self._system.bodies]
+
+    @cached_property
+    def _places(self) -> dict[str, slice]:
+        return dict(zip(self._names, self._model.slices, strict=True))
+
+    @cached_property
+    def _coordinate_places(self) -> dict[str, slice]:
+        return dict(zip(self._names, self._model.coordinate_slices, strict=True))
+
+    @cached_property
+    def _run(self) -> _Point:
+        """The run itself."""
+        steps, names = self.steps, self._names
+        sizes = {name: place.stop - place.start for name, place in self._coordinate_places.items()}
+
+        def deformation(name: str, of_run: str, of_columns: str) -> Array:
+            if name not in self.bodies:
+                return getattr(steps.bodies[name], of_run)
+            own = getattr(self.bodies[name].motion, of_columns)
+            return np.pad(own, ((0, 0), (0, sizes[name] - own.shape[1])))
+
+        def joined(linear: str, angular: str, *coordinates: str) -> Array:
+            parts = []
+            for name in names:
+                own = steps.bodies[name]
+                parts += [getattr(own, linear), getattr(own, angular), deformation(name, *coordinates)]
+            return np.hstack(parts)
+
+        multipliers = np.hstack(
+            [np.zeros((len(steps.times), 0))]
+            + [steps.multipliers[joint.name] for joint in self._system.joints]
+        )
+        configuration = Configuration(
             np.stack([steps.bodies[name].position for name in names], axis=1),
             np.stack([steps.bodies[name].rotation for name in names], axis=1),
-            np.hstack([deformation(name, "coordinates") for name in names]),
-        ),
-        velocity=joined(("velocity", "angular_velocity"), "rates"),
-        acceleration=joined(("acceleration", "angular_acceleration"), "accelerations"),
-        multipliers=multipliers[:, list(active)],
-    )
+            np.hstack([deformation(name, "coordinates", "coordinates") for name in names]),
+        )
+        motion = SystemMotion(
+            time=np.asarray(steps.times),
+            configuration=configuration,
+            velocity=joined("velocity", "angular_velocity", "coordinate_rates", "rates"),
+            acceleration=joined(
+                "acceleration", "angular_acceleration", "coordinate_accelerations", "accelerations"
+            ),
+            multipliers=multipliers[:, list(self.active)],
+        )
+        bodies = {
+            name: _InColumns(
+                np.eye(each.space.size, each.space.n_motion), each.motion.coordinates, each.motion.rates
+            )
+            for name, each in self.bodies.items()
+        }
+        return _Point(motion, bodies)
 
+    def _corrected(self, found: ErrorState) -> _Point:
+        """The run with what was found of its error, in its leading directions."""
+        position, velocity, acceleration = (
+            np.array(each) for each in (found.position, found.velocity, found.acceleration)
+        )
+        run, chosen = self._run, {}
+        for name, each in self.bodies.items():
+            place = self._places[name]
+            own = slice(place.start + 6, place.start + 6 + each.space.size)
+            Y = chosen[name] = _with_directions(position[:, own], each.space.n_motion)
+            for vector in (position, velocity, acceleration):
+                vector[:, own] = vector[:, own] @ Y @ Y.T
+                vector[:, own.stop : place.stop] = 0.0
+        configuration = run.motion.configuration
+        frames = self._model.frames.index
+        coordinates = configuration.coordinates.copy()
+        for name in self._names:
+            place = self._places[name]
+            coordinates[:, self._coordinate_places[name]] += position[:, place.start + 6 : place.stop]
+        motion = SystemMotion(
+            run.motion.time,
+            Configuration(
+                configuration.origins + position[:, frames][:, :, :3],
+                configuration.rotations @ np.asarray(_exp(position[:, frames][:, :, 3:])),
+                coordinates,
+            ),
+            run.motion.velocity + velocity,
+            run.motion.acceleration + acceleration,
+            run.motion.multipliers + np.asarray(found.multipliers),
+        )
+        bodies = {}
+        for name, Y in chosen.items():
+            own = self._coordinate_places[name]
+            place = slice(own.start, own.start + len(Y))
+            rates = slice(self._places[name].start + 6, self._places[name].start + 6 + len(Y))
+            bodies[name] = _InColumns(Y, coordinates[:, place] @ Y, motion.velocity[:, rates] @ Y)
+        return _Point(motion, bodies)
 
-def _prepared(judged: JudgedBody, size: int, start: int) -> tuple[ElasticGain, GainHistory]:
-    """What the deformation of a nonlinear body adds, along the run."""
-    body, motion, Z = judged.full.body, judged.motion, judged.space.vectors
-    k = Z.shape[1]
-    force = force_polynomial(body, motion.vectors, Z)(motion.coordinates)
-    tangents = tangent_history(body, motion.vectors, motion.coordinates, motion.rates, Z)
-    damping = judged.full.damping
-    time = 0.0 if damping is None else damping.retardation_time
-    n_samples = len(tangents.material)
-    # Room for more, as with the columns: runs whose tangents take nearly as many share one program.
-    more = -n_samples % 8
+    def _differences(self, motion: SystemMotion) -> ErrorState:
+        """Of a corrected motion and the run."""
+        run = self._run.motion
+        position = np.zeros_like(run.velocity)
+        turned = _log(run.configuration.rotations.swapaxes(-1, -2) @ motion.configuration.rotations)
+        moved = motion.configuration.origins - run.configuration.origins
+        for index, name in enumerate(self._names):
+            place, own = self._places[name], self._coordinate_places[name]
+            position[:, place.start : place.start + 3] = moved[:, index]
+            position[:, place.start + 3 : place.start + 6] = np.asarray(turned)[:, index]
+            position[:, place.start + 6 : place.stop] = (
+                motion.configuration.coordinates[:, own] - run.configuration.coordinates[:, own]
+            )
+        acceleration = motion.acceleration - run.acceleration
+        return ErrorState(
+            position,
+            motion.velocity - run.velocity,
+            acceleration,
+            acceleration,
+            motion.multipliers - run.multipliers,
+        )
 
-    def padded(samples: Array) -> Array:
-        return np.pad(samples, ((0, more), (0, size - k), (0, size - k)))
+    def _composed(self, first: Array, more: Array) -> Array:
+        """Differences of positions one after the other."""
+        composed = first + more
+        rows = self._model.frames.index[:, 3:]
+        composed[:, rows] = np.asarray(
+            _log(np.asarray(_exp(first[:, rows])) @ np.asarray(_exp(more[:, rows])))
+        )
+        return composed
 
-    def with_room(weights: Array) -> Array:
-        return np.pad(weights, ((0, 0), (0, more)))
+    def _start_vectors(self) -> tuple[Array, Array]:
+        position, velocity = np.zeros(self._model.n_velocities), np.zeros(self._model.n_velocities)
+        for name, error in self.start.items():
+            place = self._places[name]
+            for vector, given in ((position, error.position), (velocity, error.velocity)):
+                vector[place.start : place.start + 6] = given[:6]
+                own = given[6:]
+                if name in self.bodies:
+                    own = self.bodies[name].space.vectors.T @ (self.bodies[name].full.body.mass @ own)
+                vector[place.start + 6 : place.start + 6 + len(own)] = own
+        return position, velocity
 
-    return (
-        ElasticGain(
+    def _march(self, point: _Point, position: Array, velocity: Array) -> ErrorState:
+        """The linearised march about a motion, from differences of positions and velocities."""
+        gained = [
+            self._gained(name, own)
+            for name, own in point.bodies.items()
+            if not self.bodies[name].full.body.is_linear
+        ]
+        gains, histories = tuple(each[0] for each in gained), tuple(each[1] for each in gained)
+        model, gains = jax.device_put((self._model, gains))
+        first = jax.tree.map(lambda leaf: leaf[0], point.motion)
+        begun = jax.tree.map(lambda leaf: leaf[:1], histories)
+        state = first_error(model, gains, first, begun, position, velocity)
+        found = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)]
+        for block, number in _blocks(point.motion, histories):
+            _, states = march_error(model, gains, self.coefficients, state, block)
+            state = jax.tree.map(lambda leaf, last=number - 1: leaf[last], states)
+            found.append(jax.tree.map(lambda leaf, n=number: np.asarray(leaf)[:n], states))
+        return jax.tree.map(lambda *leaves: np.concatenate(leaves), *found)
+
+    def _gained(self, name: str, motion: _InColumns) -> tuple[ElasticGain, GainHistory]:
+        """What the deformation of a nonlinear body adds along a motion."""
+        judged, start = self.bodies[name], self._places[name].start + 6
+        body, Z = judged.full.body, judged.space.vectors
+        k, size = judged.space.size, self._places[name].stop - start
+        columns = Z @ motion.chosen
+        force = force_polynomial(body, columns, Z)(motion.coordinates)
+        tangents = tangent_history(body, columns, motion.coordinates, motion.rates, Z)
+        damping = judged.full.damping
+        time = 0.0 if damping is None else damping.retardation_time
+        # Room for more, as with the columns: runs whose tangents take nearly as many share one program.
+        more = -len(tangents.material) % 8
+
+        def padded(samples: Array) -> Array:
+            return np.pad(samples, ((0, more), (0, size - k), (0, size - k)))
+
+        def with_room(weights: Array) -> Array:
+            return np.pad(weights, ((0, 0), (0, more)))
+
+        gain = ElasticGain(
             start,
             stiffness=padded(tangents.material + tangents.geometric),
             viscous=time * padded(tangents.material),
             # The stress D eps_dot turns with the strains too; of what strains gain by it, the symmetric half.
             viscous_stiffness=time * padded(tangents.geometric + tangents.material / 2),
-        ),
-        GainHistory(
+        )
+        return gain, GainHistory(
             np.pad(force, ((0, 0), (0, size - k))),
             with_room(tangents.weights),
             with_room(tangents.weight_rates),
-        ),
-    )
+        )
+
+    def _history(self, name: str, errors: Array) -> ErrorHistory:
+        judged, own = self.bodies[name], self.steps.bodies[name]
+        full, motion = judged.full, judged.motion
+        coordinates = errors[:, 6 : 6 + judged.space.size].copy()
+        # What follows the basis at rest is in no displacement of the run: all of it is error.
+        coordinates[:, : judged.space.n_motion] += motion.unseen
+        squares = nodal_squares(
+            full.nodes, _at_nodes(full, motion.basis), _at_nodes(full, judged.space.vectors)
+        )
+        origin, turn = errors[:, :3], errors[:, 3:6]
+        rms = squares.rms(own.rotation, origin, turn, motion.shown, coordinates)
+        return ErrorHistory(judged, self.steps.times, own.rotation, origin, turn, coordinates, rms)
 
 
-def _start_vectors(
-    bodies: Mapping[str, JudgedBody],
-    places: Mapping[str, slice],
-    n: int,
-    start: Mapping[str, StartError],
-) -> tuple[Array, Array]:
-    position, velocity = np.zeros(n), np.zeros(n)
-    for name, error in start.items():
-        place, Z = places[name], None
-        if name in bodies:
-            body = bodies[name].full.body
-            Z = bodies[name].space.vectors.T @ body.mass
-        for vector, given in ((position, error.position), (velocity, error.velocity)):
-            vector[place.start : place.start + 6] = given[:6]
-            own = given[6:] if Z is None else Z @ given[6:]
-            vector[place.start + 6 : place.start + 6 + len(own)] = own
-    return position, velocity
-
-
-def _rows(history: GainHistory, rows: slice) -> GainHistory:
-    return GainHistory(*(each[rows] for each in history))
+def _with_directions(errors: Array, n_motion: int) -> Array:
+    """Columns (k, s): the first ones, and the leading directions of errors (t, k) outside them."""
+    outside = errors[:, n_motion:]
+    _, sizes, rows = np.linalg.svd(outside, full_matrices=False)
+    left = np.sqrt(np.cumsum(sizes[::-1] ** 2)[::-1])
+    number = min(int(np.sum(left > SMALLEST_DIRECTION * np.linalg.norm(errors))), MORE_DIRECTIONS)
+    k = errors.shape[1]
+    chosen = np.zeros((k, n_motion + number))
+    chosen[:n_motion, :n_motion] = np.eye(n_motion)
+    chosen[n_motion:, n_motion:] = rows[:number].T
+    return chosen
 
 
 def _blocks(
-    motion: SystemMotion, histories: tuple[GainHistory, ...], times: Array
+    motion: SystemMotion, histories: tuple[GainHistory, ...]
 ) -> Iterator[tuple[StepOfRun, int]]:
     """Steps of the run, so many at once, the last of them repeated where there are fewer; and their number."""
     rotations = motion.configuration.rotations
     # (t, nb, 3): the turn of every frame in the step that ends at each time.
-    turn = np.asarray(_turns_between(rotations[:-1], rotations[1:]))
-    turned, turns = (np.asarray(each) for each in _turn_matrices(turn))
-    h = np.diff(times)
+    turn = np.asarray(_log(rotations[:-1].swapaxes(-1, -2) @ rotations[1:]))
+    h = np.diff(motion.time)
     for start in range(0, len(h), STEPS_AT_ONCE):
         rows = np.arange(start, start + STEPS_AT_ONCE)
         number = int(np.sum(rows < len(h)))
         rows = np.minimum(rows, len(h) - 1)
-        ends = jax.tree.map(lambda leaf, at=rows + 1: leaf[at], (motion, histories))
-        yield StepOfRun(h[rows], ends[0], turned[rows], turns[rows], ends[1]), number
+        ends, own = jax.tree.map(lambda leaf, at=rows + 1: leaf[at], (motion, histories))
+        yield StepOfRun(h[rows], ends, turn[rows], own), number
 
 
-_turns_between = jax.jit(jax.vmap(jax.vmap(lambda a, b: rotation_log(a.T @ b))))
-_turn_matrices = jax.jit(
-    jax.vmap(jax.vmap(lambda turn: (rotation_exp(-turn), rotation_right_jacobian(turn))))
-)
-
-
-def _history(judged: JudgedBody, steps: Solution, name: str, errors: Array) -> ErrorHistory:
-    full, motion, Z = judged.full, judged.motion, judged.space.vectors
-    own = steps.bodies[name]
-    coordinates = errors[:, 6 : 6 + Z.shape[1]].copy()
-    # What follows the basis at rest is in no displacement of the run: all of it is error.
-    coordinates[:, : motion.vectors.shape[1]] += motion.unseen
-    shown = motion.vectors[:, : motion.r]
-    squares = nodal_squares(full.nodes, _at_nodes(full, shown), _at_nodes(full, Z))
-    origin, turn = errors[:, :3], errors[:, 3:6]
-    rms = squares.rms(own.rotation, origin, turn, motion.coordinates[:, : motion.r], coordinates)
-    return ErrorHistory(judged, steps.times, own.rotation, origin, turn, coordinates, rms)
+_exp = jax.jit(jax.vmap(jax.vmap(rotation_exp)))
+_log = jax.jit(jax.vmap(jax.vmap(rotation_log)))
 
 
 def _at_nodes(full: FullBody, columns: Array) -> Array:

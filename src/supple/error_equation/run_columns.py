@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
 
 from supple.body import FlexibleBody, frame_projector
+from supple.error_equation.products_of_run import few_instants, pair_products, weights_of_instants
 from supple.integrate import FloatingMotion
-from supple.reduction import ReducedBody, ReductionBasis
-from supple.reduction.condensed_motion import CondensedMotion
+from supple.reduction import Condensation, ReducedBody, ReductionBasis
 
 __all__ = ["RunColumns", "run_columns"]
 
 Array = NDArray[np.float64]
 
 MOST_FOLLOWING = 12
+MOST_SAMPLES = 40
+SMALLEST_PRODUCT = 1e-5
 SMALLEST_FOLLOWING = 1e-3
 """Of the largest motion that follows: directions that move less are left to the error."""
 
@@ -29,20 +29,25 @@ class RunColumns:
 
     vectors : (n, s)
     coordinates, rates, accelerations : (t, s)
-    r : int     number of columns of the basis; what is in the others, no displacement of the run shows
+    shown : (t, r)      gamma: what the displacements of the run show
     """
 
     vectors: Array
     coordinates: Array
     rates: Array
     accelerations: Array
-    r: int
+    shown: Array
+
+    @property
+    def basis(self) -> Array:
+        """V (n, r)."""
+        return self.vectors[:, : self.shown.shape[1]]
 
     @property
     def unseen(self) -> Array:
-        """Coordinates (t, s) of the motion that is in the strains of the run but not in its displacements."""
+        """Coordinates (t, s) of z, which is in the strains of the run but not in its displacements."""
         hidden = self.coordinates.copy()
-        hidden[:, : self.r] = 0.0
+        hidden[:, : self.shown.shape[1]] -= self.shown
         return hidden
 
 
@@ -56,49 +61,36 @@ def run_columns(
     takes along the run are appended; whatever they leave out is error like any other, for the error equation
     holds about any motion near the true one.
     """
-    gamma = motion.coordinates
-    own = (gamma, motion.coordinate_rates, motion.coordinate_accelerations)
+    gamma, rate, acceleration = (
+        motion.coordinates,
+        motion.coordinate_rates,
+        motion.coordinate_accelerations,
+    )
+    own = (gamma, rate, acceleration)
     if reduced.condensed is None or not np.any(gamma):
-        return RunColumns(basis.vectors, *own, r=basis.r)
-    amplitudes = _amplitudes(reduced.condensed, *own)
-    added = _directions(body, basis, reduced.condensed, amplitudes[0])
-    # P^T M z from the nodes: M = T^T M_nodal T and z_nodal = T z.
-    onto = (body.nodal_mass @ (body.expansion @ added)).T @ reduced.condensed.fields
-    joined = [np.hstack([given, each @ onto.T]) for given, each in zip(own, amplitudes, strict=True)]
-    return RunColumns(np.hstack([basis.vectors, added]), *joined, r=basis.r)
-
-
-def _amplitudes(condensed: CondensedMotion, gamma: Array, rate: Array, acceleration: Array) -> list[Array]:
-    """Amplitudes (t, m) of the fields of z, of its rate 2 z(g, g') and of 2 z(g', g') + 2 z(g, g'')."""
-    first, second = np.triu_indices(gamma.shape[1])
-
-    def bilinear(a: Array, b: Array) -> Array:
-        products = (a[:, first] * b[:, second] + b[:, first] * a[:, second]) / 2
-        return products @ condensed.amplitudes.T
-
-    return [
-        bilinear(gamma, gamma),
-        2 * bilinear(gamma, rate),
-        2 * (bilinear(rate, rate) + bilinear(gamma, acceleration)),
-    ]
-
-
-def _directions(
-    body: FlexibleBody, basis: ReductionBasis, condensed: CondensedMotion, amplitudes: Array
-) -> Array:
-    """Leading directions (n, p) of z along the run outside the basis, M-orthonormal, on D q = 0."""
-    # Fields are orthonormal in the strain energy: leading in energy comes first, then length decides.
-    _, _, rows = np.linalg.svd(amplitudes, full_matrices=False)
-    rows = rows[: 2 * MOST_FOLLOWING]
-    fields = _coordinates(body, condensed.fields @ rows.T)
-    sizes = np.sqrt(np.mean((amplitudes @ rows.T) ** 2, axis=0))
-    return _leading(body, basis, fields * sizes)
-
-
-def _coordinates(body: FlexibleBody, nodal: Array) -> Array:
-    """Coordinates q (n, m) of nodal fields T q."""
-    T: Any = body.expansion
-    return splu((T.T @ T).tocsc()).solve(np.ascontiguousarray(T.T @ nodal))
+        return RunColumns(basis.vectors, *own, shown=gamma)
+    scale = 1 / np.maximum(np.abs(gamma).max(axis=0), 1e-12 * np.abs(gamma).max())
+    products = pair_products(gamma * scale, gamma * scale)
+    chosen = few_instants(products, SMALLEST_PRODUCT, MOST_SAMPLES).chosen
+    sampled = Condensation(body, basis).bilinear(gamma[chosen], gamma[chosen])
+    columns = np.hstack([basis.vectors, _leading(body, basis, sampled)])
+    # z is not M-orthogonal to V, from which it differs in energy alone.
+    onto = columns.T @ (body.mass @ sampled)
+    joined = []
+    for given, wanted in zip(
+        own,
+        (
+            products,
+            2 * pair_products(gamma * scale, rate * scale),
+            2 * pair_products(rate * scale, rate * scale)
+            + 2 * pair_products(gamma * scale, acceleration * scale),
+        ),
+        strict=True,
+    ):
+        moved = weights_of_instants(products, chosen, wanted) @ onto.T
+        moved[:, : basis.r] += given
+        joined.append(moved)
+    return RunColumns(columns, *joined, shown=gamma)
 
 
 def _leading(body: FlexibleBody, basis: ReductionBasis, fields: Array) -> Array:
