@@ -326,7 +326,7 @@ class ErrorEquation:
         damping = judged.full.damping
         time = 0.0 if damping is None else damping.retardation_time
         # Room for more, as with the columns: runs whose tangents take nearly as many share one program.
-        more = -len(tangents.material) % 8
+        more = -len(tangents.material) % 16
 
         def padded(samples: Array) -> Array:
             return np.pad(samples, ((0, more), (0, size - k), (0, size - k)))
@@ -374,9 +374,7 @@ def _with_directions(errors: Array, n_motion: int) -> Array:
     return chosen
 
 
-def _blocks(
-    motion: SystemMotion, histories: tuple[GainHistory, ...]
-) -> Iterator[tuple[StepOfRun, int]]:
+def _blocks(motion: SystemMotion, histories: tuple[GainHistory, ...]) -> Iterator[tuple[StepOfRun, int]]:
     """Steps of the run, so many at once, the last of them repeated where there are fewer; and their number."""
     rotations = motion.configuration.rotations
     # (t, nb, 3): the turn of every frame in the step that ends at each time.

@@ -16,7 +16,7 @@ __all__ = ["body_of_columns", "padded_size", "system_of_columns"]
 
 Array = NDArray[np.float64]
 
-MULTIPLE = 16
+MULTIPLE = 32
 
 
 def padded_size(size: int) -> int:
@@ -24,9 +24,7 @@ def padded_size(size: int) -> int:
     return -(-size // MULTIPLE) * MULTIPLE
 
 
-def body_of_columns(
-    body: FlexibleBody, frame: Frame, columns: Array, damping: Damping | None
-) -> ReducedBody:
+def body_of_columns(body: FlexibleBody, frame: Frame, columns: Array, damping: Damping | None) -> ReducedBody:
     """A body in columns (n, k), linear about its rest; columns that fill it up have unit mass and stiffness.
 
     What the deformation adds to stiffness and damping is another's (`ElasticGain`).

@@ -23,6 +23,7 @@ Source: this project's own; the step is that of Chung & Hulbert (1993) on the gr
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
@@ -32,6 +33,7 @@ from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_j
 from supple.integrate import Coefficients, StepFactors, StepRule
 from supple.multibody.compiled.elimination import solve_bordering_column
 from supple.multibody.equations.balance import balance, tangent
+from supple.multibody.equations.compiler_options import MARCHING, STARTING
 from supple.multibody.equations.configuration import SystemMotion
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import STATIC, Model
@@ -99,9 +101,7 @@ class _Operators(NamedTuple):
 _NOTHING, _BY_VELOCITY, _BY_POSITION = StepFactors(0.0, 0.0), StepFactors(0.0, 1.0), StepFactors(1.0, 0.0)
 
 
-def _operators(
-    model: Model, bodies: tuple[ElasticGain, ...], motion: SystemMotion, gains: Any
-) -> _Operators:
+def _operators(model: Model, bodies: tuple[ElasticGain, ...], motion: SystemMotion, gains: Any) -> _Operators:
     """Residuals and tangents of the run's equations at one state."""
     terms = balance(model, motion)
     still = jnp.zeros(model.n_velocities)
@@ -160,7 +160,7 @@ def _solved(
     return solution[:n], model.mass * solution[n:]
 
 
-@jax.jit
+@partial(jax.jit, compiler_options=STARTING)
 def first_error(
     model: Model,
     bodies: tuple[ElasticGain, ...],
@@ -178,7 +178,7 @@ def first_error(
     return ErrorState(position, velocity, acceleration, acceleration, multipliers)
 
 
-@jax.jit
+@partial(jax.jit, compiler_options=MARCHING)
 def march_error(
     model: Model,
     bodies: tuple[ElasticGain, ...],
