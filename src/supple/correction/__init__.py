@@ -11,6 +11,8 @@ from supple.correction.correction_rounds import (
     SelfCorrection,
     SelfCorrectionError,
 )
+from supple.correction.error_study import ErrorStudy, state_errors
+from supple.correction.judged_quantity import Deflection, JointForce, JudgedQuantity, WholeBody
 from supple.correction.recorded_correction import (
     ROUNDS_FOLDER,
     correct_recorded,
@@ -37,6 +39,10 @@ __all__ = [
     "ROUNDS_FOLDER",
     "CorrectedSystem",
     "CorrectionFolder",
+    "Deflection",
+    "ErrorStudy",
+    "JointForce",
+    "JudgedQuantity",
     "MissedMotion",
     "ReductionStart",
     "ResidualCorrections",
@@ -46,10 +52,12 @@ __all__ = [
     "SelfCorrected",
     "SelfCorrection",
     "SelfCorrectionError",
+    "WholeBody",
     "best_round",
     "correct_recorded",
     "correction_numbers",
     "residual_corrections",
     "self_correct",
+    "state_errors",
     "system_corrections",
 ]

@@ -11,7 +11,7 @@ from supple.algebra import read_only
 from supple.arguments import check_fields
 from supple.correction.judged_quantity import JudgedQuantity, WholeBody
 from supple.errors import AccuracyError, ModelError
-from supple.integrate import Solution
+from supple.integrate import Run, Solution
 from supple.machine.system import System
 from supple.reduction import (
     CompressedDerivatives,
@@ -21,6 +21,7 @@ from supple.reduction import (
     PlainQuartic,
     QuarticChoice,
     ReducedBody,
+    ReductionBasis,
 )
 
 __all__ = [
@@ -141,11 +142,13 @@ class SelfCorrected:
 
     rounds : Round              the last one meets the tolerance
     finer_body, finer_solution  the run with the next, richer basis, by which its error was measured
+    basis : ReductionBasis      of the last round
     """
 
     rounds: tuple[Round, ...]
     finer_body: ReducedBody
     finer_solution: Solution
+    basis: ReductionBasis | None = None
 
     @property
     def body(self) -> ReducedBody:
@@ -169,10 +172,12 @@ class CorrectedSystem:
 
     system : System                     with the reduced bodies
     bodies : SelfCorrected, by name     their rounds, which are the same runs
+    run : Run                           as it was stepped; None where that is the run that was asked for
     """
 
     system: System
     bodies: Mapping[str, SelfCorrected]
+    run: Run | None = None
 
     @property
     def solution(self) -> Solution:

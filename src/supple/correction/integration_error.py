@@ -113,7 +113,7 @@ def with_shorter_steps(run: Run, factor: float) -> Run:
             smallest=min(step.smallest, factor * step.first),
         )
     else:
-        size = factor * fixed_step(run)
+        size = factor * float(fixed_step(run))
         shorter = FixedStep(size, smallest=min(step.smallest, size))
     return replace(run, step=shorter)
 

@@ -139,8 +139,11 @@ def _part(
     name = quantity.body
     if isinstance(quantity, WholeBody) and name in missed:
         return ErrorPart(float(missed[quantity.body].rms.max()), "elements and ties turned exactly", _REMEDY)
-    if isinstance(quantity, Deflection) and name in missed and not isinstance(quantity.nodes, str):
-        moved = _moved(fulls[quantity.body], missed[quantity.body])[:, list(quantity.nodes)]
+    if isinstance(quantity, Deflection) and name in missed:
+        full = fulls[quantity.body]
+        at = quantity.nodes
+        nodes = list(full.interface(at).node_ids if isinstance(at, str) else at)
+        moved = _moved(full, missed[quantity.body])[:, nodes]
         value = float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
         return ErrorPart(value, "elements and ties turned exactly", _REMEDY)
     shares = [0.0]

@@ -259,7 +259,10 @@ def _result(past: Mapping[str, list[_Judged]], run: _Run, finer: _Run) -> Correc
         run.model.system,
         {
             name: SelfCorrected(
-                tuple(each.round for each in judged), finer.model.bodies[name], finer.solution
+                tuple(each.round for each in judged),
+                finer.model.bodies[name],
+                finer.solution,
+                run.model.bases.bases[name],
             )
             for name, judged in past.items()
         },
