@@ -1,5 +1,9 @@
 """Self-correcting reduction: rounds, missing motion, the error estimate."""
 
+from supple.correction.basis_error import (
+    BasisError,
+    BodyError,
+)
 from supple.correction.correction_folder import (
     CorrectionFolder,
 )
@@ -10,6 +14,11 @@ from supple.correction.correction_rounds import (
     SelfCorrected,
     SelfCorrection,
     SelfCorrectionError,
+)
+from supple.correction.error_estimate import (
+    ErrorEstimate,
+    ErrorEstimator,
+    estimate_error,
 )
 from supple.correction.error_study import ErrorStudy, state_errors
 from supple.correction.judged_quantity import Deflection, JointForce, JudgedQuantity, WholeBody
@@ -37,9 +46,13 @@ from supple.correction.self_correction import (
 
 __all__ = [
     "ROUNDS_FOLDER",
+    "BasisError",
+    "BodyError",
     "CorrectedSystem",
     "CorrectionFolder",
     "Deflection",
+    "ErrorEstimate",
+    "ErrorEstimator",
     "ErrorStudy",
     "JointForce",
     "JudgedQuantity",
@@ -56,6 +69,7 @@ __all__ = [
     "best_round",
     "correct_recorded",
     "correction_numbers",
+    "estimate_error",
     "residual_corrections",
     "self_correct",
     "state_errors",
