@@ -20,6 +20,8 @@ from supple.correction.error_estimate import (
     ErrorEstimator,
     estimate_error,
 )
+from supple.correction.error_study import ErrorStudy, state_errors
+from supple.correction.judged_quantity import Deflection, JointForce, JudgedQuantity, WholeBody
 from supple.correction.recorded_correction import (
     ROUNDS_FOLDER,
     correct_recorded,
@@ -48,8 +50,12 @@ __all__ = [
     "BodyError",
     "CorrectedSystem",
     "CorrectionFolder",
+    "Deflection",
     "ErrorEstimate",
     "ErrorEstimator",
+    "ErrorStudy",
+    "JointForce",
+    "JudgedQuantity",
     "MissedMotion",
     "ReductionStart",
     "ResidualCorrections",
@@ -59,11 +65,13 @@ __all__ = [
     "SelfCorrected",
     "SelfCorrection",
     "SelfCorrectionError",
+    "WholeBody",
     "best_round",
     "correct_recorded",
     "correction_numbers",
     "estimate_error",
     "residual_corrections",
     "self_correct",
+    "state_errors",
     "system_corrections",
 ]

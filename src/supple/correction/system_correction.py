@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
@@ -18,9 +18,11 @@ from supple.correction.correction_rounds import (
     SelfCorrection,
     SelfCorrectionError,
 )
+from supple.correction.judged_quantity import WholeBody, quantity_distance
 from supple.correction.residual_correction import system_corrections
 from supple.correction.round_archive import MissedMotion, RoundArchive, RoundBases
-from supple.correction.run_distance import largest_displacement, largest_distance
+from supple.correction.run_distance import largest_displacement
+from supple.correction.stopping import error_of_differences, is_useless, missed_part
 from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import Run, Solution
 from supple.machine.system import Placed, System
@@ -62,6 +64,8 @@ class Problem:
     fulls, starts : by body
     run : of every round
     announce, progress, archive : as for `self_correct`
+    first : bases to begin with, where an earlier pass has found them; its number in the archive
+    spent : of what is allowed to a body, what other parts of the error than the basis take
     """
 
     system: System
@@ -71,6 +75,9 @@ class Problem:
     announce: Announce | None
     progress: CorrectionProgress | None
     archive: RoundArchive
+    first: RoundBases | None = None
+    number: int = 0
+    spent: Mapping[str, float] = field(default_factory=dict)
 
     def report(self, step: str, fraction: float) -> None:
         """Say how far a step has come."""
@@ -118,7 +125,9 @@ class _Judged:
 def correct(problem: Problem) -> CorrectedSystem:
     """Round by round, until every body meets its target in the same one."""
     past: dict[str, list[_Judged]] = {name: [] for name in problem.fulls}
-    first = _reduced(problem, 0, problem.archive.read_bases(0, problem.fulls) or _first_bases(problem))
+    number = problem.number
+    kept = problem.archive.read_bases(number, problem.fulls)
+    first = _reduced(problem, number, kept or problem.first or _first_bases(problem))
     _look_at_loads(problem, first)
     current = _simulated(problem, first)
     while True:
@@ -126,7 +135,7 @@ def correct(problem: Problem) -> CorrectedSystem:
         bases = problem.archive.read_bases(number, problem.fulls) or _enriched(problem, current)
         finer = _simulated(problem, _reduced(problem, number, bases))
         for name, judged in past.items():
-            judged.append(_judge(problem.target(name), name, judged, current, finer))
+            judged.append(_judge(problem, name, judged, current, finer))
             if problem.announce is not None:
                 problem.announce(judged[-1].round)
         if all(judged[-1].met for judged in past.values()):
@@ -207,20 +216,27 @@ def _enriched(problem: Problem, run: _Run) -> RoundBases:
     return RoundBases(bases, said, run.seconds + perf_counter() - began)
 
 
-def _judge(target: SelfCorrection, name: str, before: list[_Judged], run: _Run, finer: _Run) -> _Judged:
+def _judge(problem: Problem, name: str, before: list[_Judged], run: _Run, finer: _Run) -> _Judged:
     """Measure a run by the next one."""
-    body, motion = run.model.bodies[name], run.solution.bodies[name]
-    difference = np.inf
-    if run.complete and finer.complete:
-        difference = largest_distance(body, motion, finer.model.bodies[name], finer.solution.bodies[name])
-    error = _extrapolated(difference, before[-1].difference if before else np.inf)
-    if any(each.met for each in before) and not np.isfinite(error):
+    target = problem.target(name)
+    quantity = target.quantity(name)
+    body = run.model.bodies[name]
+    difference = quantity_distance(
+        quantity, run.model.system, run.solution, finer.model.system, finer.solution
+    )
+    differences = [*(each.difference for each in before), difference]
+    error = error_of_differences(differences)
+    was_met = any(each.met for each in before)
+    if was_met and not np.isfinite(error):
         # Converged as far as the time integration goes: differences at its floor shrink no more.
         error = difference
     missed = finer.model.bases.missed[name]
-    allowed = target.allowed(largest_displacement(body, motion))
-    # The first round has no rate of convergence to go by: there the missing motion must agree.
-    doubt = missed.indicator if not before else 0.0
+    size = quantity.size(run.model.system, run.solution)
+    allowed = target.allowed(size)
+    # What is missed is known in lengths: of another quantity, in parts of the body's displacement.
+    displacement = largest_displacement(body, run.solution.bodies[name])
+    doubt = missed.indicator * (1.0 if isinstance(quantity, WholeBody) else size / (displacement or np.inf))
+    after_useless = bool(before) and before[-1].round.useless and not was_met
     return _Judged(
         Round(
             body=body,
@@ -230,9 +246,11 @@ def _judge(target: SelfCorrection, name: str, before: list[_Judged], run: _Run, 
             singular_values=missed.singular_values,
             seconds=finer.model.bases.seconds,
             allowed=allowed,
+            useless=is_useless(differences),
+            number=run.model.number,
         ),
         difference,
-        max(error, doubt) <= allowed,
+        max(error, doubt) <= allowed - problem.spent.get(name, 0.0) and not after_useless,
     )
 
 
@@ -241,7 +259,10 @@ def _result(past: Mapping[str, list[_Judged]], run: _Run, finer: _Run) -> Correc
         run.model.system,
         {
             name: SelfCorrected(
-                tuple(each.round for each in judged), finer.model.bodies[name], finer.solution
+                tuple(each.round for each in judged),
+                finer.model.bodies[name],
+                finer.solution,
+                run.model.bases.bases[name],
             )
             for name, judged in past.items()
         },
@@ -251,13 +272,6 @@ def _result(past: Mapping[str, list[_Judged]], run: _Run, finer: _Run) -> Correc
 def _evenly_spread(n_times: int, n: int) -> np.ndarray:
     """Numbers of n output times up to the last, the start left out."""
     return np.unique(np.linspace(0, n_times - 1, n + 1).round().astype(int))[1:]
-
-
-def _extrapolated(difference: float, last_difference: float) -> float:
-    """All differences to come if each shrinks as the last one did; at right angles, as new columns are."""
-    if not np.isfinite(difference) or difference >= last_difference:
-        return np.inf
-    return difference / float(np.sqrt(1 - (difference / last_difference) ** 2))
 
 
 def _check_prospects(problem: Problem, past: Mapping[str, list[_Judged]], finer: _Model) -> None:
@@ -271,7 +285,7 @@ def _check_prospects(problem: Problem, past: Mapping[str, list[_Judged]], finer:
             f"the next basis would have {finer.bodies[name].r} coordinates, more than "
             f"{problem.target(name).largest_size} allowed"
         )
-    elif finer.number > allowed_rounds:
+    elif finer.number - problem.number > allowed_rounds:
         reason = f"{allowed_rounds} rounds are over"
     else:
         return
@@ -280,9 +294,12 @@ def _check_prospects(problem: Problem, past: Mapping[str, list[_Judged]], finer:
         history = ", ".join(
             f"{each.round.estimated_error:.2g} with {each.round.size} coordinates" for each in past[name]
         )
+        useless = [str(each.round.number) for each in past[name] if each.round.useless]
+        idle = f"Round {', '.join(useless)} found nothing that helped. " if useless else ""
+        part = missed_part(problem.fulls[name], finer.bases.bases[name], past[name][-1].round.size)
         said.append(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted}: "
-            f"{reason}. Estimated errors: {history}. "
+            f"{reason}. Estimated errors: {history}. {idle}{part.words}. "
         )
     raise SelfCorrectionError(
         "".join(said) + "Start with more modes (all those in the band of the loads), add more directions a "
