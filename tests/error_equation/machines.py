@@ -6,14 +6,19 @@ from functools import cache
 
 import numpy as np
 
-from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RayleighDamping, RigidBody, RigidInterface
-from supple.body import flexible_body
+from supple.body import (
+    FullBody,
+    MeanAxisFrame,
+    NodalFixedFrame,
+    RigidBody,
+    RigidInterface,
+    flexible_body,
+)
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import (
     GROUND,
     At,
-    Ball,
     DeadForce,
     Placed,
     PrescribedRotation,
@@ -64,9 +69,7 @@ def spinning(frame, damping=None):
 def tumbling():
     """A free strip that is thrown turning, and pushed at its end."""
     body = FullBody(soft_strip("strip", 1.0), MEAN)
-    push = DeadForce(
-        body="strip", at=[0], force=lambda t: np.array([0.0, 0.0, 2.0]) * jnp_pulse(t)
-    )
+    push = DeadForce(body="strip", at=[0], force=lambda t: np.array([0.0, 0.0, 2.0]) * jnp_pulse(t))
     return (
         System((Placed(body, velocity=(0, 0, 1.0), angular_velocity=(2.0, 0.5, 1.0)),), (), (push,)),
         run_of(1.0),
@@ -109,7 +112,10 @@ def slider_crank(frame):
             ),
             (
                 PrescribedRotation(
-                    name="drive", first=GROUND, second=At("crank", "hub"), axis=(0, -1, 0),
+                    name="drive",
+                    first=GROUND,
+                    second=At("crank", "hub"),
+                    axis=(0, -1, 0),
                     angle=lambda t: 4.0 * t**3,
                 ),
                 Revolute(name="pin", first=At("crank", "pin"), second=At("rod", "root"), axis=(0, 1, 0)),
@@ -125,7 +131,11 @@ def sprung(frame):
     """A strip on a ball joint, caught by a spring and a damper at its end."""
     body = FullBody(soft_strip("strip", 1.0), frame)
     spring = SpringDamper(
-        first=GROUND, second=At("strip", "tip"), stiffness=50.0, damping=0.5, rest_length=0.5,
+        first=GROUND,
+        second=At("strip", "tip"),
+        stiffness=50.0,
+        damping=0.5,
+        rest_length=0.5,
         ground_point=(1.0, 0.0, 0.5),
     )
     hinge = Revolute(name="hinge", first=GROUND, second=At("strip", "root"), axis=(0, 1, 0))
