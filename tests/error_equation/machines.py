@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
+import jax.numpy as jnp
 import numpy as np
 
 from supple.body import (
@@ -37,6 +39,7 @@ from supple.reduction import (
 )
 
 NODAL, MEAN = NodalFixedFrame("root"), MeanAxisFrame()
+PLAIN = PlainQuartic()
 
 
 @cache
@@ -66,20 +69,19 @@ def spinning(frame, damping=None):
     return System((Placed(body),), (hinge,)), run_of(1.0)
 
 
+def pulse(t):
+    """A bell of 0.05 s about 0.2 s."""
+    return jnp.exp(-(((t - 0.2) / 0.05) ** 2))
+
+
 def tumbling():
     """A free strip that is thrown turning, and pushed at its end."""
     body = FullBody(soft_strip("strip", 1.0), MEAN)
-    push = DeadForce(body="strip", at=[0], force=lambda t: np.array([0.0, 0.0, 2.0]) * jnp_pulse(t))
+    push = DeadForce(body="strip", at=[0], force=lambda t: np.array([0.0, 0.0, 2.0]) * pulse(t))
     return (
         System((Placed(body, velocity=(0, 0, 1.0), angular_velocity=(2.0, 0.5, 1.0)),), (), (push,)),
         run_of(1.0),
     )
-
-
-def jnp_pulse(t):
-    import jax.numpy as jnp
-
-    return jnp.exp(-(((t - 0.2) / 0.05) ** 2))
 
 
 def hanging(frame):
@@ -142,10 +144,8 @@ def sprung(frame):
     return System((Placed(body),), (hinge,), (spring,), gravity=(0, 0, -9.81)), run_of(0.5)
 
 
-def reduced(system, n_modes, n_derivatives, quartic=PlainQuartic()):
+def reduced(system, n_modes, n_derivatives, quartic=PLAIN):
     """The system with its full bodies reduced, and their bases."""
-    from dataclasses import replace
-
     fulls = system.bodies_of(FullBody)
     bases = {
         name: reduction_basis(
