@@ -29,18 +29,11 @@ def self_correct(
 ) -> CorrectedSystem:
     """Reduce bodies of a system together, as far as an error allows that the reduced runs themselves measure.
 
-    Start small, run, find at a few instants the motion that the bases miss (`system_corrections`: one Newton
-    step of the system with all its coordinates), append its leading directions to the bases, run again. No
-    full-order time integration is made. Run k is measured by run k + 1, with eps the largest RMS distance of
-    a body's nodes over the run:
-
-        d_k = eps(run k, run k+1),   e_k = max(d_k, g d_(k-1)) / sqrt(1 - rho^2)
-
-    rho is the worse of the last two rates d_k / d_(k-1), g their mean (`stopping`): e_k adds up what the runs
-    to come will change, were each of them to gain as little; as squares, for what a round adds to the basis
-    is orthogonal to all before. A round that did not shrink says nothing, and the next one is not accepted
-    either. So the run that meets the tolerance is the last but one. The size of the missing motion
-    (`Round.indicator`) is a second opinion that must agree in every round. Modes inside the band in which the
+    Start small, run, tell by the error equation (`estimate_error`) how wrong the run is and what it misses,
+    append the leading directions of that to the bases, run again. No full-order time integration is made, and
+    no finer run to measure by: the run's own residual at every step drives its linearised integrator. The
+    motion that it would take to balance the residual at rest, at some instants (`system_corrections`), is
+    among what is appended; its size (`Round.indicator`) is told beside. Modes inside the band in which the
     loads excite the body belong in the basis from the start (`load_spectrum` looks).
 
     Every round runs all bodies reduced and enriches them all, until every body meets its error in the same

@@ -49,6 +49,6 @@ def test_steps_of_their_own_size(pendulum):
 
 
 def test_a_run_whose_outputs_are_its_steps_is_not_made_again(pendulum):
-    run = replace(RUN, step=FixedStep(0.1))
+    run = replace(RUN, output_step=0.02)
     solution = simulate(pendulum, run)
     assert every_step(pendulum, run, solution).solution is solution
