@@ -1,0 +1,78 @@
+"""The part of the bases in the error of a finished run: by the error equation, or by a run with richer bases.
+
+The error equation tells of the positions of whole bodies, to first order, and says itself where that is not
+enough (`BodyError.second` above a third). There, for other quantities, and for bodies whose condensed tensors
+let motion follow that no column holds, a run with much richer bases is made instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from supple.body.full_body import FullBody
+from supple.correction.check_run import check_run
+from supple.correction.error_estimate import estimate_error
+from supple.correction.judged_quantity import JudgedQuantity, WholeBody
+from supple.integrate import ErrorPart, Run, Solution
+from supple.machine import Placed, System
+from supple.reduction import ReducedBody, ReductionBasis
+
+__all__ = ["basis_parts"]
+
+FIRST_ORDER = 1 / 3
+"""Size of a second correction over the first above which the first is an order of magnitude only."""
+
+_REMEDY = "keep more modes, or let the reduction correct itself (accuracy = { relative = 1e-3 })"
+
+
+def basis_parts(
+    system: System,
+    run: Run,
+    solution: Solution,
+    fulls: Mapping[str, FullBody],
+    bases: Mapping[str, ReductionBasis],
+    quantities: Sequence[JudgedQuantity],
+    *,
+    progress: Callable[[str, float], None] | None = None,
+) -> dict[str, ErrorPart]:
+    """The part of the bases in some quantities of a finished run, by their names.
+
+    fulls, bases : of the reduced bodies that are judged, by name
+    """
+    bodies = [each for each in quantities if isinstance(each, WholeBody) and each.body in bases]
+    others = [each for each in quantities if each.body is None or (each.body in bases and each not in bodies)]
+    told: dict[str, ErrorPart] = {}
+    if not others and not any(_is_condensed(placed.body) for placed in system.bodies):
+        step = "the error equation"
+        share = None if progress is None else lambda fraction: progress(step, fraction)
+        whole = replace(system, bodies=tuple(_in_full(each, fulls, bases) for each in system.bodies))
+        found = estimate_error(whole, system, bases, run, solution, progress=share).bodies
+        sure = all(
+            np.isfinite(each.estimate) and (each.second is None or each.second <= FIRST_ORDER)
+            for each in found.values()
+        )
+        if sure:
+            told = {each.name: ErrorPart(found[each.body].estimate, step, _REMEDY) for each in bodies}
+    if len(told) < len(bodies) + len(others):
+        told = check_run(system, run, solution, fulls, bases, [*bodies, *others], progress=progress)
+    return told
+
+
+def _is_condensed(body: object) -> bool:
+    return isinstance(body, ReducedBody) and body.condensed is not None
+
+
+def _in_full(placed: Placed, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]) -> Placed:
+    name = placed.body.name
+    if name not in bases:
+        return placed
+    V = bases[name].vectors
+    return replace(
+        placed,
+        body=fulls[name],
+        coordinates=V @ placed.coordinates,
+        coordinate_rates=V @ placed.coordinate_rates,
+    )
