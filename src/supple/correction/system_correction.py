@@ -248,6 +248,7 @@ def _judge(problem: Problem, name: str, before: list[_Judged], run: _Run, finer:
             allowed=allowed,
             useless=is_useless(differences),
             number=run.model.number,
+            run=problem.run,
         ),
         difference,
         max(error, doubt) <= allowed - problem.spent.get(name, 0.0) and not after_useless,
