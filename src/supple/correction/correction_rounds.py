@@ -41,9 +41,10 @@ class SelfCorrection:
     absolute : float        largest RMS error of the nodal positions over the run, unit of length; or
     relative : float        the same over the largest displacement of a node, seen from the body's first
                             interface (in its floating frame where it has none)
-    instants : int          output times of a run at which its residual is evaluated, evenly spread
+    instants : int          steps of a run at which its residual is balanced, at random in equal intervals;
+                            besides those where loads peak or kink
     directions : int        columns added a round
-    largest_size : int      of the basis returned; the run that measures its error has a richer one
+    largest_size : int      of the basis
     max_rounds : int        enrichments before giving up
     of : JudgedQuantity     what the error is of; by default the positions of all nodes of the body
     Raises ModelError when both or none of absolute and relative are given, or a number is not positive.
@@ -105,9 +106,9 @@ class Round:
 
     body : ReducedBody
     solution : Solution             up to where the run broke off, if it did
-    estimated_error : float         largest RMS error of the nodal positions over the run; infinite where
-                                    the run, or the next one that was to measure it, broke off, or where
-                                    the rounds do not converge
+    estimated_error : float         largest RMS error of the nodal positions over the run, by the error
+                                    equation; infinite where the run broke off, or where the error is too
+                                    large for it
     indicator : float               largest RMS of the motion that the basis misses, at the instants looked at
     singular_values : (k,)          of that motion outside the basis, in the M-norm, descending; none of a
                                     body that is enriched no more
@@ -143,14 +144,11 @@ class SelfCorrected:
     """A reduced body that meets a tolerance on a run, and the rounds that led to it.
 
     rounds : Round              the last one meets the tolerance
-    finer_body, finer_solution  the run with the next, richer basis, by which its error was measured
     basis : ReductionBasis      of the last round
     """
 
     rounds: tuple[Round, ...]
-    finer_body: ReducedBody
-    finer_solution: Solution
-    basis: ReductionBasis | None = None
+    basis: ReductionBasis
 
     @property
     def body(self) -> ReducedBody:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from supple.algebra.rotation import rotation_log
 from supple.body import FullBody
 from supple.correction.basis_error import BasisError, BodyError
 from supple.correction.looked_at_instants import jittered, striking
@@ -27,7 +28,7 @@ from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
 from supple.multibody.compiled.compiled_machine import compiled_start
-from supple.multibody.compiled.every_step import every_step
+from supple.multibody.compiled.every_step import as_outputs, every_step
 from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.full.full_system import FullSystem
@@ -53,12 +54,15 @@ class ErrorEstimate:
     histories : ErrorHistory, by body       the error at every step of the run
     missed : (n, m), by body                displacement fields outside the basis, by their size along the run
     corrections : ResidualCorrections, by body      the static ones among them
+    corrected : the system in the columns of the error and its true motion, as far as it is told: what any
+                quantity of the run differs from; None where it is not told
     """
 
     error: BasisError
     histories: Mapping[str, ErrorHistory]
     missed: Mapping[str, np.ndarray]
     corrections: Mapping[str, ResidualCorrections]
+    corrected: tuple[System, Solution] | None = None
 
 
 def estimate_error(
@@ -123,7 +127,9 @@ class ErrorEstimator:
         instants : at which the residual is balanced, beside those where loads peak or kink
         """
         fulls = self._judged(bases)
-        steps = every_step(reduced, self._run, solution)
+        # A run that broke off tells what its bases miss, but not what that costs.
+        whole = solution.stopped is None
+        steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
         looked, fresh = self._instants(steps.solution.times, instants)
         both = np.concatenate([looked, fresh])
         missed = system_corrections(
@@ -134,6 +140,9 @@ class ErrorEstimator:
             both,
             progress=None if progress is None else lambda fraction: progress(0.7 * fraction),
         )
+        fields = {name: own.deformation for name, own in missed.items()}
+        if not whole:
+            return ErrorEstimate(BasisError(dict.fromkeys(fulls, _untold(solution))), {}, fields, missed)
         start = self._start_errors(steps.solution, bases)
         judged = {
             name: self._judged_body(
@@ -146,26 +155,27 @@ class ErrorEstimator:
         )
         found = equation.first()
         histories = equation.histories(found)
+        if not all(np.isfinite(history.rms).all() for history in histories.values()):
+            return ErrorEstimate(BasisError(dict.fromkeys(fulls, _untold(solution))), {}, fields, missed)
         second = {name: second_correction(history) for name, history in histories.items()}
         if _is_not_small(histories, second):
-            again = equation.histories(equation.again(found))
+            more = equation.again(found)
+            again = equation.histories(more)
             second = {name: _change(histories[name], own) for name, own in again.items()}
-            histories = again
+            if all(np.isfinite(own.rms).all() for own in again.values()):
+                found, histories = more, again
         if progress is not None:
             progress(1.0)
         errors = {
-            name: _body_error(history, second[name], steps.outputs, missed[name], len(looked), solution)
+            name: _body_error(history, second[name], steps.outputs, missed[name], len(looked))
             for name, history in histories.items()
         }
-        return ErrorEstimate(
-            BasisError(errors),
-            histories,
-            {
-                name: np.hstack([_leading_fields(history, len(both)), missed[name].deformation])
-                for name, history in histories.items()
-            },
-            missed,
-        )
+        missing = {
+            name: np.hstack([_leading_fields(history, len(both)), fields[name]])
+            for name, history in histories.items()
+        }
+        corrected = equation.corrected(found, steps.outputs)
+        return ErrorEstimate(BasisError(errors), histories, missing, missed, corrected)
 
     def _judged(self, bases: Mapping[str, ReductionBasis]) -> dict[str, FullBody]:
         fulls = self._system.bodies_of(FullBody)
@@ -214,7 +224,7 @@ class ErrorEstimator:
         return JudgedBody(full, motion, error_space(self._modes[name], motion.vectors, corrections, deformed))
 
     def _start_errors(self, steps: Solution, bases: Mapping[str, ReductionBasis]) -> dict[str, StartError]:
-        """How the full system would start, less how the run did; nothing where both start as they are placed."""
+        """How the full system would start, less how the run did; nothing where both start as placed."""
         placed = {each.body.name: each for each in self._system.bodies}
         as_given = all(
             np.array_equal(np.asarray(given), motion[0])
@@ -255,14 +265,11 @@ def _start_error(
     gamma, rates = own.coordinates[0], own.coordinate_rates[0]
     if name in bases:
         gamma, rates = bases[name].vectors @ gamma, bases[name].vectors @ rates
-    rotation = own.rotation[0].T @ configuration.rotations[index]
-    turn = np.array(
-        [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]
-    )
+    turn = np.asarray(rotation_log(own.rotation[0].T @ configuration.rotations[index]))
     position = np.concatenate(
         [
             configuration.origins[index] - own.position[0],
-            turn / 2,
+            turn,
             configuration.coordinates[machine.coordinate_slices[index]] - gamma,
         ]
     )
@@ -271,13 +278,14 @@ def _start_error(
 
 
 def _is_not_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
-    finite = all(np.isfinite(history.rms).all() for history in histories.values())
     turned = max(float(np.abs(history.turn).max()) for history in histories.values())
-    return finite and (max(second.values()) > SMALL_SECOND or turned > SMALL_TURN)
+    return max(second.values()) > SMALL_SECOND or turned > SMALL_TURN
 
 
 def _change(first: ErrorHistory, again: ErrorHistory) -> float:
     """Largest distance of two estimates of an error, over the first."""
+    if not np.isfinite(again.rms).all():
+        return np.inf
     rows = np.unique([int(np.argmax(first.rms)), int(np.argmax(again.rms))])
     apart = max(
         float(np.sqrt(np.mean(np.sum((first.at_nodes(row) - again.at_nodes(row)) ** 2, axis=1))))
@@ -292,13 +300,8 @@ def _body_error(
     outputs: np.ndarray,
     missed: ResidualCorrections,
     n_looked: int,
-    solution: Solution,
 ) -> BodyError:
     rms = history.rms[outputs]
-    if solution.stopped is not None or not np.isfinite(history.rms).all():
-        return BodyError(
-            np.inf, np.inf, 0, float(solution.times[-1]), np.inf, None, np.full(len(rms), np.inf)
-        )
     row = int(outputs[np.argmax(rms)])
     sizes = np.linalg.norm(history.at_nodes(row), axis=1)
     return BodyError(
@@ -312,6 +315,12 @@ def _body_error(
     )
 
 
+def _untold(solution: Solution) -> BodyError:
+    """Of a run that broke off, or whose error equation grows out of bounds."""
+    times = solution.times
+    return BodyError(np.inf, np.inf, 0, float(times[-1]), np.inf, None, np.full(len(times), np.inf))
+
+
 def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
     """Largest RMS over the nodes of what the space of the error lacks of corrections it does not know."""
     full, Z = history.body.full, history.body.space.vectors
@@ -322,8 +331,6 @@ def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
 
 def _leading_fields(history: ErrorHistory, number: int) -> np.ndarray:
     """The error at all steps by its leading directions (n, m), weighing as much as `number` fields."""
-    if not np.isfinite(history.coordinates).all():
-        return np.zeros((history.deformation.shape[0], 0))
     _, sizes, rows = np.linalg.svd(history.coordinates, full_matrices=False)
     weights = sizes * np.sqrt(number / len(history.coordinates))
     return history.deformation @ (rows.T * weights)

@@ -1,4 +1,4 @@
-"""Instants of a run at which its residual is looked at: at random in equal intervals, and where loads peak."""
+"""Instants of a run at which its residual is looked at: at random in intervals, and where loads peak."""
 
 from __future__ import annotations
 

@@ -86,11 +86,11 @@ def _stated(problem: Problem, corrected: CorrectedSystem, study: ErrorStudy) -> 
     for name, own in corrected.bodies.items():
         quantity = problem.target(name).quantity(name)
         last = own.rounds[-1]
-        of_basis[quantity.name] = ErrorPart(last.estimated_error, "the rounds", _REMEDY)
+        of_basis[quantity.name] = ErrorPart(last.estimated_error, "the error equation", _REMEDY)
         allowed[quantity.name] = last.allowed
     targets = [problem.target(name).quantity(name) for name in corrected.bodies]
     others = [each for each in judged(system, study) if each.name not in of_basis]
-    bases = {name: own.basis for name, own in corrected.bodies.items() if own.basis is not None}
+    bases = {name: own.basis for name, own in corrected.bodies.items()}
     return statements(
         system,
         problem.run,
@@ -133,14 +133,14 @@ def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, Er
     if step < 1:
         run = with_shorter_steps(run, step)
     spent = dict(problem.spent) | {name: each.basis for name, each in needs.items() if each.basis is not None}
-    reached = {name: own.basis for name, own in corrected.bodies.items() if own.basis is not None}
+    reached = {name: own.basis for name, own in corrected.bodies.items()}
     last = max(own.rounds[-1].number or 0 for own in corrected.bodies.values())
     return replace(
         problem,
         run=run,
         spent=spent,
-        first=RoundBases(reached) if len(reached) == len(problem.fulls) else None,
-        number=last + 2,
+        first=RoundBases(reached),
+        number=last + 2,  # the one between has bases but no run
     )
 
 

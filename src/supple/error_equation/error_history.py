@@ -26,10 +26,12 @@ from supple.error_equation.linearised_march import (
 )
 from supple.error_equation.nodal_squares import nodal_squares
 from supple.error_equation.run_columns import RunColumns
-from supple.integrate import Coefficients, Solution
+from supple.integrate import Coefficients, Solution, Statistics
 from supple.machine import System
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import Configuration, SystemMotion
+from supple.multibody.equations.floating_solution import body_motions, joint_multipliers
+from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.model import Model
 
 __all__ = ["ErrorEquation", "ErrorHistory", "JudgedBody", "StartError"]
@@ -44,7 +46,7 @@ SMALLEST_DIRECTION = 0.02
 
 @dataclass(frozen=True, eq=False)
 class JudgedBody:
-    """A body of a run: with all its coordinates, the columns that the run moves in, and those of its error."""
+    """A body of a run: all its coordinates, the columns that the run moves in, and those of its error."""
 
     full: FullBody
     motion: RunColumns
@@ -146,6 +148,23 @@ class ErrorEquation:
         """What the differences are of each body."""
         return {name: self._history(name, found.position[:, self._places[name]]) for name in self.bodies}
 
+    def corrected(self, found: ErrorState, rows: NDArray[np.intp]) -> tuple[System, Solution]:
+        """The system in the columns of the error, and its true motion at some steps, as far as it is told."""
+        motion = jax.tree.map(lambda leaf: leaf[rows], self._moved(found))
+        system = self._system
+        bodies = body_motions(
+            system, self._model.slices, motion.configuration, motion.velocity, motion.acceleration
+        )
+        multipliers = joint_multipliers(system, self.active, motion.multipliers)
+        solution = Solution(
+            times=motion.time,
+            bodies=bodies,
+            joint_forces=joint_wrenches(system, motion.time, bodies, multipliers),
+            statistics=Statistics(),
+            multipliers=multipliers,
+        )
+        return system, solution
+
     @cached_property
     def _system(self) -> System:
         columns = {
@@ -220,7 +239,7 @@ class ErrorEquation:
         position, velocity, acceleration = (
             np.array(each) for each in (found.position, found.velocity, found.acceleration)
         )
-        run, chosen = self._run, {}
+        chosen = {}
         for name, each in self.bodies.items():
             place = self._places[name]
             own = slice(place.start + 6, place.start + 6 + each.space.size)
@@ -228,23 +247,8 @@ class ErrorEquation:
             for vector in (position, velocity, acceleration):
                 vector[:, own] = vector[:, own] @ Y @ Y.T
                 vector[:, own.stop : place.stop] = 0.0
-        configuration = run.motion.configuration
-        frames = self._model.frames.index
-        coordinates = configuration.coordinates.copy()
-        for name in self._names:
-            place = self._places[name]
-            coordinates[:, self._coordinate_places[name]] += position[:, place.start + 6 : place.stop]
-        motion = SystemMotion(
-            run.motion.time,
-            Configuration(
-                configuration.origins + position[:, frames][:, :, :3],
-                configuration.rotations @ np.asarray(_exp(position[:, frames][:, :, 3:])),
-                coordinates,
-            ),
-            run.motion.velocity + velocity,
-            run.motion.acceleration + acceleration,
-            run.motion.multipliers + np.asarray(found.multipliers),
-        )
+        motion = self._moved(ErrorState(position, velocity, acceleration, acceleration, found.multipliers))
+        coordinates = motion.configuration.coordinates
         bodies = {}
         for name, Y in chosen.items():
             own = self._coordinate_places[name]
@@ -252,6 +256,26 @@ class ErrorEquation:
             rates = slice(self._places[name].start + 6, self._places[name].start + 6 + len(Y))
             bodies[name] = _InColumns(Y, coordinates[:, place] @ Y, motion.velocity[:, rates] @ Y)
         return _Point(motion, bodies)
+
+    def _moved(self, found: ErrorState) -> SystemMotion:
+        """The run with differences added."""
+        run = self._run.motion
+        frames = np.asarray(found.position)[:, self._model.frames.index]
+        coordinates = run.configuration.coordinates.copy()
+        for name in self._names:
+            place = self._places[name]
+            coordinates[:, self._coordinate_places[name]] += found.position[:, place.start + 6 : place.stop]
+        return SystemMotion(
+            run.time,
+            Configuration(
+                run.configuration.origins + frames[:, :, :3],
+                run.configuration.rotations @ np.asarray(_exp(frames[:, :, 3:])),
+                coordinates,
+            ),
+            run.velocity + found.velocity,
+            run.acceleration + found.acceleration,
+            run.multipliers + found.multipliers,
+        )
 
     def _differences(self, motion: SystemMotion) -> ErrorState:
         """Of a corrected motion and the run."""
@@ -375,7 +399,7 @@ def _with_directions(errors: Array, n_motion: int) -> Array:
 
 
 def _blocks(motion: SystemMotion, histories: tuple[GainHistory, ...]) -> Iterator[tuple[StepOfRun, int]]:
-    """Steps of the run, so many at once, the last of them repeated where there are fewer; and their number."""
+    """Steps of the run, so many at once, the last one repeated where there are fewer; and their number."""
     rotations = motion.configuration.rotations
     # (t, nb, 3): the turn of every frame in the step that ends at each time.
     turn = np.asarray(_log(rotations[:-1].swapaxes(-1, -2) @ rotations[1:]))

@@ -31,7 +31,7 @@ def few_instants(monomials: Array, smallest: float, most: int) -> FewInstants:
     most : int          chosen
     """
     looked = np.unique(np.linspace(0, len(monomials) - 1, CANDIDATES).round().astype(int))
-    _, R, order = linalg.qr(monomials[looked].T, mode="economic", pivoting=True)
+    R, order = linalg.qr(monomials[looked].T, mode="r", pivoting=True)  # pyright: ignore[reportAssignmentType]
     sizes = np.abs(np.diag(R))
     number = min(int(np.sum(sizes > smallest * sizes[0])), most)
     return FewInstants(looked[order[:number]], looked[order[number : number + 3]])
@@ -39,7 +39,8 @@ def few_instants(monomials: Array, smallest: float, most: int) -> FewInstants:
 
 def weights_of_instants(monomials: Array, chosen: NDArray[np.intp], wanted: Array) -> Array:
     """Weights (t, c) with which the monomials at chosen instants add up to those wanted, in least squares."""
-    return linalg.lstsq(monomials[chosen].T, wanted.T, cond=1e-13)[0].T
+    solved = np.linalg.lstsq(monomials[chosen].T, wanted.T, rcond=1e-13)[0]
+    return np.asarray(solved.T, dtype=np.float64)
 
 
 def pair_products(a: Array, b: Array) -> Array:

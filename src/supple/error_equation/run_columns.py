@@ -17,6 +17,7 @@ __all__ = ["RunColumns", "run_columns"]
 Array = NDArray[np.float64]
 
 MOST_FOLLOWING = 12
+ROUND_OFF = 1e-6
 MOST_SAMPLES = 40
 SMALLEST_PRODUCT = 1e-5
 SMALLEST_FOLLOWING = 1e-3
@@ -73,7 +74,7 @@ def run_columns(
     products = pair_products(gamma * scale, gamma * scale)
     chosen = few_instants(products, SMALLEST_PRODUCT, MOST_SAMPLES).chosen
     sampled = Condensation(body, basis).bilinear(gamma[chosen], gamma[chosen])
-    columns = np.hstack([basis.vectors, _leading(body, basis, sampled)])
+    columns = np.hstack([basis.vectors, _leading(body, basis, sampled, float(np.linalg.norm(gamma[chosen])))])
     # z is not M-orthogonal to V, from which it differs in energy alone.
     onto = columns.T @ (body.mass @ sampled)
     joined = []
@@ -93,7 +94,11 @@ def run_columns(
     return RunColumns(columns, *joined, shown=gamma)
 
 
-def _leading(body: FlexibleBody, basis: ReductionBasis, fields: Array) -> Array:
+def _leading(body: FlexibleBody, basis: ReductionBasis, fields: Array, moved: float) -> Array:
+    """Leading directions of fields outside a basis, M-orthonormal; `moved` is the length of the motion.
+
+    What is left of a field that the basis holds is round-off, and so is z itself where the basis is complete.
+    """
     mass, known = body.mass, basis.vectors
     seen = frame_projector(body, basis.frame)
 
@@ -104,7 +109,11 @@ def _leading(body: FlexibleBody, basis: ReductionBasis, fields: Array) -> Array:
     left = outside(outside(fields))
     squares, weights = np.linalg.eigh(left.T @ (mass @ left))
     lengths = np.sqrt(np.maximum(squares, 0.0))
-    kept = np.flatnonzero(lengths > SMALLEST_FOLLOWING * lengths[-1])[::-1][:MOST_FOLLOWING]
+    size = np.sqrt(np.sum(fields * (mass @ fields)))
+    smallest = max(SMALLEST_FOLLOWING * lengths[-1], ROUND_OFF * size, ROUND_OFF**2 * moved)
+    kept = np.flatnonzero(lengths > smallest)[::-1][:MOST_FOLLOWING]
+    if not kept.size:
+        return np.zeros((len(fields), 0))
     new = outside(left @ (weights[:, kept] / lengths[kept]))
     squares, weights = np.linalg.eigh(new.T @ (mass @ new))
     return new @ (weights / np.sqrt(squares))

@@ -18,7 +18,7 @@ from supple.multibody.compiled.time_step import Controls, State, substep
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, stepping_instants
 
-__all__ = ["EveryStep", "every_step"]
+__all__ = ["EveryStep", "as_outputs", "every_step"]
 
 _STEPS_AT_ONCE = 128
 
@@ -31,10 +31,15 @@ class EveryStep(NamedTuple):
     """(t,) which of these times are the run's output times"""
 
 
+def as_outputs(solution: Solution) -> EveryStep:
+    """The output times alone."""
+    return EveryStep(solution, np.arange(len(solution.times)))
+
+
 def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
     """All steps of a finished run: its output times where each is a step, else the run once more."""
     if solution.statistics.steps == len(solution.times) - 1:
-        return EveryStep(solution, np.arange(len(solution.times)))
+        return as_outputs(solution)
     with warnings.catch_warnings():  # the run has named them already
         warnings.simplefilter("ignore", RedundantConstraintWarning)
         warnings.simplefilter("ignore", StartWarning)
