@@ -55,11 +55,11 @@ Judged = Annotated[DeflectionOf | StressOf | JointForceOf, Field(discriminator="
 
 
 class StatedError(CheckedTable):
-    """Which parts of the error of a run are looked at, and in what besides the whole of every elastic body."""
+    """Which parts of the error of a run are looked at, and in which quantities besides whole bodies."""
 
     basis: bool | None = Field(
         None,
-        description="bodies of a fixed size; false if left out: the error equation, or a run with richer bases",
+        description="bodies of a fixed size, by the error equation or a richer run; false if left out",
     )
     integration: bool | None = Field(
         None,

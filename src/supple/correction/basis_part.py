@@ -1,8 +1,8 @@
 """The part of the bases in the error of a finished run: by the error equation, or by a run with richer bases.
 
-The error equation tells of the positions of whole bodies, to first order, and says itself where that is not
-enough (`BodyError.second` above a third). There, for other quantities, and for bodies whose condensed tensors
-let motion follow that no column holds, a run with much richer bases is made instead.
+The error equation tells the true motion, to first order, and says itself where that is not enough
+(`BodyError.second` above a third). There, and for bodies whose condensed tensors let motion follow that no
+column holds, a run with much richer bases is made instead.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ from dataclasses import replace
 import numpy as np
 
 from supple.body.full_body import FullBody
+from supple.correction.basis_error import BodyError
 from supple.correction.check_run import check_run
-from supple.correction.error_estimate import estimate_error
-from supple.correction.judged_quantity import JudgedQuantity, WholeBody
+from supple.correction.error_estimate import ErrorEstimator
+from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
 from supple.integrate import ErrorPart, Run, Solution
 from supple.machine import Placed, System
 from supple.reduction import ReducedBody, ReductionBasis
@@ -42,23 +43,27 @@ def basis_parts(
 
     fulls, bases : of the reduced bodies that are judged, by name
     """
-    bodies = [each for each in quantities if isinstance(each, WholeBody) and each.body in bases]
-    others = [each for each in quantities if each.body is None or (each.body in bases and each not in bodies)]
-    told: dict[str, ErrorPart] = {}
-    if not others and not any(_is_condensed(placed.body) for placed in system.bodies):
+    asked = [each for each in quantities if each.body is None or each.body in bases]
+    if not any(_is_condensed(placed.body) for placed in system.bodies):
         step = "the error equation"
         share = None if progress is None else lambda fraction: progress(step, fraction)
         whole = replace(system, bodies=tuple(_in_full(each, fulls, bases) for each in system.bodies))
-        found = estimate_error(whole, system, bases, run, solution, progress=share).bodies
-        sure = all(
-            np.isfinite(each.estimate) and (each.second is None or each.second <= FIRST_ORDER)
-            for each in found.values()
-        )
-        if sure:
-            told = {each.name: ErrorPart(found[each.body].estimate, step, _REMEDY) for each in bodies}
-    if len(told) < len(bodies) + len(others):
-        told = check_run(system, run, solution, fulls, bases, [*bodies, *others], progress=progress)
-    return told
+        estimate = ErrorEstimator(whole, run).judge(system, bases, solution, progress=share)
+        found = estimate.error.bodies
+        if estimate.corrected is not None and all(map(_is_sure, found.values())):
+            # What the space of the error lacks is known of whole bodies: of others in the same proportion.
+            lack = max(each.estimate / each.rms if each.rms else 1.0 for each in found.values())
+            return {
+                each.name: ErrorPart(
+                    lack * quantity_distance(each, system, solution, *estimate.corrected), step, _REMEDY
+                )
+                for each in asked
+            }
+    return check_run(system, run, solution, fulls, bases, asked, progress=progress)
+
+
+def _is_sure(error: BodyError) -> bool:
+    return bool(np.isfinite(error.estimate)) and (error.second is None or error.second <= FIRST_ORDER)
 
 
 def _is_condensed(body: object) -> bool:
