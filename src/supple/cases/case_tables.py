@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from supple.cases import bodies, joints, loads, output, simulation, springs
+from supple.cases import bodies, joints, loads, output, simulation, springs, stated_error
 from supple.cases.bodies import Body
 from supple.cases.body_kinds import KINDS
 from supple.cases.ends import ends_exist
@@ -17,6 +17,7 @@ from supple.cases.loads import Load
 from supple.cases.output import Output
 from supple.cases.simulation import Simulation
 from supple.cases.springs import Spring
+from supple.cases.stated_error import StatedError
 from supple.errors import ModelError
 from supple.importers.text_file import is_file
 from supple.importers.toml import ZERO, CheckedTable, KeyPath, Mistakes, Raw, Rule, Vector, table, tables
@@ -37,6 +38,7 @@ class CaseTables(CheckedTable):
     load: Annotated[tuple[Load, ...], Field(strict=False)] = ()
     spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
     simulation: Simulation
+    error: StatedError = Field(default_factory=lambda: StatedError.model_validate({}))
     output: Output = Field(default_factory=lambda: Output.model_validate({}))
 
 
@@ -57,6 +59,7 @@ RULES: tuple[Rule, ...] = (
     *springs.RULES,
     *simulation.RULES,
     *output.RULES,
+    *stated_error.RULES,
     _units_are_one_set,
     ends_exist,
 )

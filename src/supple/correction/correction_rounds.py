@@ -116,6 +116,7 @@ class Round:
     allowed : float                 the error to reach, unit of length
     useless : bool                  no better than the round before
     number : int | None             of its run, as it is archived; that of the round where it is left out
+    run : Run | None                how it was stepped
     """
 
     body: ReducedBody
@@ -127,6 +128,7 @@ class Round:
     allowed: float = np.nan
     useless: bool = False
     number: int | None = None
+    run: Run | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "singular_values", read_only(self.singular_values))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from supple.body.full_body import FullBody
-from supple.correction.check_run import check_run
+from supple.correction.basis_part import basis_parts
 from supple.correction.integration_error import integration_errors
 from supple.correction.judged_quantity import JudgedQuantity, WholeBody
 from supple.correction.kept_basis import kept_bases
@@ -26,7 +26,8 @@ Told = Callable[[str, float], None]
 class ErrorStudy:
     """Which parts of the error of a run are looked at, and in what.
 
-    basis : bool        one more run with a richer basis, for bodies of which all coordinates are known
+    basis : bool        the error equation, or one more run with richer bases, for bodies of which all
+                        coordinates are known
     integration : bool  two more runs: a tighter tolerance, and half the step besides; otherwise the floor of
                         the integration is all that is stated
     model : bool        at six instants the forces of all elements, and one solution of the whole system
@@ -73,7 +74,7 @@ def state_errors(
     bases = kept_bases(system, known)
     of_basis: Mapping[str, ErrorPart] = {}
     if study.basis and bases and solution.stopped is None:
-        of_basis = check_run(system, run, solution, known, bases, quantities, progress=progress)
+        of_basis = basis_parts(system, run, solution, known, bases, quantities, progress=progress)
     return solution.with_errors(
         statements(system, run, solution, study, known, bases, of_basis, progress=progress)
     )

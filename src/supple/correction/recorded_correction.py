@@ -52,8 +52,8 @@ def correct_recorded(
 
     Parameters
     ----------
-    system, run, starts, announce, progress, study : as for `self_correct`; the validity of the run is that of the
-        run that is accepted alone, for a basis that is too small may well leave it
+    system, run, starts, announce, progress, study : as for `self_correct`; the validity of the run is that of
+        the run that is accepted alone, for a basis that is too small may well leave it
     path : result file to write; `self_correction/` and `NAME-reduced.h5` lie beside it
     case, metadata  kept in the file, for the record
     inputs : what the motion depends on, kept to continue it, as for `CorrectionFolder.create`

@@ -50,8 +50,8 @@ def self_correct(
     progress : function     called with the step at work, in words, and the completed fraction of it
     archive : RoundArchive  keeps what is computed, and is read first; none: all is in memory
     study : ErrorStudy      the error to reach is that of all parts which it names, added up: steps are cut
-                            and tolerances tightened as well (`correct_wholly`); none: that of the basis alone, at
-                            the steps of the run
+                            and tolerances tightened as well (`correct_wholly`); none: that of the basis
+                            alone, at the steps of the run
 
     Returns
     -------

@@ -253,6 +253,7 @@ def _judge(problem: Problem, name: str, before: list[_Judged], run: _Run, after:
             allowed=allowed,
             useless=is_useless(errors),
             number=run.model.number,
+            run=problem.run,
         ),
         missed.error <= allowed - problem.spent.get(name, 0.0) and not after_useless,
     )

@@ -2,10 +2,10 @@
 
 The rounds make the basis good for the steps that are taken. Then the accepted bodies are run twice more for
 the other parts, and if the sum is above what is allowed, the parts that are too large are mended, those first
-that cost least: a tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the basis costs
-rounds and coordinates. Each is asked for no more than its share of what is allowed, and one that suffices
-leaves the next alone. Then the rounds go on from the bases that are there. What the model costs no run can
-mend: where it alone is too large, that is said.
+that cost least: a tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the
+basis costs rounds and coordinates. Each is asked for no more than its share of what is allowed, and one that
+suffices leaves the next alone. Then the rounds go on from the bases that are there. What the model costs no
+run can mend: where it alone is too large, that is said.
 """
 
 from __future__ import annotations
