@@ -19,11 +19,19 @@ from error_equation.machines import (
     tumbling,
 )
 
-from supple.body import FullBody, RayleighDamping
+from supple.body import FullBody, ModalDamping, RayleighDamping
 from supple.correction import estimate_error
 from supple.errors import ModelError
 from supple.integrate import AdaptiveStep, FixedStep
-from supple.reduction import CondensedQuartic
+from supple.machine import Placed
+from supple.reduction import (
+    CompleteBasis,
+    CondensedQuartic,
+    NoDerivatives,
+    PlainQuartic,
+    project,
+    reduction_basis,
+)
 from supple.simulation import simulate
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::supple.errors.LockingWarning")]
@@ -63,6 +71,23 @@ def test_a_condensed_basis(frame):
 def test_damping_by_strain_rate():
     system, run = spinning(NODAL, RayleighDamping(0.5, 2e-3))
     is_told(system, run, *reduced(system, 3, 3))
+
+
+def test_modal_damping_goes_on_beyond_the_modes_of_the_basis():
+    """Against a complete basis with the same ratio: a full body has no modal damping."""
+    system, run = spinning(NODAL)
+    full = system.bodies_of(FullBody)["strip"]
+    damping = ModalDamping(0.05)
+    small, bases = reduced(system, 3, 3)
+    body = project(full.body, bases["strip"], damping=damping, quartic=PlainQuartic())
+    small = replace(small, bodies=(replace(small.bodies[0], body=body),))
+    every = reduction_basis(full.body, NODAL, CompleteBasis(), derivatives=NoDerivatives())
+    complete = project(full.body, every, damping=damping, quartic=PlainQuartic())
+    solution = simulate(small, run)
+    reference = simulate(replace(system, bodies=(Placed(complete),)), run)
+    apart = complete.positions(reference.bodies["strip"]) - body.positions(solution.bodies["strip"])
+    told = estimate_error(system, small, bases, run, solution).bodies["strip"]
+    assert told.rms == pytest.approx(rms(apart).max(), rel=0.1)
 
 
 def test_steps_that_are_not_the_outputs():

@@ -42,7 +42,7 @@ def equation_of(system, small, bases, run, solution):
     for name, full in system.bodies_of(FullBody).items():
         body = small.bodies[small.body_index(name)].body
         motion = run_columns(full.body, body, bases[name], solution.bodies[name])
-        bodies[name] = JudgedBody(full, motion, complete(full.body, full.frame, motion.vectors))
+        bodies[name] = JudgedBody(full, motion, complete(full.body, full.frame, motion.vectors), full.damping)
     active = tuple(int(row) for row in solution.engine_state["active"])
     return ErrorEquation(small, bodies, run.method.coefficients, solution, active, {})
 

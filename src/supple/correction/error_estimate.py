@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from supple.algebra.rotation import rotation_log
-from supple.body import FullBody
+from supple.body import FullBody, ModalDamping
 from supple.correction.basis_error import BasisError, BodyError
 from supple.correction.looked_at_instants import jittered, striking
 from supple.correction.residual_correction import ResidualCorrections, system_corrections
@@ -221,7 +221,8 @@ class ErrorEstimator:
             corrections = np.hstack([corrections, at_start])
         rows = np.unique(np.linspace(0, len(steps.times) - 1, DEFORMED + 1).round().astype(int))[1:]
         deformed = motion.vectors @ motion.coordinates[rows].T
-        return JudgedBody(full, motion, error_space(self._modes[name], motion.vectors, corrections, deformed))
+        space = error_space(self._modes[name], motion.vectors, corrections, deformed)
+        return JudgedBody(full, motion, space, full.damping or _modal_damping(body))
 
     def _start_errors(self, steps: Solution, bases: Mapping[str, ReductionBasis]) -> dict[str, StartError]:
         """How the full system would start, less how the run did; nothing where both start as placed."""
@@ -250,6 +251,14 @@ class ErrorEstimator:
             name: _start_error(machine, index, name, configuration, velocity, steps, bases)
             for index, name in enumerate(placed)
         }
+
+
+def _modal_damping(body: ReducedBody) -> ModalDamping | None:
+    """The ratios of a reduced body whose full one knows no damping; modes beyond its own take the last."""
+    if not body.damping.any():
+        return None
+    squares, modes = np.linalg.eigh(body.stiffness)
+    return ModalDamping(np.sum(modes * (body.damping @ modes), axis=0) / (2 * np.sqrt(squares)))
 
 
 def _start_error(

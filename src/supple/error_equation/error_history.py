@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.algebra.rotation import rotation_exp, rotation_log
-from supple.body import FullBody, in_space
+from supple.body import Damping, FullBody, in_space
 from supple.error_equation.elastic_history import force_polynomial, tangent_history
 from supple.error_equation.error_model import body_of_columns, system_of_columns
 from supple.error_equation.error_space import ErrorSpace
@@ -51,6 +51,7 @@ class JudgedBody:
     full: FullBody
     motion: RunColumns
     space: ErrorSpace
+    damping: Damping | None = None
 
 
 class StartError(NamedTuple):
@@ -168,7 +169,7 @@ class ErrorEquation:
     @cached_property
     def _system(self) -> System:
         columns = {
-            name: body_of_columns(each.full.body, each.full.frame, each.space.vectors, each.full.damping)
+            name: body_of_columns(each.full.body, each.full.frame, each.space.vectors, each.damping)
             for name, each in self.bodies.items()
         }
         return system_of_columns(self.reduced, columns)
@@ -347,8 +348,7 @@ class ErrorEquation:
         columns = Z @ motion.chosen
         force = force_polynomial(body, columns, Z)(motion.coordinates)
         tangents = tangent_history(body, columns, motion.coordinates, motion.rates, Z)
-        damping = judged.full.damping
-        time = 0.0 if damping is None else damping.retardation_time
+        time = 0.0 if judged.damping is None else judged.damping.retardation_time
         # Room for more, as with the columns: runs whose tangents take nearly as many share one program.
         more = -len(tangents.material) % 16
 
