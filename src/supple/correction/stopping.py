@@ -1,46 +1,21 @@
-"""When rounds may stop: what their differences say of the error, and which rounds were useless.
+"""Which rounds of a self-correction were useless, and what a basis misses where they stall.
 
-For estimates from the differences d_k of successive runs, which presume that the next run is better:
-
-    e_k = max(d_k, g d_(k-1)) / sqrt(1 - rho^2),   rho = max(d_k / d_(k-1), d_(k-1) / d_(k-2)),
-                                                    g = (d_k / d_0)^(1/k)
-
-adds up what the runs to come will change, were each of them to gain as little as one of the last two did, and
-takes a last step that is much smaller than those before for chance. For any estimate: a round that did not
-shrink found nothing, and neither can the next one be accepted, whose columns are of the same kind.
+A round that is no better than the one before found nothing, and neither is the next one accepted, whose
+columns are of the same kind: a loop that ends with the first estimate small enough would end with those that
+are too small by chance.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from supple.body.full_body import FullBody
 from supple.reduction import ReductionBasis
 
-__all__ = ["MissedPart", "error_of_differences", "is_useless", "missed_part"]
-
-
-def error_of_differences(differences: Sequence[float]) -> float:
-    """Error of the last run but one, from the distances of successive runs; infinite where none shrank."""
-    *before, last = differences
-    if not np.isfinite(last):
-        return np.inf
-    if not before:
-        return last
-    # A run that broke off says nothing of the rate.
-    recent = differences[-3:]
-    pairs = [(old, new) for old, new in pairwise(recent) if np.isfinite(old)]
-    rho = max((new / old if old > 0 else np.inf for old, new in pairs), default=0.0)
-    if rho >= 1:
-        return np.inf
-    first = before[0]
-    usual = (last / first) ** (1 / len(before)) if np.isfinite(first) and first > 0 else 0.0
-    guess = usual * before[-1] if np.isfinite(before[-1]) else 0.0
-    return max(last, guess) / float(np.sqrt(1 - rho**2))
+__all__ = ["MissedPart", "is_useless", "missed_part"]
 
 
 def is_useless(errors: Sequence[float]) -> bool:
