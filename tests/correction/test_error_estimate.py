@@ -22,7 +22,7 @@ from error_equation.machines import (
 from supple.body import FullBody, ModalDamping, RayleighDamping
 from supple.correction import estimate_error
 from supple.errors import ModelError
-from supple.integrate import AdaptiveStep, FixedStep
+from supple.integrate import AdaptiveStep, FixedStep, Tolerances
 from supple.machine import Placed
 from supple.reduction import (
     CompleteBasis,
@@ -58,7 +58,9 @@ def test_a_machine(name):
     frame = MEAN if name.endswith("mean") else NODAL
     machines = {"tumbling": lambda _: tumbling(), "hanging": hanging, "crank": slider_crank, "sprung": sprung}
     system, run = machines[name.split()[0]](frame)
-    is_told(system, run, *reduced(system, 3, 3), within=1.1)
+    # What the spring does to three modes is too much for first order, and is said to be.
+    size = (5, 8) if name == "sprung" else (3, 3)
+    is_told(system, run, *reduced(system, *size), within=1.1)
 
 
 @pytest.mark.parametrize("frame", [NODAL, MEAN], ids=["nodal-fixed", "mean-axis"])
@@ -104,15 +106,15 @@ def test_a_deformed_start_that_the_basis_does_not_hold():
     """The error begins with what the projection of the initial deformation left."""
     system, run = spinning(NODAL)
     full = system.bodies_of(FullBody)["strip"]
-    load = np.zeros(full.n_coordinates)
-    load[full.n_coordinates // 2 :] = 0.02
+    load = full.body.mass @ full.body.rigid_modes[:, 2]
     bent = full.body.constrained(NODAL.constraint(full.body)).solve(load[:, None])[:, 0]
     system = replace(
-        system, bodies=(replace(system.bodies[0], coordinates=0.02 * bent / np.abs(bent).max()),)
+        system, bodies=(replace(system.bodies[0], coordinates=0.003 * bent / np.abs(bent).max()),)
     )
     small, bases = reduced(system, 2, 2)
-    told = is_told(system, replace(run, duration=0.3), small, bases)
-    assert told["strip"].history[0] > 1e-8
+    loose = replace(run, duration=0.3, tolerances=Tolerances(residual=1e-6))
+    told = is_told(system, loose, small, bases)
+    assert told["strip"].history[0] > 1e-7
 
 
 def test_a_body_that_is_not_full_cannot_be_judged():

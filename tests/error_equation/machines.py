@@ -138,7 +138,7 @@ def sprung(frame):
         stiffness=50.0,
         damping=0.5,
         rest_length=0.5,
-        ground_point=(1.0, 0.0, 0.5),
+        anchor=(1.0, 0.0, 0.5),
     )
     hinge = Revolute(name="hinge", first=GROUND, second=At("strip", "root"), axis=(0, 1, 0))
     return System((Placed(body),), (hinge,), (spring,), gravity=(0, 0, -9.81)), run_of(0.5)

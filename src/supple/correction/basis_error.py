@@ -22,7 +22,7 @@ class BodyError:
     worst_time : float      when it has that error
     rest : float            RMS of what the space of the error itself lacks, seen at instants of its own
     second : float | None   size of a second correction over the first at the worst instants; above a third
-                            the first is an order of magnitude only; None: not looked at
+                            the error is an order of magnitude only; None: not looked at
     history : (t,)          RMS over the nodes at the output times
     """
 

@@ -158,11 +158,12 @@ class ErrorEstimator:
         if not all(np.isfinite(history.rms).all() for history in histories.values()):
             return ErrorEstimate(BasisError(dict.fromkeys(fulls, _untold(solution))), {}, fields, missed)
         second = {name: second_correction(history) for name, history in histories.items()}
-        if _is_not_small(histories, second):
+        if not _is_small(histories, second):
             more = equation.again(found)
             again = equation.histories(more)
             second = {name: _change(histories[name], own) for name, own in again.items()}
-            if all(np.isfinite(own.rms).all() for own in again.values()):
+            # Where it changes more than was there, the first is the better guess, and no more than that.
+            if max(second.values()) < 1:
                 found, histories = more, again
         if progress is not None:
             progress(1.0)
@@ -286,9 +287,9 @@ def _start_error(
     return StartError(position, moving)
 
 
-def _is_not_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
+def _is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
     turned = max(float(np.abs(history.turn).max()) for history in histories.values())
-    return max(second.values()) > SMALL_SECOND or turned > SMALL_TURN
+    return max(second.values()) <= SMALL_SECOND and turned <= SMALL_TURN
 
 
 def _change(first: ErrorHistory, again: ErrorHistory) -> float:

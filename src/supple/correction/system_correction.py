@@ -35,7 +35,7 @@ Announce = Callable[[Round], None]
 CorrectionProgress = Callable[[str, float], None]
 """Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
 
-FIRST_ORDER = 0.5
+FIRST_ORDER = 1 / 3
 """Size of the second correction of an error over the first up to which their sum is told."""
 
 
@@ -225,7 +225,7 @@ def _enriched(problem: Problem, estimator: ErrorEstimator, run: _Run) -> RoundBa
 def _error(quantity: JudgedQuantity, name: str, run: _Run, estimate: ErrorEstimate) -> float:
     """The error of a quantity: to the motion that the error equation tells, and what that cannot know.
 
-    Infinite where the second correction is over half of the first: the next would be a quarter of it.
+    Infinite where the second correction is over a third of the first: an order of magnitude then.
     """
     told = estimate.error.bodies[name]
     if estimate.corrected is None or told.second is None or told.second > FIRST_ORDER:
