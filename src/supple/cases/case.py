@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body import BodySource, FlexibleBody, FullBody
+from supple.body import BodySource, FlexibleBody, FullBody, ModalDamping
 from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
 from supple.cases.case_tables import CaseTables
@@ -261,6 +261,10 @@ class Case:
             if table.name in self.flexible and table.frame is not None:
                 frame = table.frame.build()
                 damped = table.damping.build(self.flexible[table.name], frame) if table.damping else None
+                if isinstance(damped, ModalDamping) and damped.n_modes is None:
+                    # All modes of the body as it is simulated: in full they are counted.
+                    form = self.system.bodies[self.system.body_index(table.name)].body
+                    damped = replace(damped, n_modes=form.n_coordinates)
                 made[table.name] = FullBody(self.flexible[table.name], frame, damped)
         return made
 

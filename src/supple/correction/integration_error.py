@@ -122,7 +122,8 @@ def with_shorter_steps(run: Run, factor: float) -> Run:
             smallest=_below(step, factor * step.first),
         )
     else:
-        size = factor * float(fixed_step(run))
+        interval = float(run.times[1] - run.times[0])
+        size = interval / int(np.ceil(interval / (factor * float(fixed_step(run))) * (1 - 1e-9)))
         shorter = FixedStep(size, smallest=_below(step, size))
     return replace(run, step=shorter)
 
