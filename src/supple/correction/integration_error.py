@@ -16,6 +16,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import ceil
 
 from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
 from supple.errors import SuppleWarning
@@ -123,7 +124,7 @@ def with_shorter_steps(run: Run, factor: float) -> Run:
         )
     else:
         interval = float(run.times[1] - run.times[0])
-        size = interval / int(np.ceil(interval / (factor * float(fixed_step(run))) * (1 - 1e-9)))
+        size = interval / ceil(interval / (factor * float(fixed_step(run))) * (1 - 1e-9))
         shorter = FixedStep(size, smallest=_below(step, size))
     return replace(run, step=shorter)
 
