@@ -127,6 +127,7 @@ def test_an_accuracy_of_a_quantity(beam):
     assert corrected.solution.errors["beam"].allowed is None
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # which is what it is about
 def test_a_model_that_costs_more_than_is_allowed_is_named(beam):
     """Bent to where its elements turn by a radian, a strip seen from its root is off by 1e-3."""
     full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
@@ -162,6 +163,7 @@ def test_a_part_that_is_unknown_is_mended_as_far_as_goes_at_once():
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")
 def test_the_model_costs_what_the_mean_axes_save(beam):
     """Full runs in both frames differ by what the kinematics cost in the worse one, that of the root."""
     run = Run(1.0, 0.02, step=FixedStep(0.02))

@@ -18,14 +18,14 @@ from supple.cases.case_tables import CaseTables
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
 from supple.cases.split import SplitSource, split_source
-from supple.cases.split_tables import changed_frequencies, with_damping, with_parts
+from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
 from supple.cases.stated_error import Judged, judged_places
 from supple.correction import ErrorStudy, JudgedQuantity, ReductionStart
 from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
-from supple.machine import SplitBody, System
+from supple.machine import At, SplitBody, System
 from supple.mesh import Mesh
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
@@ -193,6 +193,16 @@ class Case:
         return flexible
 
     @cached_property
+    def bases(self) -> Mapping[str, At]:
+        """By name of a part of a split body: the first interface of the whole, from which it is seen."""
+        found = {}
+        for body in self.tables.body:
+            base = base_of(body, self._split[body.name]) if body.split is not None else None
+            if base is not None:
+                found |= dict.fromkeys(self._split[body.name].parts, base)
+        return found
+
+    @cached_property
     def system(self) -> System:
         """The bodies, reduced if their reduction has a fixed size, with joints, loads and springs.
 
@@ -251,8 +261,11 @@ class Case:
             if table.name in self.flexible and table.frame is not None:
                 frame = table.frame.build()
                 damped = table.damping.build(self.flexible[table.name], frame) if table.damping else None
-                known = None if isinstance(damped, ModalDamping) else damped
-                made[table.name] = FullBody(self.flexible[table.name], frame, known)
+                if isinstance(damped, ModalDamping) and damped.n_modes is None:
+                    # All modes of the body as it is simulated: in full they are counted.
+                    form = self.system.bodies[self.system.body_index(table.name)].body
+                    damped = replace(damped, n_modes=form.n_coordinates)
+                made[table.name] = FullBody(self.flexible[table.name], frame, damped)
         return made
 
     @property

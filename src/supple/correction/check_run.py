@@ -106,9 +106,6 @@ def _placed(
     quartic = PlainQuartic() if body.condensed is None else CondensedQuartic()
     more = project(full.body, basis, damping=full.damping, quartic=quartic)
     onto = basis.vectors.T @ (full.body.mass @ bases[body.name].vectors)
-    if full.damping is None and body.damping.any():
-        # Modal damping belongs to modes of the reduced body: what is added stays without.
-        more = replace(more, damping=onto @ body.damping @ onto.T)
     return replace(
         placed,
         body=more,

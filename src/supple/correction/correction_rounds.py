@@ -43,7 +43,8 @@ class SelfCorrection:
                             interface (in its floating frame where it has none)
     instants : int          steps of a run at which its residual is balanced, at random in equal intervals;
                             besides those where loads peak or kink
-    directions : int        columns added a round
+    directions : int        columns added a round; fewer save a column here and there, but one stiff
+                            direction left out locks the others, and costs a round
     largest_size : int      of the basis
     max_rounds : int        enrichments before giving up
     of : JudgedQuantity     what the error is of; by default the positions of all nodes of the body
@@ -53,7 +54,7 @@ class SelfCorrection:
     absolute: float | None = None
     relative: float | None = None
     instants: int = 50
-    directions: int = 3
+    directions: int = 4
     largest_size: int = 60
     max_rounds: int = 8
     of: JudgedQuantity | None = None

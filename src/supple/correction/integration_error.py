@@ -16,10 +16,20 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import ceil
 
 from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
 from supple.errors import SuppleWarning
-from supple.integrate import AdaptiveStep, ErrorPart, FixedStep, Run, Solution, Tolerances, Validity
+from supple.integrate import (
+    AdaptiveStep,
+    ErrorPart,
+    FixedStep,
+    Run,
+    Solution,
+    StepControl,
+    Tolerances,
+    Validity,
+)
 from supple.machine import System
 from supple.multibody.checks.step_resolution import fixed_step
 from supple.simulation.watched_run import watched_run
@@ -110,12 +120,18 @@ def with_shorter_steps(run: Run, factor: float) -> Run:
             first=factor * step.first,
             largest=factor * step.largest,
             tolerance=factor**3 * step.tolerance,
-            smallest=min(step.smallest, factor * step.first),
+            smallest=_below(step, factor * step.first),
         )
     else:
-        size = factor * float(fixed_step(run))
-        shorter = FixedStep(size, smallest=min(step.smallest, size))
+        interval = float(run.times[1] - run.times[0])
+        size = interval / ceil(interval / (factor * float(fixed_step(run))) * (1 - 1e-9))
+        shorter = FixedStep(size, smallest=_below(step, size))
     return replace(run, step=shorter)
+
+
+def _below(step: StepControl, first: float) -> float | None:
+    """The smallest step of a run that begins with another first one."""
+    return None if step.smallest is None else min(step.smallest, first)
 
 
 def _quiet(system: System, run: Run, words: str, progress: Told | None) -> Solution:

@@ -17,7 +17,7 @@ import numpy as np
 
 from supple.correction.correction_rounds import CorrectedSystem, Round, SelfCorrected, SelfCorrectionError
 from supple.correction.error_study import ErrorStudy, judged, statements
-from supple.correction.integration_error import with_shorter_steps, with_tolerance
+from supple.correction.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
 from supple.correction.round_archive import RoundBases
 from supple.correction.system_correction import Problem, correct
 from supple.integrate import ErrorPart, ErrorStatement, Run, Solution
@@ -128,7 +128,9 @@ def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, Er
     run = problem.run
     tolerance = min(each.tolerance for each in needs.values())
     if tolerance < 1:
-        run = with_tolerance(run, max(tolerance * run.tolerances.residual, 1e-12))
+        # By decades: a tolerance is no number to be fine with.
+        decade = np.floor(np.log10(tolerance * run.tolerances.residual) + 1e-9)
+        run = with_tolerance(run, max(float(f"1e{decade:.0f}"), TIGHTEST))
     step = min(each.step for each in needs.values())
     if step < 1:
         run = with_shorter_steps(run, step)

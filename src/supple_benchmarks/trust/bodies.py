@@ -8,6 +8,7 @@ from supple.body import (
     FlexibleBody,
     FullBody,
     MeanAxisFrame,
+    ModalDamping,
     NodalFixedFrame,
     RayleighDamping,
     RigidInterface,
@@ -18,6 +19,7 @@ from supple.mesh import CellType, Mesh, block, cylinder_shell, strip
 
 __all__ = [
     "DAMPED",
+    "MODALLY",
     "beam",
     "framed",
     "laminate",
@@ -30,12 +32,13 @@ __all__ = [
 
 RUBBER = Isotropic(1e9, 0.3, 1000.0)
 DAMPED = RayleighDamping(alpha=0.3, beta=2e-4)
+MODALLY = ModalDamping(0.02, n_modes=12)
 ENDS = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
 FACES = (RigidInterface("root", "x_min"), RigidInterface("tip", "x_max"))
 
 
 def framed(
-    body: FlexibleBody, *, mean_axes: bool = False, damping: RayleighDamping | None = None
+    body: FlexibleBody, *, mean_axes: bool = False, damping: RayleighDamping | ModalDamping | None = None
 ) -> FullBody:
     """In full, seen from its root or from its mean axes."""
     return FullBody(body, MeanAxisFrame() if mean_axes else NodalFixedFrame("root"), damping)

@@ -25,6 +25,7 @@ from supple.machine import (
 from supple.reduction import NoDerivatives, NormalModes
 from supple_benchmarks.trust.bodies import (
     DAMPED,
+    MODALLY,
     beam,
     framed,
     laminate,
@@ -189,6 +190,13 @@ CASES: tuple[TrustCase, ...] = (
     TrustCase("plate struck at a corner", _of(plate, struck(29, blow(60.0, 0.1, 0.02))), 0.4, 100, 1e-2),
     TrustCase(
         "plate struck, damped", _of(plate, struck(29, blow(60.0, 0.1, 0.02)), damping=DAMPED), 0.4, 100
+    ),
+    TrustCase(
+        "plate struck, modal damping",
+        _of(plate, struck(29, blow(60.0, 0.1, 0.02)), damping=MODALLY),
+        0.4,
+        100,
+        1e-2,
     ),
     TrustCase("plate, slow load and a blow", _of(plate, *_SLOW_AND_BLOW), 1.0, 100, 1e-3),
     TrustCase(

@@ -123,7 +123,7 @@ class _FullRuns:
     def at(self, run: Run) -> Solution:
         """The full run, read or made."""
         step = run.step_control
-        key = f"{step.first:.6g}-{run.tolerances.residual:.1g}"
+        key = f"{step.first!r}-{run.tolerances.residual!r}"
         if key not in self._known:
             self._known[key] = simulate(self._system, run, file=self._folder / f"{key}.h5", check=False)
         return self._known[key]
