@@ -101,6 +101,7 @@ def test_the_sum_of_a_plain_run_holds_against_a_full_run_with_an_eighth_of_the_s
     assert 0.5 < (stated.total - stated.model.value) / true < 2.0
 
 
+@pytest.mark.slow
 def test_an_accuracy_is_that_of_the_sum(beam):
     """The step of 20 ms costs ten times what is allowed: it is cut, and the truth keeps to the limit."""
     full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
@@ -117,6 +118,7 @@ def test_an_accuracy_is_that_of_the_sum(beam):
     assert len({each.number for each in rounds}) == len(rounds)
 
 
+@pytest.mark.slow
 def test_an_accuracy_of_a_quantity(beam):
     full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
     run = Run(0.6, 0.02, step=FixedStep(0.01))
@@ -127,6 +129,7 @@ def test_an_accuracy_of_a_quantity(beam):
     assert corrected.solution.errors["beam"].allowed is None
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # which is what it is about
 def test_a_model_that_costs_more_than_is_allowed_is_named(beam):
     """Bent to where its elements turn by a radian, a strip seen from its root is off by 1e-3."""
