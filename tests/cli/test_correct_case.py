@@ -58,11 +58,18 @@ def test_a_case_without_sizes_corrects_itself(case):
     rounds = report["self_correction"]
     assert [each["round"] for each in rounds] == list(range(len(rounds)))
     assert [each["size"] for each in rounds] == [10 + 3 * number for number in range(len(rounds))]
-    keys = {"body", "round", "size", "estimated_error", "allowed", "indicator", "seconds"}
+    keys = {"body", "round", "size", "estimated_error", "allowed", "indicator", "seconds", "useless"}
     assert set(rounds[0]) == keys
     assert rounds[-1]["estimated_error"] <= rounds[-1]["allowed"]
     deflection = np.linalg.norm(report["tracked"]["strip.TIP"]["largest deflection"])
     assert rounds[-1]["allowed"] == pytest.approx(1e-3 * deflection, rel=1e-2)
+    stated = report["errors"]["strip"]
+    assert set(stated["parts"]) == {"basis", "step", "newton", "model"}
+    assert stated["total"] == pytest.approx(sum(part["value"] for part in stated["parts"].values()))
+    assert stated["total"] <= stated["allowed"] == rounds[-1]["allowed"]
+    assert stated["parts"]["basis"]["value"] == rounds[-1]["estimated_error"]
+    assert read_solution(out / "strip.h5").bodies["strip"].error.plain() == stated
+    assert "the same run with half the step" in output
     assert report["bodies"]["strip"]["coordinates"] == rounds[-1]["size"]
     header = read_header(out / "strip.h5")
     assert header.complete

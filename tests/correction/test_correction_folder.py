@@ -24,7 +24,7 @@ RUN = Run(
     tolerances=Tolerances(residual=1e-9),
 )
 START = ReductionStart(
-    SelfCorrection(absolute=1e-5, instants=10), CraigBampton(n_modes=3), CompressedDerivatives(3)
+    SelfCorrection(absolute=1e-7, instants=10), CraigBampton(n_modes=3), CompressedDerivatives(3)
 )
 
 
@@ -54,8 +54,7 @@ def test_every_round_is_on_disk(kept):
     result, folder = kept
     archive = CorrectionFolder.resume(folder, case=CASE)
     assert len(result.rounds) == 2
-    solutions = [each.solution for each in result.rounds] + [result.finer_solution]
-    for number, solution in enumerate(solutions):
+    for number, solution in enumerate(each.solution for each in result.rounds):
         assert read_header(archive.motion(number)).complete
         written = read_solution(archive.motion(number)).bodies["beam"].coordinates
         np.testing.assert_array_equal(written, solution.bodies["beam"].coordinates)
@@ -82,7 +81,8 @@ def repeated(system, folder):
 def test_a_finished_correction_is_read_and_not_run(system, kept, simulated, monkeypatch):
     """The same rounds, without one step, residual or eigenvalue."""
     result, folder = kept
-    for what in ("system_corrections", "reduction_basis", "enrich"):
+    monkeypatch.delattr("supple.correction.error_estimate.ErrorEstimator.judge")
+    for what in ("reduction_basis", "enrich"):
         monkeypatch.delattr(f"supple.correction.system_correction.{what}")
     again = repeated(system, folder)
     assert simulated == []
@@ -98,7 +98,7 @@ def test_a_finished_correction_is_read_and_not_run(system, kept, simulated, monk
 def test_a_correction_that_was_killed_goes_on_with_the_run_that_was_cut_off(
     system, kept, simulated, tmp_path
 ):
-    """Killed in the second run: the first is read, the second goes on, the third runs for the first time."""
+    """Killed in the second run: the first is read, the second goes on."""
     result, folder = kept
     archive = CorrectionFolder.create(tmp_path, case=CASE)
     for name in ("round-0.h5", "round-0.npz", "round-1.npz"):
@@ -117,7 +117,7 @@ def test_a_correction_that_was_killed_goes_on_with_the_run_that_was_cut_off(
     assert read_solution(archive.motion(1)).times[-1] == pytest.approx(0.5)
     simulated.clear()
     again = repeated(system, tmp_path)
-    assert simulated == [result.body.r, result.finer_body.r]
+    assert simulated == [result.body.r]
     assert again.estimated_error == pytest.approx(result.estimated_error, rel=1e-12)
     whole = read_solution(folder / "round-1.h5")
     for name, array in read_solution(archive.motion(1)).bodies["beam"].arrays().items():

@@ -11,15 +11,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body import BodySource, FlexibleBody
-from supple.cases.bodies import checked_line
+from supple.body import BodySource, FlexibleBody, FullBody, ModalDamping
+from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
 from supple.cases.case_tables import CaseTables
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
 from supple.cases.split import SplitSource, split_source
 from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
-from supple.correction import ReductionStart
+from supple.cases.stated_error import Judged, judged_places
+from supple.correction import ErrorStudy, JudgedQuantity, ReductionStart
 from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
@@ -224,10 +225,48 @@ class Case:
     def starts(self) -> Mapping[str, ReductionStart]:
         """Of the bodies that stand in the system in full, to be reduced as far as their accuracy allows."""
         return {
-            table.name: reduction_start(table.reduction, self.flexible[table.name])
+            table.name: reduction_start(table.reduction, self.flexible[table.name], self._judged_by(table))
             for table in self.parts.body
             if table.corrects_itself
         }
+
+    def _judged_by(self, table: Body) -> JudgedQuantity | None:
+        accuracy = getattr(table.reduction, "accuracy", None)
+        return None if accuracy is None or accuracy.of is None else self._quantity(accuracy.of)
+
+    def _quantity(self, table: Judged) -> JudgedQuantity:
+        return table.quantity(self.place, self.elements)
+
+    @cached_property
+    def study(self) -> ErrorStudy:
+        """Which parts of the error are looked at, and in what.
+
+        Bodies of a fixed size are judged where that is asked for; the integration of machines with bodies in
+        full too, for each of the two runs costs as much as the first.
+        """
+        given = self.tables.error
+        in_full = any(name not in self.starts for name in self.system.bodies_of(FullBody))
+        return ErrorStudy(
+            basis=bool(given.basis),
+            integration=not in_full if given.integration is None else given.integration,
+            model=given.model,
+            quantities=tuple(self._quantity(each) for each in given.of),
+        )
+
+    @cached_property
+    def fulls(self) -> Mapping[str, FullBody]:
+        """The bodies that are reduced here with all their coordinates, by name."""
+        made = {}
+        for table in self.parts.body:
+            if table.name in self.flexible and table.frame is not None:
+                frame = table.frame.build()
+                damped = table.damping.build(self.flexible[table.name], frame) if table.damping else None
+                if isinstance(damped, ModalDamping) and damped.n_modes is None:
+                    # All modes of the body as it is simulated: in full they are counted.
+                    form = self.system.bodies[self.system.body_index(table.name)].body
+                    damped = replace(damped, n_modes=form.n_coordinates)
+                made[table.name] = FullBody(self.flexible[table.name], frame, damped)
+        return made
 
     @property
     def drawn(self) -> Mapping[str, Mesh]:
@@ -259,6 +298,9 @@ class Case:
             (("load", i, "at"), load.at) for i, load in enumerate(tables.load)
         ]
         places += [(("output", "track", i), place) for i, place in enumerate(tables.output.track)]
+        for path, each in judged_places(tomllib.loads(self.text)):
+            if isinstance(each.get("at"), str):
+                places.append(((*path, "at"), each["at"]))
         for path, place in places:
             if place not in interfaces:
                 body, _, name = place.partition(".")

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from supple.cases import bodies, joints, loads, output, simulation, spin, springs
+from supple.cases import bodies, joints, loads, output, simulation, spin, springs, stated_error
 from supple.cases.bodies import Body
 from supple.cases.body_kinds import KINDS
 from supple.cases.ends import ends_exist
@@ -19,6 +19,7 @@ from supple.cases.output import Output
 from supple.cases.simulation import Simulation
 from supple.cases.spin import SpinTable
 from supple.cases.springs import Spring
+from supple.cases.stated_error import StatedError
 from supple.errors import ModelError
 from supple.importers.text_file import is_file
 from supple.importers.toml import ZERO, CheckedTable, KeyPath, Mistakes, Raw, Rule, Vector, table, tables
@@ -40,6 +41,7 @@ class CaseTables(CheckedTable):
     spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
     simulation: Simulation
     spin: SpinTable | None = None
+    error: StatedError = Field(default_factory=lambda: StatedError.model_validate({}))
     output: Output = Field(default_factory=lambda: Output.model_validate({}))
 
 
@@ -61,6 +63,7 @@ RULES: tuple[Rule, ...] = (
     *simulation.RULES,
     *spin.RULES,
     *output.RULES,
+    *stated_error.RULES,
     _units_are_one_set,
     ends_exist,
 )

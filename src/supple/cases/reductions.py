@@ -12,8 +12,9 @@ from supple import reduction
 from supple.body import FlexibleBody
 from supple.cases.body_kinds import is_elastic, kind_of
 from supple.cases.damping import damps_all_modes
+from supple.cases.stated_error import Judged
 from supple.cases.table import Made
-from supple.correction import ReductionStart, SelfCorrection
+from supple.correction import JudgedQuantity, ReductionStart, SelfCorrection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, names, table
 from supple.reduction import DerivativeChoice, LinearBasisRecipe, QuarticChoice
 from supple.reduction.eigenvalues.mode_search import search_words
@@ -89,10 +90,13 @@ class Accuracy(CheckedTable):
     directions: int = Field(4, ge=1, description="columns added a round")
     largest_size: int = Field(60, ge=1, description="coordinates")
     max_rounds: int = Field(8, ge=1, description="enrichments before giving up")
+    of: Judged | None = Field(
+        None, description="the quantity whose error that is; the positions of all nodes if left out"
+    )
 
-    def target(self) -> SelfCorrection:
-        """The error to reach, and how to get there."""
-        given = self.model_dump()
+    def target(self, quantity: JudgedQuantity | None = None) -> SelfCorrection:
+        """The error to reach, and how to get there; quantity is that of the table `of`."""
+        given: dict[str, Any] = self.model_dump(exclude={"of"}) | {"of": quantity}
         if self.relative is None and self.absolute is None:
             given["relative"] = DEFAULT_ACCURACY
         return SelfCorrection(**given)
@@ -259,9 +263,12 @@ _NEED_INTERFACES = {
 Reduction = Annotated[CorrectableOrder | ErrorControlled | FullOrder, Field(discriminator="basis")]
 
 
-def reduction_start(given: Reduction | None, body: FlexibleBody) -> ReductionStart:
+def reduction_start(
+    given: Reduction | None, body: FlexibleBody, quantity: JudgedQuantity | None = None
+) -> ReductionStart:
     """Where the reduction of a body starts that corrects itself, and where it may stop.
 
+    quantity : whose error is to be reached; the positions of all nodes if None
     given : its table; None for constraint modes and fixed-interface modes, or modes where it has no interface
     """
     if given is None and body.interfaces:
@@ -273,7 +280,7 @@ def reduction_start(given: Reduction | None, body: FlexibleBody) -> ReductionSta
     if given.derivatives is None and not body.is_linear:
         derivatives = reduction.CompressedDerivatives(FIRST_DERIVATIVES)
     accuracy = given.accuracy or Accuracy.model_validate({})
-    start = ReductionStart(accuracy.target(), given.recipe(), derivatives)
+    start = ReductionStart(accuracy.target(quantity), given.recipe(), derivatives)
     return replace(start, quartic=quartic_choice(given.condensed, start.quartic))
 
 

@@ -12,14 +12,14 @@ from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import Progress, silent
 from supple.cases.outputs import check_outputs
 from supple.cases.remains import check_remains, report_path, result_path
-from supple.correction import Round, SelfCorrectionError, correct_recorded, correction_numbers
+from supple.correction import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
 from supple.errors import CaseError
 from supple.integrate import Solution, Validity
 from supple.machine import System
 from supple.multibody import warn_of_missing_modes
 from supple.results import TrackedMotion, summarize, tracked_places
 from supple.simulation import reduced_bodies, simulate_kept
-from supple.storage import write_json
+from supple.storage import write_errors, write_json
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
 from supple.storage.run_inputs import changes
@@ -49,6 +49,7 @@ def run_case(
     resume: bool = False,
     force: bool = False,
     strict: bool = False,
+    errors: bool = True,
     progress: Progress = silent,
 ) -> CaseResult:
     """Run a case and write its results (HDF5, JSON) and, if it asks for them, its pictures into `folder`.
@@ -59,6 +60,8 @@ def run_case(
     resume : continue the result file of a run that was cut off, instead of starting anew
     force : replace the result that is there; otherwise one that is finished or was cut off is an error
     strict : a motion beyond what a body's kinematics can describe is an error
+    errors : state how wrong the run is, which takes two more runs where the case does not say otherwise;
+        without, an accuracy is that of the basis alone
 
     Raises
     ------
@@ -75,11 +78,13 @@ def run_case(
         folder.mkdir(parents=True, exist_ok=True)
     with ExclusiveLock(folder):
         check_remains(case, folder, resume=resume, force=force)
-        return _run_case(case, folder, resume=resume, force=force, strict=strict, progress=progress)
+        return _run_case(
+            case, folder, resume=resume, force=force, strict=strict, errors=errors, progress=progress
+        )
 
 
 def _run_case(
-    case: Case, folder: Path, *, resume: bool, force: bool, strict: bool, progress: Progress
+    case: Case, folder: Path, *, resume: bool, force: bool, strict: bool, errors: bool, progress: Progress
 ) -> CaseResult:
     warn_of_units(case)
     inputs = case.inputs
@@ -105,6 +110,7 @@ def _run_case(
                 "overwrite": force,
             },
             validity=Validity(strict=strict),
+            errors=errors,
             progress=progress,
         )
     except SelfCorrectionError:
@@ -127,6 +133,7 @@ def _simulated(
     of_file: Mapping[str, Any],
     *,
     validity: Validity,
+    errors: bool,
     progress: Progress,
 ) -> tuple[System, Solution]:
     """The motion, and the system it is of; rounds of a self-correction are added as they are finished."""
@@ -134,7 +141,13 @@ def _simulated(
     path = result_path(case.path, folder)
     if case.starts:
         corrected = correct_recorded(
-            *given, case.starts, path, **of_file, announce=rounds.append, progress=progress
+            *given,
+            case.starts,
+            path,
+            **of_file,
+            announce=rounds.append,
+            progress=progress,
+            study=case.study if errors else None,
         )
         return corrected.system, corrected.solution
 
@@ -142,7 +155,11 @@ def _simulated(
         progress("compiling and simulating", fraction)
 
     simulating(0.0)
-    return simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
+    system, solution = simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
+    if errors:
+        solution = state_errors(system, case.run, solution, case.study, fulls=case.fulls, progress=progress)
+        write_errors(path, solution)
+    return system, solution
 
 
 def _metadata(case: Case) -> dict[str, str]:

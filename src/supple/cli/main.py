@@ -63,6 +63,9 @@ def run(
     ] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Continue a run that was cut off.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace the result that is there.")] = False,
+    no_errors: Annotated[
+        bool, typer.Option("--no-errors", help="Leave out how wrong the run is, which takes two more runs.")
+    ] = False,
     debug: Debug = False,
 ) -> None:
     """Simulate a case file; write results (HDF5, JSON), pictures (PNG) and an animation (GIF)."""
@@ -72,7 +75,14 @@ def run(
 
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
-        run_case(case, output or Path("results") / case.stem, resume=resume, force=force, strict=strict)
+        run_case(
+            case,
+            output or Path("results") / case.stem,
+            resume=resume,
+            force=force,
+            strict=strict,
+            errors=not no_errors,
+        )
 
 
 @app.command()

@@ -14,6 +14,8 @@ from supple.results.run_tables import (
     body_table,
     correction_table,
     cost_line,
+    error_lines,
+    error_table,
     joint_table,
     motion_table,
     place_table,
@@ -23,7 +25,13 @@ from supple.terminal import Steps, error_console, print_table, progress_bars, sa
 
 
 def run_case(
-    path: Path, folder: Path, *, resume: bool = False, force: bool = False, strict: bool = False
+    path: Path,
+    folder: Path,
+    *,
+    resume: bool = False,
+    force: bool = False,
+    strict: bool = False,
+    errors: bool = True,
 ) -> None:
     """Run the case file at `path` and print its tables; parameters and errors as for `cases.run_case`.
 
@@ -31,7 +39,7 @@ def run_case(
     """
     with raising_terminated():
         try:
-            _run(path, folder, resume=resume, force=force, strict=strict)
+            _run(path, folder, resume=resume, force=force, strict=strict, errors=errors)
         except INTERRUPTIONS as error:
             kept = "; ".join(getattr(error, "__notes__", [])) or kept_so_far(path, folder)
             error_console.print(words("stopped: ", "bold red") + words(kept), soft_wrap=True)
@@ -39,7 +47,7 @@ def run_case(
             raise typer.Exit(128 + number) from error
 
 
-def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool) -> None:
+def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool, errors: bool) -> None:
     bars = progress_bars()
     steps = Steps(bars)
     case = cases.read_case(path, steps.show)
@@ -47,7 +55,7 @@ def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool) -
     with bars:
         try:
             result = cases.run_case(
-                case, folder, resume=resume, force=force, strict=strict, progress=steps.share
+                case, folder, resume=resume, force=force, strict=strict, errors=errors, progress=steps.share
             )
         except SelfCorrectionError as error:
             print_table(*correction_table(correction_numbers(error.rounds), case.units))
@@ -66,5 +74,9 @@ def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool) -
     for name, body in numbers["bodies"].items():
         if "eigenvalues" in body:
             say(f"{name}: {body['eigenvalues']}")
+    if numbers["errors"]:
+        print_table(*error_table(numbers))
+        for line in error_lines(numbers):
+            say(line)
     say(cost_line(result.solution.statistics))
     say(f"Results are in {folder}/")

@@ -1,5 +1,9 @@
 """Self-correcting reduction: rounds, missing motion, the error estimate."""
 
+from supple.correction.basis_error import (
+    BasisError,
+    BodyError,
+)
 from supple.correction.correction_folder import (
     CorrectionFolder,
 )
@@ -11,6 +15,13 @@ from supple.correction.correction_rounds import (
     SelfCorrection,
     SelfCorrectionError,
 )
+from supple.correction.error_estimate import (
+    ErrorEstimate,
+    ErrorEstimator,
+    estimate_error,
+)
+from supple.correction.error_study import ErrorStudy, state_errors
+from supple.correction.judged_quantity import Deflection, JointForce, JudgedQuantity, WholeBody
 from supple.correction.recorded_correction import (
     ROUNDS_FOLDER,
     correct_recorded,
@@ -35,8 +46,16 @@ from supple.correction.self_correction import (
 
 __all__ = [
     "ROUNDS_FOLDER",
+    "BasisError",
+    "BodyError",
     "CorrectedSystem",
     "CorrectionFolder",
+    "Deflection",
+    "ErrorEstimate",
+    "ErrorEstimator",
+    "ErrorStudy",
+    "JointForce",
+    "JudgedQuantity",
     "MissedMotion",
     "ReductionStart",
     "ResidualCorrections",
@@ -46,10 +65,13 @@ __all__ = [
     "SelfCorrected",
     "SelfCorrection",
     "SelfCorrectionError",
+    "WholeBody",
     "best_round",
     "correct_recorded",
     "correction_numbers",
+    "estimate_error",
     "residual_corrections",
     "self_correct",
+    "state_errors",
     "system_corrections",
 ]

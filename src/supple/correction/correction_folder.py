@@ -112,7 +112,11 @@ class CorrectionFolder:
                 with np.load(io.BytesIO(unsealed(path)), allow_pickle=False) as kept:
                     bases = {name: _basis(kept, name, full) for name, full in fulls.items()}
                     missed = {
-                        name: MissedMotion(float(kept[f"{name}/indicator"]), kept[f"{name}/singular_values"])
+                        name: MissedMotion(
+                            float(kept[f"{name}/indicator"]),
+                            kept[f"{name}/singular_values"],
+                            float(kept[f"{name}/error"]),
+                        )
                         for name in fulls
                         if f"{name}/indicator" in kept
                     }
@@ -140,6 +144,7 @@ class CorrectionFolder:
         for name, missed in bases.missed.items():
             arrays[f"{name}/indicator"] = missed.indicator
             arrays[f"{name}/singular_values"] = missed.singular_values
+            arrays[f"{name}/error"] = missed.error
         image = io.BytesIO()
         np.savez(image, **arrays)
         with replacing(path) as temporary:

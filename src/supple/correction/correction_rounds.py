@@ -9,8 +9,9 @@ import numpy as np
 
 from supple.algebra import read_only
 from supple.arguments import check_fields
+from supple.correction.judged_quantity import JudgedQuantity, WholeBody
 from supple.errors import AccuracyError, ModelError
-from supple.integrate import Solution
+from supple.integrate import Run, Solution
 from supple.machine.system import System
 from supple.reduction import (
     CompressedDerivatives,
@@ -20,6 +21,7 @@ from supple.reduction import (
     PlainQuartic,
     QuarticChoice,
     ReducedBody,
+    ReductionBasis,
 )
 
 __all__ = [
@@ -39,11 +41,13 @@ class SelfCorrection:
     absolute : float        largest RMS error of the nodal positions over the run, unit of length; or
     relative : float        the same over the largest displacement of a node, seen from the body's first
                             interface (in its floating frame where it has none)
-    instants : int          output times of a run at which its residual is evaluated, evenly spread
+    instants : int          steps of a run at which its residual is balanced, at random in equal intervals;
+                            besides those where loads peak or kink
     directions : int        columns added a round; fewer save a column here and there, but one stiff
                             direction left out locks the others, and costs a round
-    largest_size : int      of the basis returned; the run that measures its error has a richer one
+    largest_size : int      of the basis
     max_rounds : int        enrichments before giving up
+    of : JudgedQuantity     what the error is of; by default the positions of all nodes of the body
     Raises ModelError when both or none of absolute and relative are given, or a number is not positive.
     """
 
@@ -53,23 +57,30 @@ class SelfCorrection:
     directions: int = 4
     largest_size: int = 60
     max_rounds: int = 8
+    of: JudgedQuantity | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
         if (self.absolute is None) == (self.relative is None):
             raise ModelError("self-correction: give the error to reach either as absolute or as relative")
         for name, value in vars(self).items():
-            if value is not None and not (np.isfinite(value) and value > 0):
+            if name != "of" and value is not None and not (np.isfinite(value) and value > 0):
                 raise ModelError(f"self-correction: {name} must be a positive number, not {value}")
 
-    def allowed(self, largest_displacement: float) -> float:
-        """The error to reach, unit of length."""
-        return self.absolute or (self.relative or 0.0) * largest_displacement
+    def allowed(self, size: float) -> float:
+        """The error to reach in a quantity of a size: of the whole body, its largest displacement."""
+        return self.absolute or (self.relative or 0.0) * size
+
+    def quantity(self, body: str) -> JudgedQuantity:
+        """What the error of a body is judged by."""
+        return self.of or WholeBody(body)
 
     @property
     def wanted(self) -> str:
         """The error to reach, in words."""
-        return f"{self.absolute:g}" if self.relative is None else f"{self.relative:g} of the displacement"
+        if self.relative is None:
+            return f"{self.absolute:g}" if self.of is None else f"{self.absolute:g} in {self.of.words}"
+        return f"{self.relative:g} of " + ("the displacement" if self.of is None else self.of.words)
 
 
 @dataclass(frozen=True)
@@ -96,14 +107,17 @@ class Round:
 
     body : ReducedBody
     solution : Solution             up to where the run broke off, if it did
-    estimated_error : float         largest RMS error of the nodal positions over the run; infinite where
-                                    the run, or the next one that was to measure it, broke off, or where
-                                    the rounds do not converge
+    estimated_error : float         largest RMS error of the nodal positions over the run, by the error
+                                    equation; infinite where the run broke off, or where the error is too
+                                    large for it
     indicator : float               largest RMS of the motion that the basis misses, at the instants looked at
     singular_values : (k,)          of that motion outside the basis, in the M-norm, descending; none of a
                                     body that is enriched no more
     seconds : float                 wall time of the reduction, the run and its correction, of all bodies
     allowed : float                 the error to reach, unit of length
+    useless : bool                  no better than the round before
+    number : int | None             of its run, as it is archived; that of the round where it is left out
+    run : Run | None                how it was stepped
     """
 
     body: ReducedBody
@@ -113,6 +127,9 @@ class Round:
     singular_values: np.ndarray
     seconds: float
     allowed: float = np.nan
+    useless: bool = False
+    number: int | None = None
+    run: Run | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "singular_values", read_only(self.singular_values))
@@ -128,12 +145,11 @@ class SelfCorrected:
     """A reduced body that meets a tolerance on a run, and the rounds that led to it.
 
     rounds : Round              the last one meets the tolerance
-    finer_body, finer_solution  the run with the next, richer basis, by which its error was measured
+    basis : ReductionBasis      of the last round
     """
 
     rounds: tuple[Round, ...]
-    finer_body: ReducedBody
-    finer_solution: Solution
+    basis: ReductionBasis
 
     @property
     def body(self) -> ReducedBody:
@@ -157,10 +173,12 @@ class CorrectedSystem:
 
     system : System                     with the reduced bodies
     bodies : SelfCorrected, by name     their rounds, which are the same runs
+    run : Run                           as it was stepped; None where that is the run that was asked for
     """
 
     system: System
     bodies: Mapping[str, SelfCorrected]
+    run: Run | None = None
 
     @property
     def solution(self) -> Solution:

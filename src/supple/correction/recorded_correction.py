@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 from supple.correction.correction_folder import CorrectionFolder
 from supple.correction.correction_rounds import CorrectedSystem, ReductionStart, Round, SelfCorrectionError
+from supple.correction.error_study import ErrorStudy
 from supple.correction.round_table import best_round, correction_numbers
 from supple.correction.self_correction import self_correct
 from supple.correction.system_correction import Announce, CorrectionProgress
@@ -25,7 +26,7 @@ from supple.simulation.watched_run import report_resolution, warn_of_unseen_laws
 from supple.storage import ResultFile, write_solution
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
-from supple.storage.result_content import Metadata
+from supple.storage.result_content import Metadata, errors_metadata
 from supple.storage.result_file import check_nothing_lost
 from supple.storage.run_inputs import Inputs
 
@@ -45,13 +46,14 @@ def correct_recorded(
     overwrite: bool = False,
     announce: Announce | None = None,
     progress: CorrectionProgress | None = None,
+    study: ErrorStudy | None = None,
 ) -> CorrectedSystem:
     """`self_correct`, keeping the rounds as they are computed, then the accepted run and its bodies.
 
     Parameters
     ----------
-    system, run, starts, announce, progress : as for `self_correct`; the validity of the run is that of the
-        run that is accepted alone, for a basis that is too small may well leave it
+    system, run, starts, announce, progress, study : as for `self_correct`; the validity of the run is that of
+        the run that is accepted alone, for a basis that is too small may well leave it
     path : result file to write; `self_correction/` and `NAME-reduced.h5` lie beside it
     case, metadata  kept in the file, for the record
     inputs : what the motion depends on, kept to continue it, as for `CorrectionFolder.create`
@@ -71,12 +73,13 @@ def correct_recorded(
         folder.mkdir(parents=True, exist_ok=True)
     with ExclusiveLock(folder):
         archive = _opened(path, folder, case, inputs, resume=resume, overwrite=overwrite)
-        corrected, rounds = _corrected(system, run, starts, archive, announce, progress)
+        corrected, rounds = _corrected(system, run, starts, archive, announce, progress, study)
         metadata = {
             **metadata,
             **joint_ends(system),
             "self_correction": json.dumps(correction_numbers(rounds)),
             **columns_of(corrected.system),
+            **errors_metadata(corrected.solution.errors),
         }
         # The motion comes last: where it is, its bodies are.
         keep_bodies(corrected.system, starts, path.parent)
@@ -85,8 +88,9 @@ def correct_recorded(
         )
     limits = watch(corrected.system, run.validity)
     limits.report(limits.observe({}, corrected.solution))
-    warn_of_unseen_laws(corrected.system, run)
-    report_resolution(corrected.system, run, corrected.solution)
+    stepped = replace(corrected.run or run, validity=run.validity)
+    warn_of_unseen_laws(corrected.system, stepped)
+    report_resolution(corrected.system, stepped, corrected.solution)
     return corrected
 
 
@@ -119,6 +123,7 @@ def _corrected(
     archive: CorrectionFolder,
     announce: Announce | None,
     progress: CorrectionProgress | None,
+    study: ErrorStudy | None,
 ) -> tuple[CorrectedSystem, list[Round]]:
     """The self-correction, and its rounds in the order in which they were finished."""
     rounds: list[Round] = []
@@ -135,7 +140,13 @@ def _corrected(
             warnings.simplefilter("ignore", ResolutionWarning)
             warnings.simplefilter("once", StartWarning)
             corrected = self_correct(
-                system, lenient, starts, announce=finished, progress=progress, archive=archive
+                system,
+                lenient,
+                starts,
+                announce=finished,
+                progress=progress,
+                archive=archive,
+                study=study,
             )
     except SelfCorrectionError as error:
         best = archive.motion(best_round(correction_numbers(rounds)))

@@ -22,7 +22,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,7 +38,15 @@ from supple.multibody.equations.configuration import Configuration
 from supple.multibody.full.full_system import FullState, FullSystem
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 
-__all__ = ["ResidualCorrections", "residual_corrections", "system_corrections"]
+__all__ = [
+    "ExpandedStates",
+    "ResidualCorrections",
+    "corrections_of",
+    "expanded_states",
+    "newton_step",
+    "residual_corrections",
+    "system_corrections",
+]
 
 _SLOWNESS = 100.0
 """How many times slower than the body's lowest vibration the missing motion is taken to be: slow enough that
@@ -103,6 +111,69 @@ def system_corrections(
     ModelError      the system has no such body, or one of another size
     AccuracyError   a tangent is singular: the body buckles, or its joints hold a mechanism in a dead centre
     """
+    seen = expanded_states(system, fulls, bases, solution, instants)
+    prepared, indices = seen.prepared, seen.indices
+    states, steps = [], np.empty((len(instants), prepared.n))
+    for row in range(len(instants)):
+        states.append(seen.state(row))
+        steps[row] = newton_step(prepared, states[-1], seen.by_position)
+        if progress is not None:
+            progress((row + 1) / len(instants))
+    for index, full in zip(indices, fulls, strict=True):
+        steps[:, prepared.slices[index]][:, 6:] += seen.expanded[full.name].following
+    return corrections_of(seen, fulls, states, steps)
+
+
+def corrections_of(
+    seen: ExpandedStates, fulls: Sequence[FullBody], states: Sequence[FullState], steps: np.ndarray
+) -> dict[str, ResidualCorrections]:
+    """Steps (k, n) of the whole system from k of its states, body by body."""
+    coordinates = np.array([state.configuration.coordinates for state in states])
+    rotations = np.array([state.configuration.rotations for state in states])
+    prepared = seen.prepared
+    determined = len(prepared.model.active) >= 6 * len(prepared.system.bodies)
+    return {
+        full.name: _of_body(
+            full,
+            seen.solution.times[seen.instants],
+            coordinates[:, prepared.coordinate_slices[index]],
+            rotations[:, index],
+            steps[:, prepared.slices[index]],
+            determined,
+        )
+        for index, full in zip(seen.indices, fulls, strict=True)
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class ExpandedStates:
+    """States of a reduced run with all coordinates of some of its bodies, made one by one.
+
+    prepared : FullSystem           the machine with these bodies in full
+    indices : of the bodies among those of the machine
+    by_position : float             p: accelerations times it are displacements slow against any vibration
+    """
+
+    prepared: FullSystem
+    indices: tuple[int, ...]
+    by_position: float
+    solution: Solution
+    instants: np.ndarray
+    expanded: Mapping[str, _ExpandedMotion]
+
+    def state(self, row: int) -> FullState:
+        """At one of the instants, by its number among them."""
+        return _expanded(self.prepared, self.solution, self.expanded, row, int(self.instants[row]))
+
+
+def expanded_states(
+    system: System,
+    fulls: Sequence[FullBody],
+    bases: Mapping[str, ReductionBasis],
+    solution: Solution,
+    instants: np.ndarray,
+) -> ExpandedStates:
+    """The states of a finished reduced run at some of its output times; parameters as above."""
     indices, reduced = zip(*(_found(system, full, bases[full.name]) for full in fulls), strict=True)
     placed = list(system.bodies)
     for index, full in zip(indices, fulls, strict=True):
@@ -112,34 +183,18 @@ def system_corrections(
         # The run has named them already.
         warnings.simplefilter("ignore", RedundantConstraintWarning)
         active = compiled_start(system, float(solution.times[0])).model.active
-    prepared = FullSystem(replace(system, bodies=placed), active)
-    position = (_SLOWNESS / min(body.lowest_frequency() for body in reduced)) ** 2
     expanded = {
         full.name: _expanded_motion(full, body, bases[full.name], solution.bodies[full.name], instants)
         for full, body in zip(fulls, reduced, strict=True)
     }
-    states, steps = [], np.empty((len(instants), prepared.n))
-    for row, instant in enumerate(instants):
-        states.append(_expanded(prepared, solution, expanded, row, instant))
-        steps[row] = _newton_step(prepared, states[-1], position)
-        if progress is not None:
-            progress((row + 1) / len(instants))
-    for index, full in zip(indices, fulls, strict=True):
-        steps[:, prepared.slices[index]][:, 6:] += expanded[full.name].following
-    coordinates = np.array([state.configuration.coordinates for state in states])
-    rotations = np.array([state.configuration.rotations for state in states])
-    determined = len(active) >= 6 * len(placed)
-    return {
-        full.name: _of_body(
-            full,
-            solution.times[instants],
-            coordinates[:, prepared.coordinate_slices[index]],
-            rotations[:, index],
-            steps[:, prepared.slices[index]],
-            determined,
-        )
-        for index, full in zip(indices, fulls, strict=True)
-    }
+    return ExpandedStates(
+        prepared=FullSystem(replace(system, bodies=placed), active),
+        indices=indices,
+        by_position=(_SLOWNESS / min(body.lowest_frequency() for body in reduced)) ** 2,
+        solution=solution,
+        instants=instants,
+        expanded=expanded,
+    )
 
 
 def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, BodyForm]:
@@ -238,9 +293,16 @@ def _expanded(
     )
 
 
-def _newton_step(prepared: FullSystem, state: FullState, position: float) -> np.ndarray:
-    """Displacement of all freedoms (n,) that balances the residual, joints and frames fixed."""
+def newton_step(
+    prepared: FullSystem, state: FullState, position: float, forces: Mapping[str, np.ndarray] | None = None
+) -> np.ndarray:
+    """Displacement of all freedoms (n,) that balances the residual, joints and frames fixed.
+
+    forces : (n,) of full bodies by name, to answer instead of the residual, in balance with nothing else
+    """
     evaluation = prepared.evaluate(state, 0.0)
+    if forces is not None:
+        evaluation = _loaded(prepared, evaluation, forces)
     # Written for accelerations, of which a displacement is `position` times as large.
     targets = (
         -evaluation.constraint_residual / position,
@@ -250,6 +312,20 @@ def _newton_step(prepared: FullSystem, state: FullState, position: float) -> np.
         evaluation, targets, np.zeros(prepared.n), StepFactors(by_position=position, by_velocity=0.0)
     )
     return position * step
+
+
+def _loaded(prepared: FullSystem, evaluation: Any, forces: Mapping[str, np.ndarray]) -> Any:
+    """The evaluation with nothing out of balance but forces on full bodies."""
+    none = np.zeros_like(evaluation.border.inertia)
+    border = evaluation.border._replace(inertia=none, internal=none, applied=none, joint=none)
+    return evaluation._replace(
+        border=border,
+        constraint_residual=np.zeros_like(evaluation.constraint_residual),
+        interior_residuals=tuple(
+            np.concatenate([np.zeros(6), forces[interior.full.name]]) for interior in prepared.interiors
+        ),
+        frame_residuals=tuple(np.zeros_like(each) for each in evaluation.frame_residuals),
+    )
 
 
 def _nodal_rms(

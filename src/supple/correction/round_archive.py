@@ -22,6 +22,7 @@ class MissedMotion(NamedTuple):
 
     indicator: float
     singular_values: np.ndarray
+    error: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ def correction_numbers(rounds: Sequence[Round]) -> list[dict[str, Any]]:
     numbers = []
     for each in rounds:
         name = each.body.name
-        met[name] = met.get(name, -1) + 1
+        met[name] = met.get(name, -1) + 1 if each.number is None else each.number
         numbers.append(
             {
                 "body": name,
@@ -26,6 +26,7 @@ def correction_numbers(rounds: Sequence[Round]) -> list[dict[str, Any]]:
                 "allowed": _finite(each.allowed),
                 "indicator": _finite(each.indicator),
                 "seconds": each.seconds,
+                "useless": each.useless,
             }
         )
     return numbers

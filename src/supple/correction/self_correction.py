@@ -6,8 +6,10 @@ from collections.abc import Mapping
 
 from supple.body import FullBody
 from supple.correction.correction_rounds import CorrectedSystem, ReductionStart, SelfCorrection
+from supple.correction.error_study import ErrorStudy
 from supple.correction.round_archive import InMemoryArchive, RoundArchive
 from supple.correction.system_correction import Announce, CorrectionProgress, Problem, correct
+from supple.correction.whole_correction import correct_wholly
 from supple.errors import ModelError
 from supple.integrate import Run
 from supple.machine import System
@@ -23,23 +25,16 @@ def self_correct(
     announce: Announce | None = None,
     progress: CorrectionProgress | None = None,
     archive: RoundArchive | None = None,
+    study: ErrorStudy | None = None,
 ) -> CorrectedSystem:
     """Reduce bodies of a system together, as far as an error allows that the reduced runs themselves measure.
 
-    Start small, run, find at a few instants the motion that the bases miss (`system_corrections`: one Newton
-    step of the system with all its coordinates), append its leading directions to the bases, run again. No
-    full-order time integration is made. Run k is measured by run k + 1, with eps the largest RMS distance of
-    a body's nodes over the run:
-
-        d_k = eps(run k, run k+1),   e_k = d_k / sqrt(1 - rho^2),   rho = d_k / d_(k-1)
-
-    which adds up what the runs to come will change, were each of them to gain as little as the last one did:
-    as squares, for what a round adds to the basis is orthogonal to all before. A round gains one to three
-    orders, so that e_k is d_k but for a per cent, and the rounds end where d_k does not shrink. So
-    the run that meets the tolerance is the last but one. The size of the missing motion (`Round.indicator`)
-    is a second opinion, asked for in the first round, where rho is unknown and taken as zero: sharp for slow
-    motion, loose near a resonance of what the basis lacks. Modes inside the band in which the loads excite
-    the body belong in the basis from the start (`load_spectrum` looks).
+    Start small, run, tell by the error equation (`estimate_error`) how wrong the run is and what it misses,
+    append the leading directions of that to the bases, run again. No full-order time integration is made, and
+    no finer run to measure by: the run's own residual at every step drives its linearised integrator. The
+    motion that it would take to balance the residual at rest, at some instants (`system_corrections`), is
+    among what is appended; its size (`Round.indicator`) is told beside. Modes inside the band in which the
+    loads excite the body belong in the basis from the start (`load_spectrum` looks).
 
     Every round runs all bodies reduced and enriches them all, until every body meets its error in the same
     round: through the joints each body has a share in the errors of the others, which only runs that differ
@@ -54,6 +49,9 @@ def self_correct(
     announce : function     called with every round as it is finished
     progress : function     called with the step at work, in words, and the completed fraction of it
     archive : RoundArchive  keeps what is computed, and is read first; none: all is in memory
+    study : ErrorStudy      the error to reach is that of all parts which it names, added up: steps are cut
+                            and tolerances tightened as well (`correct_wholly`); none: that of the basis
+                            alone, at the steps of the run
 
     Returns
     -------
@@ -72,17 +70,16 @@ def self_correct(
     starts = _starts(system, target)
     if not starts:
         raise ModelError("self-correction: name at least one body of the system to reduce")
-    return correct(
-        Problem(
-            system=system,
-            fulls={name: _full(system, name) for name in starts},
-            starts=starts,
-            run=run,
-            announce=announce,
-            progress=progress,
-            archive=archive or InMemoryArchive(),
-        )
+    problem = Problem(
+        system=system,
+        fulls={name: _full(system, name) for name in starts},
+        starts=starts,
+        run=run,
+        announce=announce,
+        progress=progress,
+        archive=archive or InMemoryArchive(),
     )
+    return correct(problem) if study is None else correct_wholly(problem, study)
 
 
 def _starts(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
@@ -18,9 +18,10 @@ from supple.correction.correction_rounds import (
     SelfCorrection,
     SelfCorrectionError,
 )
-from supple.correction.residual_correction import system_corrections
+from supple.correction.error_estimate import ErrorEstimate, ErrorEstimator
+from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
 from supple.correction.round_archive import MissedMotion, RoundArchive, RoundBases
-from supple.correction.run_distance import largest_displacement, largest_distance
+from supple.correction.stopping import is_useless, missed_part
 from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import Run, Solution
 from supple.machine.system import Placed, System
@@ -33,6 +34,9 @@ Announce = Callable[[Round], None]
 """Called with every round as it is finished; of several bodies one after the other."""
 CorrectionProgress = Callable[[str, float], None]
 """Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
+
+FIRST_ORDER = 1 / 3
+"""Size of the second correction of an error over the first up to which their sum is told."""
 
 
 def _with_reduced(system: System, runs: Mapping[str, ReducedBody], bases: RoundBases) -> System:
@@ -62,6 +66,8 @@ class Problem:
     fulls, starts : by body
     run : of every round
     announce, progress, archive : as for `self_correct`
+    first : bases to begin with, where an earlier pass has found them; its number in the archive
+    spent : of what is allowed to a body, what other parts of the error than the basis take
     """
 
     system: System
@@ -71,6 +77,9 @@ class Problem:
     announce: Announce | None
     progress: CorrectionProgress | None
     archive: RoundArchive
+    first: RoundBases | None = None
+    number: int = 0
+    spent: Mapping[str, float] = field(default_factory=dict)
 
     def report(self, step: str, fraction: float) -> None:
         """Say how far a step has come."""
@@ -109,31 +118,32 @@ class _Run:
 
 @dataclass(frozen=True, eq=False)
 class _Judged:
-    """A round of one body, its distance from the next run, and whether it meets the target."""
+    """A round of one body, and whether it meets the target."""
 
     round: Round
-    difference: float
     met: bool
 
 
 def correct(problem: Problem) -> CorrectedSystem:
     """Round by round, until every body meets its target in the same one."""
     past: dict[str, list[_Judged]] = {name: [] for name in problem.fulls}
-    first = _reduced(problem, 0, problem.archive.read_bases(0, problem.fulls) or _first_bases(problem))
-    _look_at_loads(problem, first)
-    current = _simulated(problem, first)
+    estimator = ErrorEstimator(problem.system, problem.run)
+    number = problem.number
+    kept = problem.archive.read_bases(number, problem.fulls)
+    model = _reduced(problem, number, kept or problem.first or _first_bases(problem))
+    _look_at_loads(problem, model)
     while True:
-        number = current.model.number + 1
-        bases = problem.archive.read_bases(number, problem.fulls) or _enriched(problem, current)
-        finer = _simulated(problem, _reduced(problem, number, bases))
+        run = _simulated(problem, model)
+        number = model.number + 1
+        next_bases = problem.archive.read_bases(number, problem.fulls) or _enriched(problem, estimator, run)
         for name, judged in past.items():
-            judged.append(_judge(problem.target(name), name, judged, current, finer))
+            judged.append(_judge(problem, name, judged, run, next_bases))
             if problem.announce is not None:
                 problem.announce(judged[-1].round)
         if all(judged[-1].met for judged in past.values()):
-            return _result(past, current, finer)
-        _check_prospects(problem, past, finer.model)
-        current = finer
+            return _result(past, run)
+        _check_prospects(problem, past, number, next_bases)
+        model = _reduced(problem, number, next_bases)
 
 
 def _first_bases(problem: Problem) -> RoundBases:
@@ -183,96 +193,97 @@ def _simulated(problem: Problem, model: _Model) -> _Run:
     return _Run(model, solution, solution.stopped is None, seconds)
 
 
-def _enriched(problem: Problem, run: _Run) -> RoundBases:
-    """The bases of the next run, and what this one said."""
+def _enriched(problem: Problem, estimator: ErrorEstimator, run: _Run) -> RoundBases:
+    """The bases of the next run, and what this one said of its own error."""
     began = perf_counter()
     model = run.model
     step = f"{model.label}: what they miss"
     problem.report(step, 0.0)
-    instants = max(problem.target(name).instants for name in problem.fulls)
-    missed = system_corrections(
+    estimate = estimator.judge(
         model.system,
-        tuple(problem.fulls.values()),
         model.bases.bases,
         run.solution,
-        _evenly_spread(len(run.solution.times), instants),
+        instants=max(problem.target(name).instants for name in problem.fulls),
         progress=lambda fraction: problem.report(step, fraction),
     )
     bases, said = {}, {}
     for name, full in problem.fulls.items():
         enriched = enrich(
-            full.body, model.bases.bases[name], missed[name].deformation, problem.target(name).directions
+            full.body, model.bases.bases[name], estimate.missed[name], problem.target(name).directions
         )
         bases[name] = enriched.basis
-        said[name] = MissedMotion(float(missed[name].rms.max()), enriched.singular_values)
-    return RoundBases(bases, said, run.seconds + perf_counter() - began)
+        said[name] = MissedMotion(
+            float(estimate.corrections[name].rms.max()),
+            enriched.singular_values,
+            _error(problem.target(name).quantity(name), name, run, estimate),
+        )
+    next_bases = RoundBases(bases, said, run.seconds + perf_counter() - began)
+    # What the last run says is kept as well, though the next one is never made.
+    problem.archive.keep_bases(model.number + 1, next_bases)
+    return next_bases
 
 
-def _judge(target: SelfCorrection, name: str, before: list[_Judged], run: _Run, finer: _Run) -> _Judged:
-    """Measure a run by the next one."""
-    body, motion = run.model.bodies[name], run.solution.bodies[name]
-    difference = np.inf
-    if run.complete and finer.complete:
-        difference = largest_distance(body, motion, finer.model.bodies[name], finer.solution.bodies[name])
-    error = _extrapolated(difference, before[-1].difference if before else np.inf)
-    if any(each.met for each in before) and not np.isfinite(error):
-        # Converged as far as the time integration goes: differences at its floor shrink no more.
-        error = difference
-    missed = finer.model.bases.missed[name]
-    allowed = target.allowed(largest_displacement(body, motion))
-    # The first round has no rate of convergence to go by: there the missing motion must agree.
-    doubt = missed.indicator if not before else 0.0
+def _error(quantity: JudgedQuantity, name: str, run: _Run, estimate: ErrorEstimate) -> float:
+    """The error of a quantity: to the motion that the error equation tells, and what that cannot know.
+
+    Infinite where the second correction is over a third of the first: an order of magnitude then.
+    """
+    told = estimate.error.bodies[name]
+    if estimate.corrected is None or told.second is None or told.second > FIRST_ORDER:
+        return np.inf
+    difference = quantity_distance(quantity, run.model.system, run.solution, *estimate.corrected)
+    return difference * (told.estimate / told.rms if told.rms else 1.0)
+
+
+def _judge(problem: Problem, name: str, before: list[_Judged], run: _Run, after: RoundBases) -> _Judged:
+    """What a run said of its own error, against what is asked."""
+    target = problem.target(name)
+    missed = after.missed[name]
+    allowed = target.allowed(target.quantity(name).size(run.model.system, run.solution))
+    errors = [*(each.round.estimated_error for each in before), missed.error]
+    was_met = any(each.met for each in before)
+    after_useless = bool(before) and before[-1].round.useless and not was_met
     return _Judged(
         Round(
-            body=body,
+            body=run.model.bodies[name],
             solution=run.solution,
-            estimated_error=error,
+            estimated_error=missed.error,
             indicator=missed.indicator,
             singular_values=missed.singular_values,
-            seconds=finer.model.bases.seconds,
+            seconds=after.seconds,
             allowed=allowed,
+            useless=is_useless(errors),
+            number=run.model.number,
+            run=problem.run,
         ),
-        difference,
-        max(error, doubt) <= allowed,
+        missed.error <= allowed - problem.spent.get(name, 0.0) and not after_useless,
     )
 
 
-def _result(past: Mapping[str, list[_Judged]], run: _Run, finer: _Run) -> CorrectedSystem:
+def _result(past: Mapping[str, list[_Judged]], run: _Run) -> CorrectedSystem:
     return CorrectedSystem(
         run.model.system,
         {
-            name: SelfCorrected(
-                tuple(each.round for each in judged), finer.model.bodies[name], finer.solution
-            )
+            name: SelfCorrected(tuple(each.round for each in judged), run.model.bases.bases[name])
             for name, judged in past.items()
         },
     )
 
 
-def _evenly_spread(n_times: int, n: int) -> np.ndarray:
-    """Numbers of n output times up to the last, the start left out."""
-    return np.unique(np.linspace(0, n_times - 1, n + 1).round().astype(int))[1:]
-
-
-def _extrapolated(difference: float, last_difference: float) -> float:
-    """All differences to come if each shrinks as the last one did; at right angles, as new columns are."""
-    if not np.isfinite(difference) or difference >= last_difference:
-        return np.inf
-    return difference / float(np.sqrt(1 - (difference / last_difference) ** 2))
-
-
-def _check_prospects(problem: Problem, past: Mapping[str, list[_Judged]], finer: _Model) -> None:
+def _check_prospects(
+    problem: Problem, past: Mapping[str, list[_Judged]], number: int, after: RoundBases
+) -> None:
     """SelfCorrectionError when the next round would be one too many, or too large."""
     allowed_rounds = max(problem.target(name).max_rounds for name in past)
     unmet = [name for name, judged in past.items() if not judged[-1].met]
-    too_large = [name for name in unmet if finer.bodies[name].r > problem.target(name).largest_size]
+    too_large = [name for name in unmet if after.bases[name].r > problem.target(name).largest_size]
     if too_large:
         name = too_large[0]
         reason = (
-            f"the next basis would have {finer.bodies[name].r} coordinates, more than "
+            f"the next basis would have {after.bases[name].r} coordinates, more than "
             f"{problem.target(name).largest_size} allowed"
         )
-    elif finer.number > allowed_rounds:
+    elif number - problem.number > allowed_rounds:
         reason = f"{allowed_rounds} rounds are over"
     else:
         return
@@ -281,9 +292,12 @@ def _check_prospects(problem: Problem, past: Mapping[str, list[_Judged]], finer:
         history = ", ".join(
             f"{each.round.estimated_error:.2g} with {each.round.size} coordinates" for each in past[name]
         )
+        useless = [str(each.round.number) for each in past[name] if each.round.useless]
+        idle = f"Round {', '.join(useless)} found nothing that helped. " if useless else ""
+        part = missed_part(problem.fulls[name], after.bases[name], past[name][-1].round.size)
         said.append(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted}: "
-            f"{reason}. Estimated errors: {history}. "
+            f"{reason}. Estimated errors: {history}. {idle}{part.words}. "
         )
     raise SelfCorrectionError(
         "".join(said) + "Start with more modes (all those in the band of the loads), add more directions a "

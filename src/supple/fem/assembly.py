@@ -119,6 +119,30 @@ class Assembly:
                 forces[own] += rows[:, own].T @ pairs.reshape(-1, forces.shape[1])
         return forces
 
+    def triple_forces(self, X: FloatArray, own: int) -> FloatArray:
+        """Forces of the quadratic strains of pairs of columns of X (n, m), turned along one column.
+
+            f_jk = sum w G^T N(G x_own)^T D N(G x_j, G x_k)
+
+        The cubic part of the internal force at q = X g is their sum, times g_own g_j g_k / 2, over all three.
+
+        Returns
+        -------
+        float array (n, m(m+1)/2)   j <= k in the order of numpy.triu_indices(m)
+        """
+        m = X.shape[1]
+        forces = np.zeros((self.n, m * (m + 1) // 2))
+        for block, gather in zip(self.blocks, self.gathers, strict=True):
+            n_elements, n_points, s, n_e = block.B.shape
+            each = n_points * (s + block.G.shape[2]) * 2 * m + n_e * forces.shape[1]
+            for elements in _ranges(n_elements, each):
+                rows = gather[elements.start * n_e : elements.stop * n_e]
+                directions = (rows @ X).reshape(-1, n_e, m)
+                triples = quadratic_strain.triple_forces(block.of(elements), directions, own)
+                reached = np.unique(rows.indices)  # a portion reaches few of the freedoms
+                forces[reached] += rows[:, reached].T @ triples.reshape(-1, forces.shape[1])
+        return forces
+
     def strain_pair_forces(self, X: FloatArray, first: IntArray, second: IntArray) -> FloatArray:
         """Forces that balance the quadratic strain of pairs of columns of X by linear strains alone.
 

@@ -159,6 +159,32 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
     return forces
 
 
+def triple_forces(block: QuadraticStrain, X: FloatArray, own: int) -> FloatArray:
+    """Forces of the stress of all pairs of directions, through the rotation along one of them.
+
+        f_jk = sum_g w G^T N(G x_own)^T D N(G x_j, G x_k)
+
+    Parameters
+    ----------
+    X : float array (E, n, m)       m directions
+    own : int                       one of them
+    Returns
+    -------
+    float array (E, n, m(m+1)/2)    pairs j <= k in the order of numpy.triu_indices(m)
+    """
+    m = X.shape[2]
+    a = _directions(block.G, X)
+    turned = _contract(block.N, a[..., own]).swapaxes(2, 3) @ block.weighted_D
+    forces = np.empty((*block.dofs.shape, m * (m + 1) // 2))
+    start = 0
+    for j in range(m):
+        pairs = slice(start, start + m - j)
+        second_strain = _contract(block.N, a[..., j]) @ a[..., j:]
+        forces[..., pairs] = _gather_directions(block.G, turned @ second_strain)
+        start = pairs.stop
+    return forces
+
+
 def strain_pair_forces(
     block: QuadraticStrain, X: FloatArray, first: NDArray[np.integer], second: NDArray[np.integer]
 ) -> FloatArray:

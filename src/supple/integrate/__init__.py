@@ -1,6 +1,7 @@
 """Time integrators and the march through time: they know equations, not bodies."""
 
 from supple.integrate.engine import Engine, Leg, Progress, Recorder
+from supple.integrate.error_statement import PARTS, ErrorPart, ErrorStatement
 from supple.integrate.generalized_alpha import (
     Coefficients,
     GeneralizedAlpha,
@@ -27,9 +28,12 @@ __all__ = [
     "JOINT_AXES",
     "JOINT_COMPONENTS",
     "MOST_OUTPUT_TIMES",
+    "PARTS",
     "AdaptiveStep",
     "Coefficients",
     "Engine",
+    "ErrorPart",
+    "ErrorStatement",
     "FixedStep",
     "FloatingMotion",
     "GeneralizedAlpha",

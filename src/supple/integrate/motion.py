@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
+
+from supple.integrate.error_statement import ErrorStatement
 
 __all__ = ["FloatingMotion", "Motion", "motion_from_arrays", "register_motion"]
 
@@ -68,10 +70,19 @@ class FloatingMotion:
     """(t, 3) rate of the angular velocity, body components."""
     coordinate_accelerations: np.ndarray
     """(t, r)."""
+    error: ClassVar[ErrorStatement | None] = None
+    """How wrong the motion is, where somebody looked; no array, and not told by `arrays`."""
+
+    def with_error(self, error: ErrorStatement | None) -> FloatingMotion:
+        """The same motion, which knows how wrong it is."""
+        judged = replace(self)
+        object.__setattr__(judged, "error", error)
+        return judged
 
     def at(self, rows: slice | np.ndarray) -> FloatingMotion:
-        """The motion at some of its output times, by their numbers."""
-        return FloatingMotion(**{name: array[rows] for name, array in self.arrays().items()})
+        """The motion at some of its output times, by their numbers; the error remains that of the whole."""
+        part = FloatingMotion(**{name: array[rows] for name, array in self.arrays().items()})
+        return part if self.error is None else part.with_error(self.error)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The fields by name."""

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+
+from supple.integrate.error_statement import ErrorStatement
+from supple.integrate.motion import FloatingMotion
 
 __all__ = ["JOINT_AXES", "JOINT_COMPONENTS", "LARGEST", "Solution", "Statistics", "concatenate"]
 
@@ -67,6 +70,21 @@ class Solution:
     multipliers: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
     """Joint name to (t, m) Lagrange multipliers of its constraint equations, in their order, whose signs and
     units they have: what the engine solves for. Empty for an engine that has none."""
+    errors: Mapping[str, ErrorStatement] = field(default_factory=lambda: MappingProxyType({}))
+    """How wrong the run is, by body, or by what else was judged; empty where nobody looked."""
+
+    def with_errors(self, errors: Mapping[str, ErrorStatement]) -> Solution:
+        """The same run with what is known of its error; bodies find theirs in `motion.error` as well."""
+
+        def judged(name: str, motion: Any) -> Any:
+            known = isinstance(motion, FloatingMotion) and name in errors
+            return motion.with_error(errors[name]) if known else motion
+
+        return replace(
+            self,
+            bodies={name: judged(name, motion) for name, motion in self.bodies.items()},
+            errors=dict(errors),
+        )
 
     def at(self, rows: slice | np.ndarray) -> Solution:
         """The solution at some of its output times, by their numbers; its cost remains that of the whole."""
@@ -76,6 +94,7 @@ class Solution:
             joint_forces={name: forces[rows] for name, forces in self.joint_forces.items()},
             statistics=self.statistics,
             multipliers={name: own[rows] for name, own in self.multipliers.items()},
+            errors=self.errors,
         )
 
 

@@ -41,6 +41,7 @@ def summarize(
             name: {**meanings[name], **_joint_numbers(loads, solution.times)}
             for name, loads in joint_loads(system, solution).items()
         },
+        "errors": {name: each.plain() for name, each in solution.errors.items()},
         "statistics": cost_numbers(solution.statistics),
     }
 

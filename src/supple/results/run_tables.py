@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from supple.integrate import Statistics
+from supple.integrate import PARTS, Statistics
 from supple.results.round_off import without_noise
 from supple.units import UNNAMED, UnitSystem, headed
 
@@ -109,10 +109,37 @@ def correction_table(numbers: Sequence[Mapping[str, Any]], units: UnitSystem = U
     rows = []
     for each in numbers:
         errors = (_error(each[key]) for key in ("estimated_error", "allowed", "indicator"))
-        rows.append([each["body"], str(each["round"]), str(each["size"]), *errors, f"{each['seconds']:.1f}"])
+        seen = "useless" if each.get("useless") else ""
+        rows.append(
+            [each["body"], str(each["round"]), str(each["size"]), *errors, f"{each['seconds']:.1f}", seen]
+        )
     lengths = (headed(what, units.length) for what in ("estimated error", "allowed", "missing motion"))
-    heads = ("body", "round", "coordinates", *lengths, "seconds")
+    heads = ("body", "round", "coordinates", *lengths, "seconds", "")
     return TextTable("Self-correction", heads, rows)
+
+
+def error_table(numbers: Mapping[str, Any]) -> TextTable:
+    """The parts of the error and their sum, a row per quantity; numbers as of `summarize`."""
+    rows = []
+    for name, stated in numbers["errors"].items():
+        parts = [
+            _error(stated["parts"][part]["value"]) if part in stated["parts"] else "not looked at"
+            for part in PARTS
+        ]
+        total = _error(stated["total"])
+        at_least = "" if len(stated["parts"]) == len(PARTS) else "at least "
+        allowed = "" if stated["allowed"] is None else _error(stated["allowed"])
+        rows.append([name, *parts, f"{at_least}{total}", allowed, _error(stated["size"])])
+    heads = ("error of", "basis", "step", "Newton", "model", "sum", "allowed", "of")
+    return TextTable("Error", heads, rows)
+
+
+def error_lines(numbers: Mapping[str, Any]) -> list[str]:
+    """What each row of the error table is of, and what makes its largest part smaller."""
+    return [
+        f"{name}: {stated['of']}" + (f"; {stated['advice']}" if stated["advice"] else "")
+        for name, stated in numbers["errors"].items()
+    ]
 
 
 def cost_line(cost: Statistics) -> str:

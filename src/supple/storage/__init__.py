@@ -16,6 +16,7 @@ from supple.storage.result_content import (
 )
 from supple.storage.result_file import (
     ResultFile,
+    write_errors,
     write_solution,
 )
 from supple.storage.result_reader import (
@@ -37,6 +38,7 @@ __all__ = [
     "read_reduced_body",
     "read_solution",
     "read_sound_part",
+    "write_errors",
     "write_json",
     "write_reduced_body",
     "write_solution",

@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 
 from supple.errors import ResultFileError
+from supple.integrate.error_statement import ErrorStatement
 from supple.integrate.solution import Solution, Statistics, concatenate
 from supple.storage.file_errors import DAMAGE
 from supple.storage.result_seals import NO_END, SIZE, content_seal, end_seal, header_seal, row_seal
@@ -29,6 +30,18 @@ N_COLUMNS = 2 + len(statistics_row(Statistics()))
 """Of `commits`: first row, number of times, statistics."""
 
 Metadata = Mapping[str, str | int | float | bool]
+
+ERRORS = "errors"
+"""Name among the metadata of what is known of the error of the run, as JSON."""
+
+
+def errors_metadata(errors: Mapping[str, ErrorStatement]) -> Metadata:
+    """Metadata that keep what is known of the error of a run; none where nobody looked."""
+    return {ERRORS: json.dumps({name: each.plain() for name, each in errors.items()})} if errors else {}
+
+
+def _errors(text: str) -> dict[str, ErrorStatement]:
+    return {name: ErrorStatement.from_plain(numbers) for name, numbers in json.loads(text).items()}
 
 
 class DamagedResultError(ResultFileError):
@@ -118,7 +131,9 @@ class ResultContent:
         except DAMAGE as error:
             broken = dict(self._broken())
             raise (self._chunks_damaged(broken) if broken else error) from error
-        return from_arrays(arrays, header.statistics, self._layout.kinds, state)
+        solution = from_arrays(arrays, header.statistics, self._layout.kinds, state)
+        stated = header.metadata.get(ERRORS)
+        return solution if stated is None else solution.with_errors(_errors(str(stated)))
 
     def last_instant(self) -> Solution:
         """The last output time."""

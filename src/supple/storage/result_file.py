@@ -58,7 +58,7 @@ from supple.storage.result_chunks import (
     open_single_writer,
     write_whole,
 )
-from supple.storage.result_content import Metadata, ResultContent, ResultHeader
+from supple.storage.result_content import Metadata, ResultContent, ResultHeader, errors_metadata
 from supple.storage.result_reader import read_header, read_solution
 from supple.storage.run_inputs import Inputs, changes
 from supple.storage.solution_arrays import Array, to_arrays
@@ -334,6 +334,18 @@ def write_solution(
     with _locked(Path(path)):
         write_whole(Path(path), header, solution)
     return Path(path)
+
+
+def write_errors(path: Path | str, solution: Solution) -> Path:
+    """Write a finished run anew with what was found of its error since.
+
+    Raises
+    ------
+    ResultFileError     the file cannot be read or written, or a run is writing it
+    """
+    header = read_header(path)
+    metadata = {**header.metadata, **errors_metadata(solution.errors)}
+    return write_solution(path, solution, case=header.case, metadata=metadata, inputs=header.inputs)
 
 
 def _locked(path: Path) -> ExclusiveLock:

@@ -13,9 +13,9 @@ from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joi
 from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.compiled.compiled_machine import compiled_start
-from supple.multibody.compiled.time_step import Controls, State, march
+from supple.multibody.compiled.programs import compiled_march
+from supple.multibody.compiled.time_step import Controls, State
 from supple.multibody.equations.build_model import build_model
-from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.floating_solution import (
     body_motions,
     failure_message,
@@ -130,8 +130,7 @@ class CompiledEngine:
         # A short leg repeats its end, where nothing is left to do: all legs share one program.
         padded = jnp.asarray(np.pad(stops, (0, max(self._length - len(stops), 0)), mode="edge"))
         if self._program is None:
-            lowered = march.lower(self._model, self._controls, state, padded)
-            self._program = lowered.compile(compiler_options=MARCHING)
+            self._program = compiled_march(self._model, self._controls, state, padded)
         ready = clock.perf_counter()
         last, states = self._program(self._model, self._controls, state, padded)
         states = jax.device_get(states)

@@ -28,7 +28,7 @@ from supple.multibody.equations.model import BodyGroup, Model
 from supple.multibody.equations.places import Places, assembled_vector
 from supple.multibody.equations.step_size import next_step, position_rounding
 
-__all__ = ["Controls", "State", "kinds_of_rows", "march", "position_scale"]
+__all__ = ["Controls", "State", "kinds_of_rows", "march", "position_scale", "substep"]
 
 
 class Controls(NamedTuple):
@@ -258,7 +258,7 @@ def _turn(model: Model, increments: jax.Array) -> jax.Array:
     return jnp.sqrt(jnp.max(jnp.sum(turns**2, axis=1)))
 
 
-def _substep(model: Model, controls: Controls, end: jax.Array, start: State) -> State:
+def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> State:
     """Try one step towards `end`: accept it, or cut it."""
     remaining = end - start.time
     # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
@@ -308,7 +308,7 @@ def march(model: Model, controls: Controls, start: State, output_times: jax.Arra
     def to_output(state: State, end: jax.Array) -> tuple[State, State]:
         state = jax.lax.while_loop(
             lambda s: (s.time < end) & ~s.failed,
-            partial(_substep, model, controls, end),
+            partial(substep, model, controls, end),
             state,
         )
         return state, state

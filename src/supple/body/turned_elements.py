@@ -1,0 +1,121 @@
+"""The internal force of a body whose elements and ties turn exactly: each element in axes that turn with it.
+
+Strains are quadratic in the freedoms: a turn of an element against the body's frame leaves a strain of its
+third order; what a rigid interface does to the elements beside it is of that order, too. Here every element
+is seen from axes turned by the mean rotation R of its nodes, in which only its deformation is left,
+
+    u_a' = R^T (x_a - mean x) - (X_a - mean X),      phi_a' = log(R^T exp(phi_a)),
+
+and the nodes of a rigid interface stand where its rotation puts them. The force is that of the element at
+u', phi', turned back. With the force of the body itself it tells what the body's kinematics cost. Solids are
+invariant as they are: of theirs only the ties count.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from supple.body.flexible_body import FlexibleBody
+from supple.body.interface import BodyInterface
+from supple.errors import ModelError
+from supple.fem import QuadraticStrain
+from supple.fem.quadratic_strain import internal_force
+
+__all__ = ["turned_force"]
+
+Array = NDArray[np.float64]
+
+
+def turned_force(body: FlexibleBody, q: Array) -> Array:
+    """Internal force (n,) of elements and ties that turn exactly, at the body's coordinates (n,).
+
+    Raises ModelError for a body without elements.
+    """
+    if body.model is None:
+        raise ModelError(f"body '{body.name}' has no elements that could be turned")
+    nodal = (body.expansion @ q).reshape(len(body.nodes), body.dofs_per_node)
+    rigid = [interface for interface in body.interfaces if _is_rigid(interface)]
+    for interface in rigid:
+        _place(nodal, body.nodes, interface, q)
+    forces = np.zeros_like(nodal)
+    for block in body.model.blocks:
+        element_nodes = block.dofs[:, :: body.dofs_per_node] // body.dofs_per_node
+        own = nodal[element_nodes]
+        turned = _element_forces(block, body.nodes[element_nodes], own)
+        np.add.at(forces, element_nodes, turned)
+    gathered = body.expansion.T @ forces.ravel()
+    for interface in rigid:
+        gathered[interface.motion.indices] = _on_virtual_node(forces, body.nodes, interface, q)
+    return gathered
+
+
+def _element_forces(block: QuadraticStrain, corners: Array, freedoms: Array) -> Array:
+    """Forces on the nodes of each element (E, k, d), from positions (E, k, 3) and freedoms (E, k, d)."""
+    n_elements, k, d = freedoms.shape
+    if d == 3:
+        return internal_force(block, freedoms.reshape(n_elements, -1)).reshape(freedoms.shape)
+    turn = Rotation.from_rotvec(freedoms[..., 3:].mean(axis=1)).as_matrix()
+    back = turn.swapaxes(1, 2)
+    rest = corners - corners.mean(axis=1, keepdims=True)
+    places = corners + freedoms[..., :3]
+    seen = (places - places.mean(axis=1, keepdims=True)) @ turn - rest
+    nodal = Rotation.from_rotvec(freedoms[..., 3:].reshape(-1, 3)).as_matrix().reshape(-1, k, 3, 3)
+    left = Rotation.from_matrix((back[:, None] @ nodal).reshape(-1, 3, 3)).as_rotvec().reshape(-1, k, 3)
+    local = internal_force(block, np.concatenate([seen, left], axis=2).reshape(n_elements, -1))
+    local = local.reshape(n_elements, k, 6)
+    # Moments belong to changes of rotation vectors; to turn them they must belong to spins.
+    spin = _solved(_left_jacobian(left).swapaxes(2, 3), local[..., 3:])
+    moments = (_left_jacobian(freedoms[..., 3:]).swapaxes(2, 3) @ (spin @ back)[..., None])[..., 0]
+    return np.concatenate([local[..., :3] @ back, moments], axis=2)
+
+
+def _is_rigid(interface: BodyInterface) -> bool:
+    """Whether its freedoms are coordinates of the body, and its nodes go where it does."""
+    return interface.motion.nnz == 6 and bool((interface.motion.data == 1).all())
+
+
+def _turn(interface: BodyInterface, q: Array) -> tuple[Array, Array]:
+    """Rotation vector (3,) by which an interface has turned, and its derivative by that of the freedoms."""
+    theta = (interface.motion @ q)[3:]
+    c = interface.cubic_turn
+    factor = 1 + c * theta @ theta
+    return factor * theta, factor * np.eye(3) + 2 * c * np.outer(theta, theta)
+
+
+def _place(nodal: Array, nodes: Array, interface: BodyInterface, q: Array) -> None:
+    """Put the nodes of a rigid interface where its motion does."""
+    phi, _ = _turn(interface, q)
+    arms = nodes[interface.node_ids] - interface.position
+    moved = (interface.motion @ q)[:3] + Rotation.from_rotvec(phi).apply(arms) - arms
+    nodal[interface.node_ids, :3] = moved
+    nodal[interface.node_ids, 3:] = phi[: nodal.shape[1] - 3]
+
+
+def _on_virtual_node(forces: Array, nodes: Array, interface: BodyInterface, q: Array) -> Array:
+    """Force and moment (6,), the latter by the rotational freedoms of the interface."""
+    phi, by_freedom = _turn(interface, q)
+    own = forces[interface.node_ids]
+    arms = Rotation.from_rotvec(phi).apply(nodes[interface.node_ids] - interface.position)
+    moment = _left_jacobian(phi).T @ np.cross(arms, own[:, :3]).sum(axis=0)
+    if own.shape[1] == 6:
+        moment = moment + own[:, 3:].sum(axis=0)
+    return np.concatenate([own[:, :3].sum(axis=0), by_freedom.T @ moment])
+
+
+def _left_jacobian(phi: Array) -> Array:
+    """T (.., 3, 3) with spin = T dphi, in space, of exp(phi)."""
+    angle = np.sqrt((phi**2).sum(axis=-1))[..., None, None]
+    small = angle < 1e-4
+    safe = np.where(small, 1.0, angle)
+    first = np.where(small, 0.5 - angle**2 / 24, (1 - np.cos(safe)) / safe**2)
+    second = np.where(small, 1 / 6 - angle**2 / 120, (safe - np.sin(safe)) / safe**3)
+    x, y, z = np.moveaxis(phi, -1, 0)
+    o = np.zeros_like(x)
+    cross = np.stack([np.stack(row, -1) for row in ((o, -z, y), (z, o, -x), (-y, x, o))], -2)
+    return np.asarray(np.eye(3) + first * cross + second * (cross @ cross), dtype=np.float64)
+
+
+def _solved(matrices: Array, vectors: Array) -> Array:
+    return np.asarray(np.linalg.solve(matrices, vectors[..., None])[..., 0], dtype=np.float64)

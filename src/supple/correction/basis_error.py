@@ -1,0 +1,50 @@
+"""The error that the basis of a reduced run costs, body by body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.algebra import read_only
+
+__all__ = ["BasisError", "BodyError"]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyError:
+    """What the basis of one body costs, as the error equation tells it.
+
+    rms : float             largest over time of the RMS over the nodes of their error, unit of length
+    worst : float           largest error of a node over the run, unit of length
+    worst_node : int        that node
+    worst_time : float      when it has that error
+    rest : float            RMS of what the space of the error itself lacks, seen at instants of its own
+    second : float | None   size of a second correction over the first at the worst instants; above a third
+                            the error is an order of magnitude only; None: not looked at
+    history : (t,)          RMS over the nodes at the output times
+    """
+
+    rms: float
+    worst: float
+    worst_node: int
+    worst_time: float
+    rest: float
+    second: float | None
+    history: np.ndarray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "history", read_only(self.history))
+
+    @property
+    def estimate(self) -> float:
+        """Error stated, RMS over the nodes, largest over the run: what was found and what cannot be."""
+        return self.rms + self.rest
+
+
+@dataclass(frozen=True, eq=False)
+class BasisError:
+    """The error that the bases of a reduced run cost, of every reduced body by name."""
+
+    bodies: Mapping[str, BodyError]

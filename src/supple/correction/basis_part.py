@@ -1,0 +1,77 @@
+"""The part of the bases in the error of a finished run: by the error equation, or by a run with richer bases.
+
+The error equation tells the true motion, to first order, and says itself where that is not enough
+(`BodyError.second` above a third). There a run with much richer bases is made instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from supple.body.full_body import FullBody
+from supple.correction.basis_error import BodyError
+from supple.correction.check_run import check_run
+from supple.correction.error_estimate import ErrorEstimator
+from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
+from supple.integrate import ErrorPart, Run, Solution
+from supple.machine import Placed, System
+from supple.reduction import ReductionBasis
+
+__all__ = ["basis_parts"]
+
+FIRST_ORDER = 1 / 3
+"""Size of a second correction over the first above which the first is an order of magnitude only."""
+
+_REMEDY = "keep more modes, or let the reduction correct itself (accuracy = { relative = 1e-3 })"
+
+
+def basis_parts(
+    system: System,
+    run: Run,
+    solution: Solution,
+    fulls: Mapping[str, FullBody],
+    bases: Mapping[str, ReductionBasis],
+    quantities: Sequence[JudgedQuantity],
+    *,
+    progress: Callable[[str, float], None] | None = None,
+) -> dict[str, ErrorPart]:
+    """The part of the bases in some quantities of a finished run, by their names.
+
+    fulls, bases : of the reduced bodies that are judged, by name
+    """
+    asked = [each for each in quantities if each.body is None or each.body in bases]
+    step = "the error equation"
+    share = None if progress is None else lambda fraction: progress(step, fraction)
+    whole = replace(system, bodies=tuple(_in_full(each, fulls, bases) for each in system.bodies))
+    estimate = ErrorEstimator(whole, run).judge(system, bases, solution, progress=share)
+    found = estimate.error.bodies
+    if estimate.corrected is not None and all(map(_is_sure, found.values())):
+        # What the space of the error lacks is known of whole bodies: of others in the same proportion.
+        lack = max(each.estimate / each.rms if each.rms else 1.0 for each in found.values())
+        return {
+            each.name: ErrorPart(
+                lack * quantity_distance(each, system, solution, *estimate.corrected), step, _REMEDY
+            )
+            for each in asked
+        }
+    return check_run(system, run, solution, fulls, bases, asked, progress=progress)
+
+
+def _is_sure(error: BodyError) -> bool:
+    return bool(np.isfinite(error.estimate)) and (error.second is None or error.second <= FIRST_ORDER)
+
+
+def _in_full(placed: Placed, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]) -> Placed:
+    name = placed.body.name
+    if name not in bases:
+        return placed
+    V = bases[name].vectors
+    return replace(
+        placed,
+        body=fulls[name],
+        coordinates=V @ placed.coordinates,
+        coordinate_rates=V @ placed.coordinate_rates,
+    )

@@ -1,0 +1,346 @@
+"""What the bases of a finished reduced run cost, by the error equation; and what they miss."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.algebra.rotation import rotation_log
+from supple.body import FullBody, ModalDamping
+from supple.correction.basis_error import BasisError, BodyError
+from supple.correction.looked_at_instants import jittered, striking
+from supple.correction.residual_correction import ResidualCorrections, system_corrections
+from supple.error_equation import (
+    ErrorEquation,
+    ErrorHistory,
+    JudgedBody,
+    ModesInFrame,
+    StartError,
+    error_space,
+    modes_in_frame,
+    run_columns,
+    second_correction,
+)
+from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
+from supple.integrate import Progress, Run, Solution
+from supple.machine import System
+from supple.multibody.compiled.compiled_machine import compiled_start
+from supple.multibody.compiled.every_step import as_outputs, every_step
+from supple.multibody.equations.configuration import Configuration
+from supple.multibody.equations.consistent_start import consistent_start
+from supple.multibody.full.full_system import FullSystem
+from supple.reduction import ReducedBody, ReductionBasis
+
+__all__ = ["ErrorEstimate", "ErrorEstimator", "estimate_error"]
+
+INSTANTS = 50
+FRESH = 16
+"""Of the instants: those that the space of the error does not know, to see what it lacks."""
+DEFORMED = 8
+SMALL_SECOND = 0.02
+"""A second correction below it is not made: the first is right to as much."""
+SMALL_TURN = 0.02
+"""Error of a frame's turn, rad, below which it counts as small."""
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorEstimate:
+    """What a run's bases cost, and the motion that they miss.
+
+    error : BasisError
+    histories : ErrorHistory, by body       the error at every step of the run
+    missed : (n, m), by body                displacement fields outside the basis, by their size along the run
+    corrections : ResidualCorrections, by body      the static ones among them
+    corrected : the system in the columns of the error and its true motion, as far as it is told: what any
+                quantity of the run differs from; None where it is not told
+    """
+
+    error: BasisError
+    histories: Mapping[str, ErrorHistory]
+    missed: Mapping[str, np.ndarray]
+    corrections: Mapping[str, ResidualCorrections]
+    corrected: tuple[System, Solution] | None = None
+
+
+def estimate_error(
+    system: System,
+    reduced: System,
+    bases: Mapping[str, ReductionBasis],
+    run: Run,
+    solution: Solution,
+    *,
+    progress: Progress | None = None,
+) -> BasisError:
+    """What the bases of a reduced run cost, without a full run: for self-corrected and plain runs alike.
+
+    The error of a run obeys, to first order, the full equations of the system linearised about it, driven by
+    the run's own residual. They are solved for some hundred coordinates a body (`error_equation`), by the
+    run's own integrator with the run's own steps, and once more about the corrected motion where it is not
+    small.
+
+    Parameters
+    ----------
+    system : System         with the bodies to judge as FullBody
+    reduced : System        as it was simulated, with these bodies reduced
+    bases : ReductionBasis  by body
+    run, solution : of the reduced system
+    progress : function     called with the completed fraction of the work
+
+    Returns
+    -------
+    BasisError      by body; infinite where the run broke off or the equation has no finite solution
+
+    Raises
+    ------
+    ModelError      bodies that are not full in the one system and reduced in the other
+    AccuracyError   a tangent is singular, as for `system_corrections`
+    """
+    return ErrorEstimator(system, run).judge(reduced, bases, solution, progress=progress).error
+
+
+class ErrorEstimator:
+    """Judges the runs of one system, whose full bodies it looks at once.
+
+    system : System     with the bodies to judge as FullBody
+    run : Run           of every reduced system
+    """
+
+    def __init__(self, system: System, run: Run) -> None:
+        self._system = system
+        self._run = run
+        self._modes: dict[str, ModesInFrame] = {}
+
+    def judge(
+        self,
+        reduced: System,
+        bases: Mapping[str, ReductionBasis],
+        solution: Solution,
+        *,
+        instants: int = INSTANTS,
+        progress: Progress | None = None,
+    ) -> ErrorEstimate:
+        """What the bases of one run cost; parameters as for `estimate_error`.
+
+        instants : at which the residual is balanced, beside those where loads peak or kink
+        """
+        fulls = self._judged(bases)
+        # A run that broke off tells what its bases miss, but not what that costs.
+        whole = solution.stopped is None
+        steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
+        looked, fresh = self._instants(steps.solution.times, instants)
+        both = np.concatenate([looked, fresh])
+        missed = system_corrections(
+            reduced,
+            tuple(fulls.values()),
+            bases,
+            steps.solution,
+            both,
+            progress=None if progress is None else lambda fraction: progress(0.7 * fraction),
+        )
+        fields = {name: own.deformation for name, own in missed.items()}
+        if not whole:
+            return ErrorEstimate(BasisError(dict.fromkeys(fulls, _untold(solution))), {}, fields, missed)
+        start = self._start_errors(steps.solution, bases)
+        judged = {
+            name: self._judged_body(
+                name, full, reduced, bases[name], steps.solution, missed[name], len(looked), start
+            )
+            for name, full in fulls.items()
+        }
+        equation = ErrorEquation(
+            reduced, judged, self._run.method.coefficients, steps.solution, self._active(solution), start
+        )
+        found = equation.first()
+        histories = equation.histories(found)
+        if not all(np.isfinite(history.rms).all() for history in histories.values()):
+            return ErrorEstimate(BasisError(dict.fromkeys(fulls, _untold(solution))), {}, fields, missed)
+        second = {name: second_correction(history) for name, history in histories.items()}
+        if not _is_small(histories, second):
+            more = equation.again(found)
+            again = equation.histories(more)
+            second = {name: _change(histories[name], own) for name, own in again.items()}
+            # Where it changes more than was there, the first is the better guess, and no more than that.
+            if max(second.values()) < 1:
+                found, histories = more, again
+        if progress is not None:
+            progress(1.0)
+        errors = {
+            name: _body_error(history, second[name], steps.outputs, missed[name], len(looked))
+            for name, history in histories.items()
+        }
+        missing = {
+            name: np.hstack([_leading_fields(history, len(both)), fields[name]])
+            for name, history in histories.items()
+        }
+        corrected = equation.corrected(found, steps.outputs)
+        return ErrorEstimate(BasisError(errors), histories, missing, missed, corrected)
+
+    def _judged(self, bases: Mapping[str, ReductionBasis]) -> dict[str, FullBody]:
+        fulls = self._system.bodies_of(FullBody)
+        for name in bases:
+            if name not in fulls:
+                raise ModelError(f"error estimate: the system has no full body '{name}' to judge a basis by")
+        return {name: fulls[name] for name in bases}
+
+    def _instants(self, times: np.ndarray, instants: int) -> tuple[np.ndarray, np.ndarray]:
+        fresh = max(1, FRESH * instants // INSTANTS)
+        looked = jittered(len(times), max(1, instants - fresh), seed=0)
+        looked = np.union1d(looked, striking(self._system, times))
+        return looked, jittered(len(times), fresh, seed=1)
+
+    def _active(self, solution: Solution) -> tuple[int, ...]:
+        known = solution.engine_state.get("active")
+        if known is not None:
+            return tuple(int(index) for index in known)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RedundantConstraintWarning)
+            return compiled_start(self._system, self._run.start).model.active
+
+    def _judged_body(
+        self,
+        name: str,
+        full: FullBody,
+        reduced: System,
+        basis: ReductionBasis,
+        steps: Solution,
+        missed: ResidualCorrections,
+        n_looked: int,
+        start: Mapping[str, StartError],
+    ) -> JudgedBody:
+        if name not in self._modes:
+            self._modes[name] = modes_in_frame(full.body, full.frame)
+        body = reduced.bodies[reduced.body_index(name, "error estimate")].body
+        if not isinstance(body, ReducedBody):
+            raise ModelError(f"error estimate: body '{name}' ran as a {type(body).__name__}, not reduced")
+        motion = run_columns(full.body, body, basis, steps.bodies[name])
+        corrections = missed.deformation[:, :n_looked]
+        if name in start:
+            at_start = np.column_stack([start[name].position[6:], start[name].velocity[6:]])
+            corrections = np.hstack([corrections, at_start])
+        rows = np.unique(np.linspace(0, len(steps.times) - 1, DEFORMED + 1).round().astype(int))[1:]
+        deformed = motion.vectors @ motion.coordinates[rows].T
+        space = error_space(self._modes[name], motion.vectors, corrections, deformed)
+        return JudgedBody(full, motion, space, full.damping or _modal_damping(body))
+
+    def _start_errors(self, steps: Solution, bases: Mapping[str, ReductionBasis]) -> dict[str, StartError]:
+        """How the full system would start, less how the run did; nothing where both start as placed."""
+        placed = {each.body.name: each for each in self._system.bodies}
+        as_given = all(
+            np.array_equal(np.asarray(given), motion[0])
+            for name, each in placed.items()
+            for given, motion in (
+                (each.position, steps.bodies[name].position),
+                (each.rotation, steps.bodies[name].rotation),
+                (each.velocity, steps.bodies[name].velocity),
+                (each.angular_velocity, steps.bodies[name].angular_velocity),
+            )
+        )
+        if as_given and not any(
+            np.any(each.coordinates) or np.any(each.coordinate_rates) for each in placed.values()
+        ):
+            return {}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RedundantConstraintWarning)
+            warnings.simplefilter("ignore", StartWarning)
+            machine, configuration, velocity, _ = consistent_start(
+                FullSystem(self._system), float(steps.times[0])
+            )
+        return {
+            name: _start_error(machine, index, name, configuration, velocity, steps, bases)
+            for index, name in enumerate(placed)
+        }
+
+
+def _modal_damping(body: ReducedBody) -> ModalDamping | None:
+    """The ratios of a reduced body whose full one knows no damping; modes beyond its own take the last."""
+    if not body.damping.any():
+        return None
+    squares, modes = np.linalg.eigh(body.stiffness)
+    return ModalDamping(np.sum(modes * (body.damping @ modes), axis=0) / (2 * np.sqrt(squares)))
+
+
+def _start_error(
+    machine: FullSystem,
+    index: int,
+    name: str,
+    configuration: Configuration,
+    velocity: np.ndarray,
+    steps: Solution,
+    bases: Mapping[str, ReductionBasis],
+) -> StartError:
+    own, part = steps.bodies[name], machine.slices[index]
+    gamma, rates = own.coordinates[0], own.coordinate_rates[0]
+    if name in bases:
+        gamma, rates = bases[name].vectors @ gamma, bases[name].vectors @ rates
+    turn = np.asarray(rotation_log(own.rotation[0].T @ configuration.rotations[index]))
+    position = np.concatenate(
+        [
+            configuration.origins[index] - own.position[0],
+            turn,
+            configuration.coordinates[machine.coordinate_slices[index]] - gamma,
+        ]
+    )
+    moving = velocity[part] - np.concatenate([own.velocity[0], own.angular_velocity[0], rates])
+    return StartError(position, moving)
+
+
+def _is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
+    turned = max(float(np.abs(history.turn).max()) for history in histories.values())
+    return max(second.values()) <= SMALL_SECOND and turned <= SMALL_TURN
+
+
+def _change(first: ErrorHistory, again: ErrorHistory) -> float:
+    """Largest distance of two estimates of an error, over the first."""
+    if not np.isfinite(again.rms).all():
+        return np.inf
+    rows = np.unique([int(np.argmax(first.rms)), int(np.argmax(again.rms))])
+    apart = max(
+        float(np.sqrt(np.mean(np.sum((first.at_nodes(row) - again.at_nodes(row)) ** 2, axis=1))))
+        for row in rows
+    )
+    return apart / max(float(first.rms.max()), np.finfo(float).tiny)
+
+
+def _body_error(
+    history: ErrorHistory,
+    second: float,
+    outputs: np.ndarray,
+    missed: ResidualCorrections,
+    n_looked: int,
+) -> BodyError:
+    rms = history.rms[outputs]
+    row = int(outputs[np.argmax(rms)])
+    sizes = np.linalg.norm(history.at_nodes(row), axis=1)
+    return BodyError(
+        rms=float(rms.max()),
+        worst=float(sizes.max()),
+        worst_node=int(np.argmax(sizes)),
+        worst_time=float(history.times[row]),
+        rest=_rest(history, missed.deformation[:, n_looked:]),
+        second=second,
+        history=rms,
+    )
+
+
+def _untold(solution: Solution) -> BodyError:
+    """Of a run that broke off, or whose error equation grows out of bounds."""
+    times = solution.times
+    return BodyError(np.inf, np.inf, 0, float(times[-1]), np.inf, None, np.full(len(times), np.inf))
+
+
+def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
+    """Largest RMS over the nodes of what the space of the error lacks of corrections it does not know."""
+    full, Z = history.body.full, history.body.space.vectors
+    outside = fresh - Z @ (Z.T @ (full.body.mass @ fresh))
+    moved = full.expand(outside.T)
+    return float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max(initial=0.0))
+
+
+def _leading_fields(history: ErrorHistory, number: int) -> np.ndarray:
+    """The error at all steps by its leading directions (n, m), weighing as much as `number` fields."""
+    _, sizes, rows = np.linalg.svd(history.coordinates, full_matrices=False)
+    weights = sizes * np.sqrt(number / len(history.coordinates))
+    return history.deformation @ (rows.T * weights)

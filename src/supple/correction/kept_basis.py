@@ -1,0 +1,43 @@
+"""The basis of a reduced body on the coordinates of the full one, from the nodal motion that it keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from supple.body.full_body import FullBody
+from supple.errors import ModelError
+from supple.machine import System
+from supple.reduction import ReducedBody, ReductionBasis
+
+__all__ = ["kept_bases", "kept_basis"]
+
+DIFFERENT = 1e-8
+"""Of the nodal motion: what cannot be a motion of the full body."""
+
+
+def kept_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
+    """V with T V = nodal basis: least squares, exact for a body reduced from this one.
+
+    Raises ModelError for a body that was reduced from another.
+    """
+    T = full.body.expansion
+    normal = splu(csc_array(T.T @ T))
+    columns = normal.solve(np.asarray(T.T @ reduced.nodal_basis))
+    left = np.abs(T @ columns - reduced.nodal_basis).max()
+    if left > DIFFERENT * np.abs(reduced.nodal_basis).max():
+        raise ModelError(f"body '{full.name}' in full is not the one that was reduced: their motions differ")
+    return ReductionBasis(reduced.frame, columns, reduced.report)
+
+
+def kept_bases(system: System, fulls: Mapping[str, FullBody]) -> dict[str, ReductionBasis]:
+    """Those of the reduced bodies of a machine of which the full ones are known, by name."""
+    found = {}
+    for placed in system.bodies:
+        body = placed.body
+        if isinstance(body, ReducedBody) and body.name in fulls:
+            found[body.name] = kept_basis(fulls[body.name], body)
+    return found

@@ -1,0 +1,59 @@
+"""Which rounds of a self-correction were useless, and what a basis misses where they stall.
+
+A round that is no better than the one before found nothing, and neither is the next one accepted, whose
+columns are of the same kind: a loop that ends with the first estimate small enough would end with those that
+are too small by chance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.body.full_body import FullBody
+from supple.reduction import ReductionBasis
+
+__all__ = ["MissedPart", "is_useless", "missed_part"]
+
+
+def is_useless(errors: Sequence[float]) -> bool:
+    """Whether the last of the errors is no smaller than that of the round before."""
+    return len(errors) > 1 and bool(np.isfinite(errors[-2])) and not errors[-1] < errors[-2]
+
+
+@dataclass(frozen=True)
+class MissedPart:
+    """What a basis misses most, where rounds stall.
+
+    node, place : where it moves most; place (3,) of the undeformed node
+    frequency : float   rad/s of a vibration of this shape, by Rayleigh's quotient
+    """
+
+    body: str
+    node: int
+    place: tuple[float, ...]
+    frequency: float
+
+    @property
+    def words(self) -> str:
+        """Place and frequency, and what to start with."""
+        x, y, z = self.place
+        hertz = self.frequency / (2 * np.pi)
+        return (
+            f"What body '{self.body}' misses moves most at node {self.node} ({x:.4g}, {y:.4g}, {z:.4g}), in "
+            f"a shape that vibrates at {self.frequency:.3g} rad/s ({hertz:.3g} per unit of time): start with "
+            "all modes up to there, or with an interface at that place"
+        )
+
+
+def missed_part(full: FullBody, finer: ReductionBasis, size: int) -> MissedPart:
+    """The leading direction that a round added to a basis of a size."""
+    shape = finer.vectors[:, min(size, finer.r - 1)]
+    moved = np.linalg.norm(full.expand(shape), axis=1)
+    node = int(np.argmax(moved))
+    body = full.body
+    frequency = np.sqrt(max(shape @ (body.stiffness @ shape), 0.0) / (shape @ (body.mass @ shape)))
+    place = tuple(float(x) for x in body.nodes[node])
+    return MissedPart(full.name, node, place, float(frequency))

@@ -1,0 +1,35 @@
+"""The error equation: what the basis of a reduced run costs, told by the run's own residual."""
+
+from supple.error_equation.error_history import (
+    ErrorEquation,
+    ErrorHistory,
+    JudgedBody,
+    StartError,
+)
+from supple.error_equation.error_space import (
+    ErrorSpace,
+    ModesInFrame,
+    error_space,
+    modes_in_frame,
+)
+from supple.error_equation.nonlinearity import (
+    second_correction,
+)
+from supple.error_equation.run_columns import (
+    RunColumns,
+    run_columns,
+)
+
+__all__ = [
+    "ErrorEquation",
+    "ErrorHistory",
+    "ErrorSpace",
+    "JudgedBody",
+    "ModesInFrame",
+    "RunColumns",
+    "StartError",
+    "error_space",
+    "modes_in_frame",
+    "run_columns",
+    "second_correction",
+]

@@ -1,0 +1,421 @@
+"""The error of a reduced run at every step, from its residual: the error equation of a whole system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import jax
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.algebra.rotation import rotation_exp, rotation_log
+from supple.body import Damping, FullBody, in_space
+from supple.error_equation.elastic_history import force_polynomial, tangent_history
+from supple.error_equation.error_model import body_of_columns, system_of_columns
+from supple.error_equation.error_space import ErrorSpace
+from supple.error_equation.linearised_march import (
+    ElasticGain,
+    ErrorState,
+    GainHistory,
+    StepOfRun,
+    first_error,
+    march_error,
+)
+from supple.error_equation.nodal_squares import nodal_squares
+from supple.error_equation.run_columns import RunColumns
+from supple.integrate import Coefficients, Solution, Statistics
+from supple.machine import System
+from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.configuration import Configuration, SystemMotion
+from supple.multibody.equations.floating_solution import body_motions, joint_multipliers
+from supple.multibody.equations.joint_wrench import joint_wrenches
+from supple.multibody.equations.model import Model
+
+__all__ = ["ErrorEquation", "ErrorHistory", "JudgedBody", "StartError"]
+
+Array = NDArray[np.float64]
+
+STEPS_AT_ONCE = 64
+MORE_DIRECTIONS = 8
+SMALLEST_DIRECTION = 0.02
+"""Of the error: what the columns of the corrected motion leave out of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedBody:
+    """A body of a run: all its coordinates, the columns that the run moves in, and those of its error."""
+
+    full: FullBody
+    motion: RunColumns
+    space: ErrorSpace
+    damping: Damping | None = None
+
+
+class StartError(NamedTuple):
+    """True start less the run's of one body: positions and velocities `(dR, psi, q)`, (6 + n,) each."""
+
+    position: Array
+    velocity: Array
+
+
+class _InColumns(NamedTuple):
+    """Motion of a body within its error space: columns `Z chosen` (k, s), coordinates and rates (t, s)."""
+
+    chosen: Array
+    coordinates: Array
+    rates: Array
+
+
+class _Point(NamedTuple):
+    """A motion of the system of columns, at every step, about which the integrator is linearised."""
+
+    motion: SystemMotion
+    bodies: Mapping[str, _InColumns]
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorHistory:
+    """Error of one body at every step (t,): of its frame, and of its displacements in the columns Z.
+
+    times : (t,)
+    origin : (t, 3)         dR, global
+    turn : (t, 3)           psi, body components
+    coordinates : (t, k)    of columns Z: of the displacements that the run shows
+    rms : (t,)              root mean square over the nodes, in space
+    """
+
+    body: JudgedBody
+    times: Array
+    rotation: Array
+    origin: Array
+    turn: Array
+    coordinates: Array
+    rms: Array
+
+    @property
+    def deformation(self) -> Array:
+        """Columns Z (n, k)."""
+        return self.body.space.vectors
+
+    def at_nodes(self, row: int) -> Array:
+        """Error of every node in space, (N, 3), at one step."""
+        full, motion = self.body.full, self.body.motion
+        place = full.nodes + full.expand(motion.basis @ motion.shown[row])
+        seen = full.expand(self.deformation @ self.coordinates[row]) + np.cross(self.turn[row], place)
+        return in_space(self.origin[[row]], self.rotation[[row]], seen[None])[0]
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorEquation:
+    """The error equation of a run.
+
+    reduced : System        as it was simulated
+    bodies : JudgedBody     by name; other bodies have no error of their own, but follow
+    coefficients : Coefficients     of the run's integrator
+    steps : Solution        of the run, at every step that it took
+    active : constraint equations of the run, the redundant ones left out
+    start : StartError      by name, of those bodies that do not start as they should
+    """
+
+    reduced: System
+    bodies: Mapping[str, JudgedBody]
+    coefficients: Coefficients
+    steps: Solution
+    active: tuple[int, ...]
+    start: Mapping[str, StartError]
+
+    def first(self) -> ErrorState:
+        """Differences of the true motion and the run's at every step, to first order; of all columns."""
+        return self._march(self._run, *self._start_vectors())
+
+    def again(self, found: ErrorState) -> ErrorState:
+        """The differences once more, from the equation about the corrected motion.
+
+        Of each body's error the leading directions are taken into the motion, so that its forces remain
+        polynomials of few coordinates.
+        """
+        point = self._corrected(found)
+        here = self._differences(point.motion)
+        still = [np.asarray(each[0]) - own[0] for each, own in zip(found[:2], here[:2], strict=True)]
+        more = self._march(point, *still)
+        return ErrorState(*(own + each for own, each in zip(here, more, strict=True)))._replace(
+            position=self._composed(here.position, more.position)
+        )
+
+    def histories(self, found: ErrorState) -> dict[str, ErrorHistory]:
+        """What the differences are of each body."""
+        return {name: self._history(name, found.position[:, self._places[name]]) for name in self.bodies}
+
+    def corrected(self, found: ErrorState, rows: NDArray[np.intp]) -> tuple[System, Solution]:
+        """The system in the columns of the error, and its true motion at some steps, as far as it is told."""
+        motion = jax.tree.map(lambda leaf: leaf[rows], self._moved(found))
+        system = self._system
+        bodies = body_motions(
+            system, self._model.slices, motion.configuration, motion.velocity, motion.acceleration
+        )
+        multipliers = joint_multipliers(system, self.active, motion.multipliers)
+        solution = Solution(
+            times=motion.time,
+            bodies=bodies,
+            joint_forces=joint_wrenches(system, motion.time, bodies, multipliers),
+            statistics=Statistics(),
+            multipliers=multipliers,
+        )
+        return system, solution
+
+    @cached_property
+    def _system(self) -> System:
+        columns = {
+            name: body_of_columns(each.full.body, each.full.frame, each.space.vectors, each.damping)
+            for name, each in self.bodies.items()
+        }
+        return system_of_columns(self.reduced, columns)
+
+    @cached_property
+    def _model(self) -> Model:
+        return build_model(self._system, self.active)
+
+    @cached_property
+    def _names(self) -> list[str]:
+        return [placed.body.name for placed in self._system.bodies]
+
+    @cached_property
+    def _places(self) -> dict[str, slice]:
+        return dict(zip(self._names, self._model.slices, strict=True))
+
+    @cached_property
+    def _coordinate_places(self) -> dict[str, slice]:
+        return dict(zip(self._names, self._model.coordinate_slices, strict=True))
+
+    @cached_property
+    def _run(self) -> _Point:
+        """The run itself."""
+        steps, names = self.steps, self._names
+        sizes = {name: place.stop - place.start for name, place in self._coordinate_places.items()}
+
+        def deformation(name: str, of_run: str, of_columns: str) -> Array:
+            if name not in self.bodies:
+                return getattr(steps.bodies[name], of_run)
+            own = getattr(self.bodies[name].motion, of_columns)
+            return np.pad(own, ((0, 0), (0, sizes[name] - own.shape[1])))
+
+        def joined(linear: str, angular: str, *coordinates: str) -> Array:
+            parts = []
+            for name in names:
+                own = steps.bodies[name]
+                parts += [getattr(own, linear), getattr(own, angular), deformation(name, *coordinates)]
+            return np.hstack(parts)
+
+        multipliers = np.hstack(
+            [np.zeros((len(steps.times), 0))]
+            + [steps.multipliers[joint.name] for joint in self._system.joints]
+        )
+        configuration = Configuration(
+            np.stack([steps.bodies[name].position for name in names], axis=1),
+            np.stack([steps.bodies[name].rotation for name in names], axis=1),
+            np.hstack([deformation(name, "coordinates", "coordinates") for name in names]),
+        )
+        motion = SystemMotion(
+            time=np.asarray(steps.times),
+            configuration=configuration,
+            velocity=joined("velocity", "angular_velocity", "coordinate_rates", "rates"),
+            acceleration=joined(
+                "acceleration", "angular_acceleration", "coordinate_accelerations", "accelerations"
+            ),
+            multipliers=multipliers[:, list(self.active)],
+        )
+        bodies = {
+            name: _InColumns(
+                np.eye(each.space.size, each.space.n_motion), each.motion.coordinates, each.motion.rates
+            )
+            for name, each in self.bodies.items()
+        }
+        return _Point(motion, bodies)
+
+    def _corrected(self, found: ErrorState) -> _Point:
+        """The run with what was found of its error, in its leading directions."""
+        position, velocity, acceleration = (
+            np.array(each) for each in (found.position, found.velocity, found.acceleration)
+        )
+        chosen = {}
+        for name, each in self.bodies.items():
+            place = self._places[name]
+            own = slice(place.start + 6, place.start + 6 + each.space.size)
+            Y = chosen[name] = _with_directions(position[:, own], each.space.n_motion)
+            for vector in (position, velocity, acceleration):
+                vector[:, own] = vector[:, own] @ Y @ Y.T
+                vector[:, own.stop : place.stop] = 0.0
+        motion = self._moved(ErrorState(position, velocity, acceleration, acceleration, found.multipliers))
+        coordinates = motion.configuration.coordinates
+        bodies = {}
+        for name, Y in chosen.items():
+            own = self._coordinate_places[name]
+            place = slice(own.start, own.start + len(Y))
+            rates = slice(self._places[name].start + 6, self._places[name].start + 6 + len(Y))
+            bodies[name] = _InColumns(Y, coordinates[:, place] @ Y, motion.velocity[:, rates] @ Y)
+        return _Point(motion, bodies)
+
+    def _moved(self, found: ErrorState) -> SystemMotion:
+        """The run with differences added."""
+        run = self._run.motion
+        frames = np.asarray(found.position)[:, self._model.frames.index]
+        coordinates = run.configuration.coordinates.copy()
+        for name in self._names:
+            place = self._places[name]
+            coordinates[:, self._coordinate_places[name]] += found.position[:, place.start + 6 : place.stop]
+        return SystemMotion(
+            run.time,
+            Configuration(
+                run.configuration.origins + frames[:, :, :3],
+                run.configuration.rotations @ np.asarray(_exp(frames[:, :, 3:])),
+                coordinates,
+            ),
+            run.velocity + found.velocity,
+            run.acceleration + found.acceleration,
+            run.multipliers + found.multipliers,
+        )
+
+    def _differences(self, motion: SystemMotion) -> ErrorState:
+        """Of a corrected motion and the run."""
+        run = self._run.motion
+        position = np.zeros_like(run.velocity)
+        turned = _log(run.configuration.rotations.swapaxes(-1, -2) @ motion.configuration.rotations)
+        moved = motion.configuration.origins - run.configuration.origins
+        for index, name in enumerate(self._names):
+            place, own = self._places[name], self._coordinate_places[name]
+            position[:, place.start : place.start + 3] = moved[:, index]
+            position[:, place.start + 3 : place.start + 6] = np.asarray(turned)[:, index]
+            position[:, place.start + 6 : place.stop] = (
+                motion.configuration.coordinates[:, own] - run.configuration.coordinates[:, own]
+            )
+        acceleration = motion.acceleration - run.acceleration
+        return ErrorState(
+            position,
+            motion.velocity - run.velocity,
+            acceleration,
+            acceleration,
+            motion.multipliers - run.multipliers,
+        )
+
+    def _composed(self, first: Array, more: Array) -> Array:
+        """Differences of positions one after the other."""
+        composed = first + more
+        rows = self._model.frames.index[:, 3:]
+        composed[:, rows] = np.asarray(
+            _log(np.asarray(_exp(first[:, rows])) @ np.asarray(_exp(more[:, rows])))
+        )
+        return composed
+
+    def _start_vectors(self) -> tuple[Array, Array]:
+        position, velocity = np.zeros(self._model.n_velocities), np.zeros(self._model.n_velocities)
+        for name, error in self.start.items():
+            place = self._places[name]
+            for vector, given in ((position, error.position), (velocity, error.velocity)):
+                vector[place.start : place.start + 6] = given[:6]
+                own = given[6:]
+                if name in self.bodies:
+                    own = self.bodies[name].space.vectors.T @ (self.bodies[name].full.body.mass @ own)
+                vector[place.start + 6 : place.start + 6 + len(own)] = own
+        return position, velocity
+
+    def _march(self, point: _Point, position: Array, velocity: Array) -> ErrorState:
+        """The linearised march about a motion, from differences of positions and velocities."""
+        gained = [
+            self._gained(name, own)
+            for name, own in point.bodies.items()
+            if not self.bodies[name].full.body.is_linear
+        ]
+        gains, histories = tuple(each[0] for each in gained), tuple(each[1] for each in gained)
+        model, gains = jax.device_put((self._model, gains))
+        first = jax.tree.map(lambda leaf: leaf[0], point.motion)
+        begun = jax.tree.map(lambda leaf: leaf[:1], histories)
+        state = first_error(model, gains, first, begun, position, velocity)
+        found = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)]
+        for block, number in _blocks(point.motion, histories):
+            _, states = march_error(model, gains, self.coefficients, state, block)
+            state = jax.tree.map(lambda leaf, last=number - 1: leaf[last], states)
+            found.append(jax.tree.map(lambda leaf, n=number: np.asarray(leaf)[:n], states))
+        return jax.tree.map(lambda *leaves: np.concatenate(leaves), *found)
+
+    def _gained(self, name: str, motion: _InColumns) -> tuple[ElasticGain, GainHistory]:
+        """What the deformation of a nonlinear body adds along a motion."""
+        judged, start = self.bodies[name], self._places[name].start + 6
+        body, Z = judged.full.body, judged.space.vectors
+        k, size = judged.space.size, self._places[name].stop - start
+        columns = Z @ motion.chosen
+        force = force_polynomial(body, columns, Z)(motion.coordinates)
+        tangents = tangent_history(body, columns, motion.coordinates, motion.rates, Z)
+        time = 0.0 if judged.damping is None else judged.damping.retardation_time
+        # Room for more, as with the columns: runs whose tangents take nearly as many share one program.
+        more = -len(tangents.material) % 16
+
+        def padded(samples: Array) -> Array:
+            return np.pad(samples, ((0, more), (0, size - k), (0, size - k)))
+
+        def with_room(weights: Array) -> Array:
+            return np.pad(weights, ((0, 0), (0, more)))
+
+        gain = ElasticGain(
+            start,
+            stiffness=padded(tangents.material + tangents.geometric),
+            viscous=time * padded(tangents.material),
+            # The stress D eps_dot turns with the strains too; of what strains gain by it, the symmetric half.
+            viscous_stiffness=time * padded(tangents.geometric + tangents.material / 2),
+        )
+        return gain, GainHistory(
+            np.pad(force, ((0, 0), (0, size - k))),
+            with_room(tangents.weights),
+            with_room(tangents.weight_rates),
+        )
+
+    def _history(self, name: str, errors: Array) -> ErrorHistory:
+        judged, own = self.bodies[name], self.steps.bodies[name]
+        full, motion = judged.full, judged.motion
+        coordinates = errors[:, 6 : 6 + judged.space.size].copy()
+        # What follows the basis at rest is in no displacement of the run: all of it is error.
+        coordinates[:, : judged.space.n_motion] += motion.unseen
+        squares = nodal_squares(
+            full.nodes, _at_nodes(full, motion.basis), _at_nodes(full, judged.space.vectors)
+        )
+        origin, turn = errors[:, :3], errors[:, 3:6]
+        rms = squares.rms(own.rotation, origin, turn, motion.shown, coordinates)
+        return ErrorHistory(judged, self.steps.times, own.rotation, origin, turn, coordinates, rms)
+
+
+def _with_directions(errors: Array, n_motion: int) -> Array:
+    """Columns (k, s): the first ones, and the leading directions of errors (t, k) outside them."""
+    outside = errors[:, n_motion:]
+    _, sizes, rows = np.linalg.svd(outside, full_matrices=False)
+    left = np.sqrt(np.cumsum(sizes[::-1] ** 2)[::-1])
+    number = min(int(np.sum(left > SMALLEST_DIRECTION * np.linalg.norm(errors))), MORE_DIRECTIONS)
+    k = errors.shape[1]
+    chosen = np.zeros((k, n_motion + number))
+    chosen[:n_motion, :n_motion] = np.eye(n_motion)
+    chosen[n_motion:, n_motion:] = rows[:number].T
+    return chosen
+
+
+def _blocks(motion: SystemMotion, histories: tuple[GainHistory, ...]) -> Iterator[tuple[StepOfRun, int]]:
+    """Steps of the run, so many at once, the last one repeated where there are fewer; and their number."""
+    rotations = motion.configuration.rotations
+    # (t, nb, 3): the turn of every frame in the step that ends at each time.
+    turn = np.asarray(_log(rotations[:-1].swapaxes(-1, -2) @ rotations[1:]))
+    h = np.diff(motion.time)
+    for start in range(0, len(h), STEPS_AT_ONCE):
+        rows = np.arange(start, start + STEPS_AT_ONCE)
+        number = int(np.sum(rows < len(h)))
+        rows = np.minimum(rows, len(h) - 1)
+        ends, own = jax.tree.map(lambda leaf, at=rows + 1: leaf[at], (motion, histories))
+        yield StepOfRun(h[rows], ends, turn[rows], own), number
+
+
+_exp = jax.jit(jax.vmap(jax.vmap(rotation_exp)))
+_log = jax.jit(jax.vmap(jax.vmap(rotation_log)))
+
+
+def _at_nodes(full: FullBody, columns: Array) -> Array:
+    """Displacements (N, 3, m) of columns (n, m)."""
+    return np.moveaxis(full.expand(columns.T), 0, 2)

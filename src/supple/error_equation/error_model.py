@@ -1,0 +1,74 @@
+"""The system of a run with other columns: bodies whose basis is that of their error."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import Damping, FlexibleBody, Frame, inertia_gram
+from supple.machine import Placed, System
+from supple.reduction import ReducedBody, ReducedInterface, ReductionReport
+
+__all__ = ["body_of_columns", "padded_size", "system_of_columns"]
+
+Array = NDArray[np.float64]
+
+MULTIPLE = 32
+
+
+def padded_size(size: int) -> int:
+    """Columns with room for more: spaces of nearby sizes share one compiled program."""
+    return -(-size // MULTIPLE) * MULTIPLE
+
+
+def body_of_columns(body: FlexibleBody, frame: Frame, columns: Array, damping: Damping | None) -> ReducedBody:
+    """A body in columns (n, k), linear about its rest; columns that fill it up have unit mass and stiffness.
+
+    What the deformation adds to stiffness and damping is another's (`ElasticGain`).
+    """
+    k = columns.shape[1]
+    size = padded_size(k)
+    Z = np.hstack([columns, np.zeros((body.n, size - k))])
+    gram = inertia_gram(body, Z)
+    filled = np.arange(k, size)
+    gram[6 + 3 * size + filled, 6 + 3 * size + filled] = 1.0
+    stiffness = Z.T @ (body.stiffness @ Z)
+    stiffness = (stiffness + stiffness.T) / 2
+    resisting = np.zeros((size, size))
+    if damping is not None:
+        resisting[:k, :k] = damping.matrix(stiffness[:k, :k], np.eye(k))
+    stiffness[filled, filled] = 1.0
+    return ReducedBody(
+        name=body.name,
+        frame=frame,
+        gram=gram,
+        stiffness=stiffness,
+        cubic=None,
+        quartic=None,
+        damping=resisting,
+        interfaces=tuple(
+            ReducedInterface(i.name, i.position, i.motion @ Z, i.cubic_turn) for i in body.interfaces
+        ),
+        nodes=body.nodes,
+        nodal_basis=body.expansion @ Z,
+        rotation_basis=None,
+        rotation_limit=body.rotation_limit,
+        frequencies=np.sqrt(np.maximum(np.diag(stiffness), 0.0)),
+        report=ReductionReport(linear=tuple(f"column {i + 1}" for i in range(size))),
+    )
+
+
+def system_of_columns(system: System, bodies: Mapping[str, ReducedBody]) -> System:
+    """A system with some bodies in other columns, undeformed at the start."""
+
+    def placed(each: Placed) -> Placed:
+        if each.body.name not in bodies:
+            return each
+        body = bodies[each.body.name]
+        at_rest = np.zeros(body.r)
+        return replace(each, body=body, coordinates=at_rest, coordinate_rates=at_rest)
+
+    return replace(system, bodies=tuple(placed(each) for each in system.bodies))

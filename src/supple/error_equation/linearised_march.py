@@ -1,0 +1,226 @@
+"""The integrator linearised about a run, driven by the run's own residual.
+
+Unknown are the differences of the true motion and the run's: of positions `eps` (frame's origin, its turn
+psi from A to A exp(psi), coordinates), of velocities `w`, of the true and the auxiliary accelerations `c` and
+`a`. With `T` and `Ad` the right Jacobian and exp of the step's turn, on the rows of rotations:
+
+    a_k   = (alpha_f c_0 - alpha_m a_0) / (1 - alpha_m)
+    eps_p = Ad eps_0 + T { h w_0 + h^2 [(1/2 - beta) a_0 + beta a_k] }
+    w_p   = w_0 + h [(1 - gamma) a_0 + gamma a_k]
+
+    [ M + v C + p K T   G^T ] [ c ]     [ r + K eps_p + C w_p ]
+    [ G T                0  ] [ l ] = - [ (g + G eps_p) / p   ]
+
+    eps = eps_p + p T c,   w = w_p + v c,   a = a_k + kappa c
+
+M, C and K are the tangents of the run's own equations at its state, with increments of zero; r and g are what
+these equations and the joints leave. It is the exact derivative of the discrete run. Turns are composed
+exactly, psi = log( exp(-Dpsi) exp(psi_0) exp(Dpsi + dturn) ), which is the same to first order: the corrected
+motion obeys the integrator, so that the equation may be taken about it once more.
+Source: this project's own; the step is that of Chung & Hulbert (1993) on the group of Arnold & Bruels (2007).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_jacobian
+from supple.integrate import Coefficients, StepFactors, StepRule
+from supple.multibody.compiled.elimination import solve_bordering_column
+from supple.multibody.equations.balance import balance, tangent
+from supple.multibody.equations.compiler_options import MARCHING, STARTING
+from supple.multibody.equations.configuration import SystemMotion
+from supple.multibody.equations.joint_force import constraint_rows
+from supple.multibody.equations.model import STATIC, Model
+
+__all__ = ["ElasticGain", "ErrorState", "GainHistory", "StepOfRun", "first_error", "march_error"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class ElasticGain:
+    """What a deformed body adds to its stiffness and damping at rest."""
+
+    start: int = field(metadata=STATIC)
+    """Where its coordinates begin among the velocities"""
+    stiffness: Any
+    """(m, k, k)"""
+    viscous: Any
+    """(m, k, k): damping's; zero where it does not follow the strain rate"""
+    viscous_stiffness: Any
+    """(m, k, k): by the rate of the weights"""
+
+
+class GainHistory(NamedTuple):
+    """Of one body at every step."""
+
+    force: Any
+    """(t, k) elastic, beyond the stiffness at rest"""
+    weights: Any
+    """(t, m)"""
+    weight_rates: Any
+    """(t, m)"""
+
+
+class StepOfRun(NamedTuple):
+    """A step of the run and where it leads; stacked."""
+
+    h: Any
+    motion: SystemMotion
+    """At its end"""
+    turn: Any
+    """(nb, 3) `Dpsi` of the frames"""
+    gains: tuple[GainHistory, ...]
+
+
+class ErrorState(NamedTuple):
+    """Differences of the true motion and the run's, (n,) each."""
+
+    position: Any
+    velocity: Any
+    acceleration: Any
+    auxiliary: Any
+    multipliers: Any
+    """(m,)"""
+
+
+class _Operators(NamedTuple):
+    residual: jax.Array
+    gap: jax.Array
+    mass: jax.Array
+    damping: jax.Array
+    stiffness: jax.Array
+    rows: jax.Array
+
+
+_NOTHING, _BY_VELOCITY, _BY_POSITION = StepFactors(0.0, 0.0), StepFactors(0.0, 1.0), StepFactors(1.0, 0.0)
+
+
+def _operators(model: Model, bodies: tuple[ElasticGain, ...], motion: SystemMotion, gains: Any) -> _Operators:
+    """Residuals and tangents of the run's equations at one state."""
+    terms = balance(model, motion)
+    still = jnp.zeros(model.n_velocities)
+    mass, with_damping, with_stiffness = (
+        tangent(model, motion, terms.linearization, still, factors)
+        for factors in (_NOTHING, _BY_VELOCITY, _BY_POSITION)
+    )
+    residual, damping, stiffness = terms.residual, with_damping - mass, with_stiffness - mass
+    for body, (force, gained, viscous) in zip(bodies, gains, strict=True):
+        own = slice(body.start, body.start + force.shape[0])
+        residual = residual.at[own].add(force + viscous @ motion.velocity[own])
+        damping = damping.at[own, own].add(viscous)
+        stiffness = stiffness.at[own, own].add(gained)
+    rows = constraint_rows(model, terms.linearization.joints)
+    return _Operators(residual, terms.constraint_residual, mass, damping, stiffness, rows)
+
+
+def _weighted(body: ElasticGain, history: GainHistory) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Force, tangent and damping that a body gains at every step of a stretch."""
+    gained = jnp.tensordot(history.weights, body.stiffness, axes=1)
+    gained = gained + jnp.tensordot(history.weight_rates, body.viscous_stiffness, axes=1)
+    return history.force, gained, jnp.tensordot(history.weights, body.viscous, axes=1)
+
+
+def _on_rotations(model: Model, matrices: jax.Array, vector: jax.Array) -> jax.Array:
+    """Matrices (nb, 3, 3) applied to the rotation rows of every body; vector (n, ...)."""
+    for part, matrix in zip(model.slices, matrices, strict=True):
+        rows = slice(part.start + 3, part.start + 6)
+        vector = vector.at[rows].set(matrix @ vector[rows])
+    return vector
+
+
+def _moved(model: Model, position: jax.Array, increment: jax.Array, turn: jax.Array) -> jax.Array:
+    """The difference of positions after a step whose increments differ; `turn` (nb, 3) is the run's."""
+    moved = position + increment
+    for part, own in zip(model.slices, turn, strict=True):
+        rows = slice(part.start + 3, part.start + 6)
+        turned = rotation_exp(-own) @ rotation_exp(position[rows]) @ rotation_exp(own + increment[rows])
+        moved = moved.at[rows].set(rotation_log(turned))
+    return moved
+
+
+def _solved(
+    model: Model, matrix: jax.Array, rows: jax.Array, columns: jax.Array, force: jax.Array, gap: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Accelerations and multipliers that balance a force and close a gap."""
+    m = rows.shape[0]
+    bordered = jnp.block(
+        [
+            [matrix, model.mass * rows.T, force[:, None]],
+            [model.mass * columns, jnp.zeros((m, m)), model.mass * gap[:, None]],
+        ]
+    )
+    solution = -solve_bordering_column(bordered)
+    n = matrix.shape[0]
+    return solution[:n], model.mass * solution[n:]
+
+
+@partial(jax.jit, compiler_options=STARTING)
+def first_error(
+    model: Model,
+    bodies: tuple[ElasticGain, ...],
+    motion: SystemMotion,
+    gains: tuple[GainHistory, ...],
+    position: jax.Array,
+    velocity: jax.Array,
+) -> ErrorState:
+    """The error at the start of a run: that of its positions and velocities, and accelerations to match."""
+    stacked = (_weighted(body, own) for body, own in zip(bodies, gains, strict=True))
+    at = _operators(model, bodies, motion, [jax.tree.map(lambda leaf: leaf[0], own) for own in stacked])
+    force = at.residual + at.stiffness @ position + at.damping @ velocity
+    none = jnp.zeros(at.gap.shape)
+    acceleration, multipliers = _solved(model, at.mass, at.rows, at.rows, force, none)
+    return ErrorState(position, velocity, acceleration, acceleration, multipliers)
+
+
+@partial(jax.jit, compiler_options=MARCHING)
+def march_error(
+    model: Model,
+    bodies: tuple[ElasticGain, ...],
+    coefficients: Coefficients,
+    start: ErrorState,
+    steps: StepOfRun,
+) -> tuple[ErrorState, ErrorState]:
+    """The error over some steps of a run: the last one, and those of all steps, stacked.
+
+    model : of bodies whose basis is that of the error, at the state of the run
+    bodies : of those that are nonlinear, in the order of `steps.gains`
+    """
+    gains = [_weighted(body, own) for body, own in zip(bodies, steps.gains, strict=True)]
+
+    def one_step(before: ErrorState, step: Any) -> tuple[ErrorState, ErrorState]:
+        (h, motion, turn), own_gains = step
+        turned, turns = jax.vmap(lambda psi: (rotation_exp(-psi), rotation_right_jacobian(psi)))(turn)
+        at = _operators(model, bodies, motion, own_gains)
+        rule = StepRule(coefficients, h)
+        by_position, by_velocity = rule.factors
+        # What the rule makes of no new acceleration is the part that is known.
+        known = rule.auxiliary(jnp.zeros_like(before.velocity), before.acceleration, before.auxiliary)
+        increment = rule.increment(before.velocity, before.auxiliary, known)
+        position = _on_rotations(model, turned, before.position) + _on_rotations(model, turns, increment)
+        velocity = rule.new_velocity(before.velocity, before.auxiliary, known)
+        by_increment = _on_rotations(model, turns.swapaxes(1, 2), at.stiffness.T).T
+        acceleration, multipliers = _solved(
+            model,
+            at.mass + by_velocity * at.damping + by_position * by_increment,
+            at.rows,
+            _on_rotations(model, turns.swapaxes(1, 2), at.rows.T).T,
+            at.residual + at.stiffness @ position + at.damping @ velocity,
+            (at.gap + at.rows @ position) / by_position,
+        )
+        increment = increment + by_position * acceleration
+        after = ErrorState(
+            _moved(model, before.position, increment, turn),
+            velocity + by_velocity * acceleration,
+            acceleration,
+            rule.auxiliary(acceleration, before.acceleration, before.auxiliary),
+            multipliers,
+        )
+        return after, after
+
+    return jax.lax.scan(one_step, start, ((steps.h, steps.motion, steps.turn), gains))

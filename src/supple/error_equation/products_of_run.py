@@ -1,0 +1,49 @@
+"""Products of the coordinates of a run from those at a few instants: what is quadratic in them follows."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+__all__ = ["FewInstants", "few_instants", "pair_products", "weights_of_instants"]
+
+Array = NDArray[np.float64]
+
+CANDIDATES = 400
+"""Instants among which those few are chosen."""
+
+
+class FewInstants(NamedTuple):
+    """Numbers of steps: those chosen, and of the others the three that they tell worst."""
+
+    chosen: NDArray[np.intp]
+    others: NDArray[np.intp]
+
+
+def few_instants(monomials: Array, smallest: float, most: int) -> FewInstants:
+    """Instants whose monomials span all those of a run, by factoring them with column pivoting.
+
+    monomials : (t, m)
+    smallest : float    of the largest: what is left of the others where no more are chosen
+    most : int          chosen
+    """
+    looked = np.unique(np.linspace(0, len(monomials) - 1, CANDIDATES).round().astype(int))
+    R, order = linalg.qr(monomials[looked].T, mode="r", pivoting=True)  # pyright: ignore[reportAssignmentType]
+    sizes = np.abs(np.diag(R))
+    number = min(int(np.sum(sizes > smallest * sizes[0])), most)
+    return FewInstants(looked[order[:number]], looked[order[number : number + 3]])
+
+
+def weights_of_instants(monomials: Array, chosen: NDArray[np.intp], wanted: Array) -> Array:
+    """Weights (t, c) with which the monomials at chosen instants add up to those wanted, in least squares."""
+    solved = np.linalg.lstsq(monomials[chosen].T, wanted.T, rcond=1e-13)[0]
+    return np.asarray(solved.T, dtype=np.float64)
+
+
+def pair_products(a: Array, b: Array) -> Array:
+    """The symmetric products `(a_j b_k + b_j a_k) / 2`, j <= k, (t, n2)."""
+    first, second = np.triu_indices(a.shape[1])
+    return (a[:, first] * b[:, second] + b[:, first] * a[:, second]) / 2

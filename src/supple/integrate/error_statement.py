@@ -1,0 +1,136 @@
+"""How wrong a run is: the parts of its error, their sum, and what makes the largest of them smaller."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from math import isfinite
+from typing import Any
+
+__all__ = ["PARTS", "ErrorPart", "ErrorStatement"]
+
+PARTS = ("basis", "step", "newton", "model")
+"""What the error of a run is made of, in the order of tables."""
+
+
+@dataclass(frozen=True)
+class ErrorPart:
+    """One part of the error of a run.
+
+    value : float   in the unit of what is stated; infinite where it cannot be told
+    how : str       how it was found, in words
+    remedy : str    what makes it smaller, in words
+    """
+
+    value: float
+    how: str
+    remedy: str = ""
+
+
+@dataclass(frozen=True)
+class ErrorStatement:
+    """The error of a run in one quantity, part by part.
+
+    of : str            the quantity and the norm, in words
+    size : float        largest value of the quantity, in its unit: what an error is small against
+    basis : ErrorPart   motion that the columns of a reduced body cannot show
+    step : ErrorPart    of the time integration
+    newton : ErrorPart  equations left unbalanced; never below the floor of the integration
+    model : ErrorPart   strains that rotations against the frame make, ties included
+    allowed : float     that the sum was to keep to; None where nothing was asked for
+
+    A part is None where nobody looked; the sum is then of the others.
+    """
+
+    of: str
+    size: float
+    basis: ErrorPart | None = None
+    step: ErrorPart | None = None
+    newton: ErrorPart | None = None
+    model: ErrorPart | None = None
+    allowed: float | None = None
+
+    @property
+    def parts(self) -> dict[str, ErrorPart]:
+        """The parts that were looked at, by name, in the order of `PARTS`."""
+        every = {name: getattr(self, name) for name in PARTS}
+        return {name: part for name, part in every.items() if part is not None}
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Names of the parts that nobody looked at."""
+        return tuple(name for name in PARTS if name not in self.parts)
+
+    @property
+    def total(self) -> float:
+        """Sum of the parts that were looked at: they may all err to one side."""
+        return sum((part.value for part in self.parts.values()), 0.0)
+
+    @property
+    def largest(self) -> str | None:
+        """Name of the largest part; None where no part is known or all are zero."""
+        known = {name: part.value for name, part in self.parts.items()}
+        if not any(known.values()):
+            return None
+        return max(known, key=lambda name: known[name])
+
+    @property
+    def advice(self) -> str:
+        """The largest part, by how much it leads, and its remedy, in a sentence."""
+        name = self.largest
+        if name is None:
+            return ""
+        values = {key: part.value for key, part in self.parts.items()}
+        remedy = self.parts[name].remedy
+        second = max((key for key in values if key != name), key=lambda key: values[key], default=None)
+        if not isfinite(values[name]):
+            said = f"the part of the {_WORD[name]} is unknown"
+        elif second is None or values[second] <= 0:
+            said = f"the {_WORD[name]} makes all of the error"
+        else:
+            said = f"the {_WORD[name]} costs {values[name] / values[second]:.2g} times the {_WORD[second]}"
+        return f"{said}: {remedy}" if remedy else said
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the sum keeps to what is allowed; true where nothing was asked for."""
+        return self.allowed is None or self.total <= self.allowed
+
+    def plain(self) -> dict[str, Any]:
+        """Numbers and words for JSON; what is not finite is None."""
+        return {
+            "of": self.of,
+            "size": self.size,
+            "parts": {
+                name: {"value": _finite(part.value), "how": part.how, "remedy": part.remedy}
+                for name, part in self.parts.items()
+            },
+            "total": _finite(self.total),
+            "allowed": self.allowed,
+            "largest": self.largest,
+            "advice": self.advice,
+        }
+
+    @classmethod
+    def from_plain(cls, numbers: Mapping[str, Any]) -> ErrorStatement:
+        """The statement that `plain` told."""
+        parts = {
+            name: ErrorPart(
+                float("inf") if part["value"] is None else part["value"], part["how"], part["remedy"]
+            )
+            for name, part in numbers["parts"].items()
+        }
+        known = {item.name for item in fields(cls)}
+        return cls(
+            numbers["of"],
+            numbers["size"],
+            allowed=numbers["allowed"],
+            **{name: part for name, part in parts.items() if name in known},
+        )
+
+
+_WORD = {"basis": "basis", "step": "step", "newton": "Newton tolerance", "model": "kinematics of the model"}
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if isfinite(value) else None

@@ -1,0 +1,129 @@
+"""One case judged: its rounds against full runs with the same steps, its sum against one with h/8."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from supple.correction import (
+    ErrorStudy,
+    ReductionStart,
+    Round,
+    WholeBody,
+    self_correct,
+)
+from supple.correction.integration_error import with_shorter_steps, with_tolerance
+from supple.correction.judged_quantity import quantity_distance
+from supple.correction.run_distance import largest_distance
+from supple.errors import SuppleError, SuppleWarning
+from supple.integrate import PARTS, Run, Solution
+from supple.machine import System
+from supple.simulation import simulate
+from supple_benchmarks.trust.trust_case import TrustCase
+
+__all__ = ["judge"]
+
+EIGHTH = 1 / 8
+TIGHT = 1e-2
+"""Of the tolerance of a run: that of the run that its sum is held against."""
+
+
+def judge(case: TrustCase, folder: Path, told: Callable[[float], None]) -> dict[str, Any]:
+    """The record of a case; its full runs are kept in the folder and read where they are there."""
+    system, rounds = case.system(), []
+    began = perf_counter()
+    start = ReductionStart(case.target, case.basis, case.derivatives)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SuppleWarning)
+        try:
+            corrected = self_correct(system, case.run, start, announce=rounds.append, study=ErrorStudy())
+            reason = ""
+        except SuppleError as error:
+            corrected, reason = None, str(error)
+        seconds = perf_counter() - began
+        told(0.4)
+        full_runs = _FullRuns(case, system, folder)
+        judged = [_round_record(each, system, full_runs) for each in rounds]
+        told(0.7)
+        last = case.run if corrected is None else corrected.run or case.run
+        record: dict[str, Any] = {
+            "name": case.name,
+            "freedoms": sum(body.n_coordinates for body in _fulls(system).values()),
+            "rounds": judged,
+            "accepted": corrected is not None,
+            "allowed": min((each.allowed for each in rounds[-len(_fulls(system)) :]), default=0.0),
+            "parts": dict.fromkeys(PARTS),
+            "true_total": None,
+            "seconds": seconds,
+            "full_seconds": full_runs.at(last).statistics.seconds,
+            "accuracy": case.accuracy,
+            "step": float(last.step_control.first),
+            "reason": reason,
+        }
+        if corrected is not None:
+            exact = full_runs.at(
+                with_tolerance(with_shorter_steps(last, EIGHTH), TIGHT * last.tolerances.residual)
+            )
+            record |= _worst(corrected.system, corrected.solution, system, exact)
+    told(1.0)
+    return record
+
+
+def _fulls(system: System) -> dict[str, Any]:
+    return {each.body.name: each.body for each in system.bodies if each.body.n_coordinates}
+
+
+def _worst(reduced: System, solution: Solution, system: System, exact: Solution) -> dict[str, Any]:
+    """Of the body that is worst against what it is allowed: its parts, and its error with all of them."""
+
+    def true(name: str) -> float:
+        return quantity_distance(WholeBody(name), reduced, solution, system, exact)
+
+    name = max(_fulls(system), key=lambda each: true(each) / (solution.errors[each].allowed or 1.0))
+    stated = solution.errors[name]
+    return {
+        "allowed": stated.allowed,
+        "parts": {part: stated.parts[part].value if part in stated.parts else None for part in PARTS},
+        "stated_total": stated.total,
+        "true_total": true(name),
+        "advice": stated.advice,
+    }
+
+
+def _round_record(each: Round, system: System, full_runs: _FullRuns) -> dict[str, Any]:
+    name = each.body.name
+    full = full_runs.at(each.run or full_runs.case.run)
+    true = np.inf
+    if each.solution.stopped is None and full.stopped is None:
+        true = largest_distance(
+            each.body, each.solution.bodies[name], _fulls(system)[name], full.bodies[name]
+        )
+    return {
+        "body": name,
+        "size": each.size,
+        "estimated": each.estimated_error if np.isfinite(each.estimated_error) else None,
+        "true": true if np.isfinite(true) else None,
+    }
+
+
+class _FullRuns:
+    """Full runs of a case, kept on disk by their steps and tolerances."""
+
+    def __init__(self, case: TrustCase, system: System, folder: Path) -> None:
+        self.case = case
+        self._system = system
+        self._folder = folder / case.file_name
+        self._known: dict[str, Solution] = {}
+
+    def at(self, run: Run) -> Solution:
+        """The full run, read or made."""
+        step = run.step_control
+        key = f"{step.first!r}-{run.tolerances.residual!r}"
+        if key not in self._known:
+            self._known[key] = simulate(self._system, run, file=self._folder / f"{key}.h5", check=False)
+        return self._known[key]

@@ -1,0 +1,50 @@
+"""The tables of the trust benchmark."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from supple_benchmarks.table import Table
+
+__all__ = ["tables"]
+
+
+def tables(report: Mapping[str, Any]) -> list[Table]:
+    """Cases, and what they come to."""
+    heads = (
+        *("body", "freedoms", "coordinates", "estimated / true", "sum", "true", "allowed"),
+        *("basis", "step", "newton", "model"),
+    )
+    rows = []
+    for case in report["cases"]:
+        sizes = [str(each["size"]) for each in case["rounds"]]
+        ratios = [_ratio(each) for each in case["rounds"]]
+        accepted = case["accepted"]
+        rows.append(
+            [
+                case["name"],
+                str(case["freedoms"]),
+                sizes[-1] if sizes else "",
+                " ".join(ratios),
+                _cell(case.get("stated_total")) if accepted else "refused",
+                _cell(case["true_total"]),
+                _cell(case["allowed"]),
+                *(_cell(case["parts"][part]) for part in ("basis", "step", "newton", "model")),
+            ]
+        )
+    shares = [[name, f"{value:.3g}"] for name, value in report["coverage"].items()]
+    return [
+        ("Runs that correct themselves, against full runs", list(heads), rows),
+        ("What they come to", ["motion", "value"], shares),
+    ]
+
+
+def _ratio(each: Mapping[str, Any]) -> str:
+    if each["estimated"] is None or not each["true"]:
+        return "-"
+    return f"{each['estimated'] / each['true']:.2f}"
+
+
+def _cell(value: float | None) -> str:
+    return "" if value is None else f"{value:.2g}"

@@ -1,0 +1,67 @@
+"""The trust benchmark, case by case, and what its rounds and acceptances come to."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from supple.storage import write_json
+from supple_benchmarks.computer import describe_computer
+from supple_benchmarks.progress import Announce
+from supple_benchmarks.trust.cases import CASES, QUICK
+from supple_benchmarks.trust.judge import judge
+
+__all__ = ["coverage", "run_trust"]
+
+OVER = 1.1
+"""Of what is allowed: above, an acceptance was wrong."""
+
+
+def run_trust(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[str, Any]]:
+    """The report, ready for JSON, after every case; its keys are a contract.
+
+    folder : full runs and finished cases are kept there, and read by the next run
+    """
+    report: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "cases": []}
+    for case in QUICK if quick else CASES:
+        told = announce(case.name)
+        told(0.0)
+        kept = folder / "cases" / f"{case.file_name}.json"
+        if kept.exists():
+            record = json.loads(kept.read_text(encoding="utf-8"))
+            told(1.0)
+        else:
+            record = judge(case, folder / "full-runs", told)
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            write_json(kept, record)
+        report["cases"].append(record)
+        report["coverage"] = coverage(report["cases"])
+        yield report
+
+
+def coverage(cases: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Shares of the estimates from the second round of a body on, and how many acceptances were wrong.
+
+    Estimates without a number, and truths of exactly nothing, are left out.
+    """
+    ratios = []
+    for case in cases:
+        seen: set[str] = set()
+        for each in case["rounds"]:
+            later = each["body"] in seen
+            seen.add(each["body"])
+            if later and each["estimated"] is not None and each["true"]:
+                ratios.append(each["estimated"] / each["true"])
+    n = max(len(ratios), 1)
+    finished = [case for case in cases if case["accepted"]]
+    sums = [case["stated_total"] / case["true_total"] for case in finished if case["true_total"]]
+    return {
+        "rounds": len(ratios),
+        "within_0.7_1.4": sum(0.7 <= ratio <= 1.4 for ratio in ratios) / n,
+        "below_0.5": sum(ratio < 0.5 for ratio in ratios) / n,
+        "accepted": len(finished),
+        "accepted_over_limit": sum(case["true_total"] > OVER * case["allowed"] for case in finished),
+        "sums_within_0.5_2": sum(0.5 <= each <= 2.0 for each in sums) / max(len(sums), 1),
+    }

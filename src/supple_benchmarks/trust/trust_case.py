@@ -1,0 +1,56 @@
+"""One case of the trust benchmark: a machine of full bodies, its run, and the error that is asked for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from supple.correction import SelfCorrection
+from supple.integrate import FixedStep, Run, StepControl
+from supple.machine import System
+from supple.reduction import (
+    CompressedDerivatives,
+    CraigBampton,
+    DerivativeChoice,
+    LinearBasisRecipe,
+)
+
+__all__ = ["TrustCase"]
+
+
+@dataclass(frozen=True, eq=False)
+class TrustCase:
+    """A machine that corrects itself.
+
+    name : str              in the report
+    system : function       makes the machine, all bodies to be reduced in full
+    duration, n_outputs     of the run; its step is the output step unless given
+    accuracy : float        asked for, relative
+    basis, derivatives      to start with
+    """
+
+    name: str
+    system: Callable[[], System]
+    duration: float
+    n_outputs: int
+    accuracy: float = 1e-3
+    basis: LinearBasisRecipe = field(default_factory=lambda: CraigBampton(n_modes=5))
+    derivatives: DerivativeChoice = field(default_factory=lambda: CompressedDerivatives(5))
+    step: StepControl | None = None
+
+    @property
+    def file_name(self) -> str:
+        """Of its record and its full runs."""
+        return re.sub(r"\W+", "-", self.name)
+
+    @property
+    def run(self) -> Run:
+        """The run that is asked for; its step is cut where that is too long."""
+        output_step = self.duration / self.n_outputs
+        return Run(self.duration, output_step, step=self.step or FixedStep(output_step))
+
+    @property
+    def target(self) -> SelfCorrection:
+        """The error to reach, of the sum of all parts."""
+        return SelfCorrection(relative=self.accuracy, max_rounds=10)

@@ -1,0 +1,200 @@
+"""An error asked for is that of the sum: steps are cut and tolerances tightened, or the model is named."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+from supple.body import (
+    FullBody,
+    MeanAxisFrame,
+    NodalFixedFrame,
+    RayleighDamping,
+    RigidInterface,
+    flexible_body,
+)
+from supple.correction import (
+    Deflection,
+    ErrorStudy,
+    JointForce,
+    ReductionStart,
+    SelfCorrection,
+    SelfCorrectionError,
+    WholeBody,
+    self_correct,
+    state_errors,
+)
+from supple.correction.integration_error import with_shorter_steps, with_tolerance
+from supple.correction.judged_quantity import quantity_distance
+from supple.correction.whole_correction import _needed
+from supple.errors import LockingWarning
+from supple.fem import HomogeneousSection, Isotropic, shell_model
+from supple.integrate import ErrorPart, ErrorStatement, FixedStep, Run, Tolerances
+from supple.machine import GROUND, At, DeadForce, Fixed, Placed, Ramp, System
+from supple.mesh import strip
+from supple.reduction import CompressedDerivatives, CondensedQuartic, CraigBampton, PlainQuartic, reduce
+from supple.simulation import simulate
+
+DAMPING = RayleighDamping(alpha=0.5, beta=1e-3)
+WALL = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
+STUDY = ErrorStudy(quantities=(Deflection("beam", "tip"), JointForce("wall")))
+
+
+@pytest.fixture(scope="module")
+def beam():
+    ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
+    return flexible_body("beam", shell_model(strip(1.0, 0.1, 4, 2), WALL), ends)
+
+
+def pushed(body, size=2.0, rise=0.3):
+    wall = Fixed(name="wall", first=GROUND, second=At("beam", "root"))
+    force = DeadForce(body="beam", at="tip", force=Ramp(np.array([0.0, 0.0, size]), rise))
+    return System((Placed(body),), (wall,), loads=(force,))
+
+
+@pytest.fixture(scope="module", params=[PlainQuartic(), CondensedQuartic()], ids=["plain", "condensed"])
+def plain(beam, request):
+    """A body of a fixed size, its run with a long step, and what is said of it.
+
+    Of the condensed one the basis is judged by a richer run, of the other one by the error equation.
+    """
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", LockingWarning)
+        small = reduce(
+            beam,
+            full.frame,
+            CraigBampton(n_modes=4),
+            derivatives=CompressedDerivatives(10),
+            damping=DAMPING,
+            quartic=request.param,
+        )
+    system = pushed(small, 0.5)
+    run = Run(0.6, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-7))
+    solution = simulate(system, run)
+    return full, system, run, state_errors(system, run, solution, STUDY, fulls=[full])
+
+
+def test_every_part_of_a_plain_run_is_the_truth(plain):
+    """Basis against the full run with the same steps, step against a sixteenth of it, in three quantities."""
+    full, system, run, solution = plain
+    whole = pushed(full, 0.5)
+    same, fine = simulate(whole, run), simulate(system, with_shorter_steps(run, 1 / 16))
+    assert set(solution.errors) == {"beam", "beam.tip", "force of wall"}
+    for quantity in (WholeBody("beam"), *STUDY.quantities):
+        stated = solution.errors[quantity.name]
+        basis = quantity_distance(quantity, system, solution, whole, same)
+        step = quantity_distance(quantity, system, solution, system, fine)
+        assert 0.7 < stated.basis.value / basis < 1.4
+        assert 0.7 < stated.step.value / step < 1.4
+    assert solution.bodies["beam"].error is solution.errors["beam"]
+
+
+def test_the_sum_of_a_plain_run_holds_against_a_full_run_with_an_eighth_of_the_step(plain):
+    full, system, run, solution = plain
+    whole = pushed(full, 0.5)
+    exact = simulate(whole, with_shorter_steps(with_tolerance(run, 1e-9), 1 / 8))
+    true = quantity_distance(WholeBody("beam"), system, solution, whole, exact)
+    stated = solution.errors["beam"]
+    assert 0.5 < (stated.total - stated.model.value) / true < 2.0
+
+
+@pytest.mark.slow
+def test_an_accuracy_is_that_of_the_sum(beam):
+    """The step of 20 ms costs ten times what is allowed: it is cut, and the truth keeps to the limit."""
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    run = Run(0.6, 0.02, step=FixedStep(0.02))
+    corrected = self_correct(pushed(full), run, SelfCorrection(relative=2e-3), study=ErrorStudy())
+    stated = corrected.solution.errors["beam"]
+    assert corrected.run.step_control.size < 0.02
+    assert stated.total <= stated.allowed
+    exact = simulate(pushed(full), with_shorter_steps(with_tolerance(corrected.run, 1e-8), 1 / 8))
+    true = quantity_distance(WholeBody("beam"), corrected.system, corrected.solution, pushed(full), exact)
+    assert true <= 1.1 * stated.allowed
+    rounds = corrected.bodies["beam"].rounds
+    assert rounds[-1].solution is corrected.solution
+    assert len({each.number for each in rounds}) == len(rounds)
+
+
+@pytest.mark.slow
+def test_an_accuracy_of_a_quantity(beam):
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    run = Run(0.6, 0.02, step=FixedStep(0.01))
+    target = SelfCorrection(relative=0.02, of=JointForce("wall"))
+    corrected = self_correct(pushed(full), run, target, study=ErrorStudy())
+    stated = corrected.solution.errors["force of wall"]
+    assert stated.total <= stated.allowed == pytest.approx(0.02 * stated.size)
+    assert corrected.solution.errors["beam"].allowed is None
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # which is what it is about
+def test_a_model_that_costs_more_than_is_allowed_is_named(beam):
+    """Bent to where its elements turn by a radian, a strip seen from its root is off by 1e-3."""
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    start = ReductionStart(
+        SelfCorrection(relative=3e-4, directions=5, max_rounds=10), CraigBampton(5), CompressedDerivatives(5)
+    )
+    run = Run(0.8, 0.02, step=FixedStep(0.01))
+    with pytest.raises(SelfCorrectionError, match="kinematics of its model alone cost"):
+        self_correct(pushed(full, 15.0, 0.6), run, start, study=ErrorStudy())
+
+
+def needed(**values):
+    parts = {name: ErrorPart(value, "") for name, value in values.items()}
+    return _needed(ErrorStatement("", 1.0, allowed=1.0, **parts))
+
+
+def test_the_cheapest_part_is_mended_first_and_alone_where_that_suffices():
+    tolerance = needed(basis=0.3, step=0.3, newton=0.6, model=0.0)
+    assert tolerance.tolerance < 1
+    assert tolerance.step == 1.0
+    assert tolerance.basis is None
+    step = needed(basis=0.3, step=4.0, newton=0.01, model=0.0)
+    assert step.tolerance == pytest.approx(1.0)
+    assert step.step == pytest.approx(np.sqrt(0.49 / 4.0))
+    assert step.basis is None
+    both = needed(basis=0.9, step=0.9, newton=0.01, model=0.0)
+    assert both.step < 1
+    assert 1 - both.basis < 0.9
+
+
+def test_a_part_that_is_unknown_is_mended_as_far_as_goes_at_once():
+    assert needed(basis=0.1, step=np.inf, newton=0.01, model=0.0).step == 1 / 8
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")
+def test_the_model_costs_what_the_mean_axes_save(beam):
+    """Full runs in both frames differ by what the kinematics cost in the worse one, that of the root."""
+    run = Run(1.0, 0.02, step=FixedStep(0.02))
+    frames = {"root": NodalFixedFrame("root"), "mean": MeanAxisFrame()}
+    fulls = {name: FullBody(beam, frame, DAMPING) for name, frame in frames.items()}
+    motions = {name: simulate(pushed(full, 6.0, 0.8), run) for name, full in fulls.items()}
+    true = quantity_distance(
+        WholeBody("beam"),
+        pushed(fulls["root"], 6.0),
+        motions["root"],
+        pushed(fulls["mean"], 6.0),
+        motions["mean"],
+    )
+    start = ReductionStart(
+        SelfCorrection(absolute=true / 30, directions=5, max_rounds=12),
+        CraigBampton(5),
+        CompressedDerivatives(5),
+    )
+    parts = {}
+    for name, full in fulls.items():
+        corrected = self_correct(pushed(full, 6.0, 0.8), run, start)
+        told = state_errors(
+            corrected.system,
+            run,
+            corrected.solution,
+            ErrorStudy(basis=False, integration=False),
+            fulls=[full],
+        )
+        parts[name] = told.errors["beam"].model.value
+    assert 0.6 < parts["root"] / true < 1.6
+    assert parts["mean"] < 0.2 * parts["root"]

@@ -1,0 +1,71 @@
+"""Forces and tangents along a run, seen by other columns, against the sums over the elements."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from error_equation.machines import soft_strip
+
+from supple.error_equation.elastic_history import force_polynomial, tangent_history
+
+N_STEPS = 60
+
+
+@pytest.fixture(scope="module")
+def along():
+    """A body, columns of a motion through it, columns to look at it by, coordinates and rates over time."""
+    body = soft_strip("strip", 1.0)
+    rng = np.random.default_rng(3)
+    motion, onto = rng.standard_normal((body.n, 4)), rng.standard_normal((body.n, 9))
+    times = np.linspace(0, 1, N_STEPS)
+    frequencies = np.array([3.0, 7.0, 11.0, 2.0])
+    sizes = np.array([0.3, 0.2, 0.01, 0.1])
+    coordinates = sizes * np.sin(np.outer(times, frequencies))
+    rates = sizes * frequencies * np.cos(np.outer(times, frequencies))
+    return body, motion, onto, coordinates, rates
+
+
+def test_the_force_is_that_of_the_elements(along):
+    body, motion, onto, coordinates, _ = along
+    gained = force_polynomial(body, motion, onto)(coordinates)
+    for row in (1, 20, 59):
+        q = motion @ coordinates[row]
+        exact = onto.T @ (body.assembly.internal_force(q) - body.stiffness @ q)
+        np.testing.assert_allclose(gained[row], exact, rtol=1e-9, atol=1e-11 * np.abs(exact).max())
+
+
+def test_tangents_between_the_chosen_instants_are_those_of_the_elements(along):
+    body, motion, onto, coordinates, rates = along
+    tangents = tangent_history(body, motion, coordinates, rates, onto)
+    assert len(tangents.material) < N_STEPS / 2
+    assert tangents.missed < 1e-5
+    for row in (2, 23, 47):
+        q = motion @ coordinates[row]
+        whole = onto.T @ ((body.assembly.tangent(q) - body.stiffness) @ onto)
+        geometric = onto.T @ (body.assembly.tangent(q, material=0.0) @ onto)
+        told = [
+            np.tensordot(tangents.weights[row], s, axes=1) for s in (tangents.material, tangents.geometric)
+        ]
+        size = np.abs(whole).max()
+        np.testing.assert_allclose(told[0] + told[1], whole, atol=1e-5 * size)
+        np.testing.assert_allclose(told[1], geometric, atol=1e-5 * size)
+
+
+def test_rates_of_the_weights_are_those_of_the_tangent(along):
+    """Central difference over the motion, whose error is of second order in the step."""
+    body, motion, onto, coordinates, rates = along
+    tangents = tangent_history(body, motion, coordinates, rates, onto)
+    row, step = 30, 1e-5
+    ahead, behind = (
+        body.assembly.tangent(motion @ (coordinates[row] + sign * step * rates[row])) for sign in (1, -1)
+    )
+    exact = onto.T @ ((ahead - behind) @ onto) / (2 * step)
+    told = np.tensordot(tangents.weight_rates[row], tangents.material + tangents.geometric, axes=1)
+    np.testing.assert_allclose(told, exact, atol=1e-4 * np.abs(exact).max())
+
+
+def test_a_body_that_does_not_deform_gains_nothing(along):
+    body, motion, onto, coordinates, rates = along
+    tangents = tangent_history(body, motion, 0 * coordinates, 0 * rates, onto)
+    assert tangents.material.shape == (0, 9, 9)
+    assert not force_polynomial(body, motion, onto)(0 * coordinates).any()
