@@ -1,6 +1,7 @@
 """Time integrators and the march through time: they know equations, not bodies."""
 
 from supple.integrate.engine import Engine, Leg, Progress, Recorder
+from supple.integrate.first_order import FirstOrderRule, ResidualRungeKutta4, RungeKutta4
 from supple.integrate.generalized_alpha import (
     Coefficients,
     GeneralizedAlpha,
@@ -30,6 +31,7 @@ __all__ = [
     "AdaptiveStep",
     "Coefficients",
     "Engine",
+    "FirstOrderRule",
     "FixedStep",
     "FloatingMotion",
     "GeneralizedAlpha",
@@ -39,7 +41,9 @@ __all__ = [
     "Newmark",
     "Progress",
     "Recorder",
+    "ResidualRungeKutta4",
     "Run",
+    "RungeKutta4",
     "Solution",
     "Statistics",
     "StepControl",

@@ -202,7 +202,7 @@ def _marched_together(cases: Sequence[System], run: Run, stops: Stops, settings:
         )
         of_case = jax.tree.map(lambda array, own=own: array[own][outputs], history)
         solutions.append(_case_solution(system, model, first, of_case, cost))
-    undamped = bool(cases[0].joints) and not damps_joint_forces(run.method)
+    undamped = bool(cases[0].joints) and not damps_joint_forces(run.second_order_method)
     failures = {
         int(own): failure_message(float(final.time[own]), final.relative_residual[own], undamped=undamped)
         for own in np.flatnonzero(final.failed)
