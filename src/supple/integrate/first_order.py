@@ -11,7 +11,7 @@ __all__ = ["FirstOrderRule", "ResidualRungeKutta4", "RungeKutta4"]
 
 @dataclass(frozen=True)
 class RungeKutta4:
-    """The classical explicit rule of fourth order; stable where step times highest frequency is below 2.83."""
+    """The classical explicit rule of fourth order; stable where step times highest frequency is < 2.83."""
 
 
 @dataclass(frozen=True)

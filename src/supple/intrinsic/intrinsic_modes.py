@@ -157,7 +157,7 @@ def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Arr
     k = support.free.shape[1]
     length = float(line.tree.lengths.mean()) if line.n > 1 else 1.0
     # The root moves along its free twists alone: x = T z.
-    T = linalg.block_diag(support.free, np.eye(6 * line.n - 6))
+    T = np.asarray(linalg.block_diag(support.free, np.eye(6 * line.n - 6)))
     K, M = T.T @ line.stiffness @ T, T.T @ line.mass @ T
     F = T.T @ mass_factor(line.mass, length)
     R = np.vstack([np.eye(k), (line.twists @ support.free)[6:]])

@@ -18,7 +18,16 @@ import jax.numpy as jnp
 
 from supple.intrinsic.line_model import LineModel
 
-__all__ = ["RootTwist", "l1", "l2", "line_rates", "section_forces", "section_strains", "station_velocities"]
+__all__ = [
+    "RootTwist",
+    "l1",
+    "l2",
+    "line_rates",
+    "on_stations",
+    "section_forces",
+    "section_strains",
+    "station_velocities",
+]
 
 
 class RootTwist(NamedTuple):
@@ -69,19 +78,23 @@ def line_rates(
     d2 = strain_power @ model.forces - model.omega * q1[k:]
 
     stress = q2 + model.retardation * d2
-    x2 = section_forces(model, stress)
-    on_segments = 0.5 * ds * l2(x2, e)
-    on_stations = l1(x1, _momenta(model, x1, q1, root))
-    if model.is_chain:
-        on_stations = on_stations.at[1:].add(on_segments).at[:-1].add(on_segments)
-    else:
-        on_stations = on_stations.at[1:].add(on_segments).at[model.inner].add(on_segments)
+    inertial = on_stations(model, x1, q1, stress, e, root)
     if wrenches is not None:
-        on_stations = on_stations - wrenches
-    d1 = -(on_stations.reshape(-1) @ model.velocities) - model.decay * q1
+        inertial = inertial - wrenches
+    d1 = -(inertial.reshape(-1) @ model.velocities) - model.decay * q1
     if root is not None:
         d1 = d1 - model.velocities.T @ (model.twist_momenta @ root.rate)
     return d1.at[k:].add(model.omega * stress), d2
+
+
+def on_stations(
+    model: LineModel, x1: jax.Array, q1: jax.Array, stress: jax.Array, e: jax.Array, root: RootTwist | None
+) -> jax.Array:
+    """What turning and bending ask of the stations (n, 6): L_1(x_1) M x_1 + L_2(x_2) e."""
+    half = 0.5 * model.lengths[:, None] * l2(section_forces(model, stress), e)
+    turning = l1(x1, _momenta(model, x1, q1, root))
+    inner = slice(None, -1) if model.is_chain else model.inner
+    return turning.at[1:].add(half).at[inner].add(half)
 
 
 def _momenta(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwist | None) -> jax.Array:

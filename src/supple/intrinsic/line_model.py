@@ -137,5 +137,6 @@ def _damping(damping: Damping | None, modes: IntrinsicModes) -> tuple[np.ndarray
         case _:
             raise ModelError(
                 f"line '{modes.line.name}': {type(damping).__name__} is of the stiffness in a floating "
-                "frame, which this body has not: give RayleighDamping, whose beta acts on strains, or ModalDamping"
+                "frame, which this body has not: give RayleighDamping, whose beta acts on strains, or "
+                "ModalDamping"
             )

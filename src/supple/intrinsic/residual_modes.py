@@ -24,8 +24,7 @@ def slaved(
     where n is what besides w acts on a high mode: couplings and loads. Each sweep puts the last values in.
 
     kept : modes of each line, rigid ones included, that stay dynamic
-    Returns the states, and the change of the last sweep over that of the one before, at most 1 where neither
-    moves.
+    Returns the states, and the change of the last sweep over that of the one before; zero where nothing moved.
     Source: [Wang2015] (37).
     """
     changes = []
@@ -39,7 +38,8 @@ def slaved(
         states = moved
     size = jnp.sqrt(sum(state.q1 @ state.q1 + state.q2 @ state.q2 for state in states))
     floor = 1e-9 * size + 1e-300
-    return states, jnp.maximum(changes[-1], floor) / jnp.maximum(changes[-2], floor)
+    ratio = changes[-1] / jnp.maximum(changes[-2], floor)
+    return states, jnp.where(changes[-1] > floor, ratio, 0.0)
 
 
 def at_rest_rates(kept: tuple[int, ...], system: LineSystem, rates: States) -> States:

@@ -64,7 +64,10 @@ class Follower:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Gravity:
-    """Weight of every station, whose mass (n, 6, 6) may lie beside it; less the base's acceleration."""
+    """Weight of every station, whose mass may lie beside it, less what the base's acceleration takes.
+
+    mass : (n, 6, 3)    momenta of translations of each station, or (6 n, 3 n) where stations share mass
+    """
 
     mass: Any
     gravity: Any
@@ -79,7 +82,10 @@ class Gravity:
         assert places is not None
         g = self.gravity if self.base is None else self.gravity - jnp.asarray(self.base(time))
         local = (places.rotations * g[:, None]).sum(axis=1)
-        yield self.line, (self.mass[:, :, :3] * local[:, None, :]).sum(axis=2)
+        if self.mass.ndim == 2:
+            yield self.line, (self.mass @ local.reshape(-1)).reshape(-1, 6)
+        else:
+            yield self.line, (self.mass * local[:, None, :]).sum(axis=2)
 
 
 @jax.tree_util.register_dataclass
