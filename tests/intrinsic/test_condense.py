@@ -48,8 +48,8 @@ def beam_frame():
     points = np.vstack(
         [
             np.outer(stem, [1, 0, 0]),
-            np.outer(arm, [0, 1, 0]) + [1, 0, 0],
-            np.outer(arm, [0, -1, 0]) + [1, 0, 0],
+            np.outer(arm, [0, 1, 0]) + np.eye(3)[0],
+            np.outer(arm, [0, -1, 0]) + np.eye(3)[0],
         ]
     )
     cells = [(i, i + 1) for i in range(26)] + [(16, 27), *((i, i + 1) for i in range(27, 36))]

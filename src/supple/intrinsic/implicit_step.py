@@ -12,6 +12,10 @@ from jax.scipy.linalg import lu_factor, lu_solve
 __all__ = ["ImplicitStep", "first_order_coefficients", "implicit_step"]
 
 
+ROUNDING = 1e-14
+"""Of the terms of a rate, that its cancellation leaves."""
+
+
 class FirstOrderCoefficients(NamedTuple):
     """Where rates and states are weighed, and how the step advances."""
 
@@ -71,6 +75,8 @@ def implicit_step(
         return rates(time + alpha_f * h, middle(after)) - (1 - alpha_m) * before - alpha_m * after
 
     slope = jax.jacfwd(lambda y: rates(time + alpha_f * h, y))(middle(before))
+    # What rounding leaves of the rates of a body that hardly moves.
+    noise = ROUNDING / tolerance * jnp.linalg.norm(jnp.abs(slope) @ jnp.abs(state))
     factor = lu_factor(alpha_m * jnp.eye(len(state)) - alpha_f * gamma * h * slope)
 
     def goes_on(carry: Any) -> jax.Array:
@@ -80,10 +86,12 @@ def implicit_step(
     def improve(carry: Any) -> Any:
         after, left, _, count = carry
         after = after + lu_solve(factor, left)
-        return after, missing(after), jnp.linalg.norm(after) + jnp.linalg.norm(before), count + 1
+        size = noise + jnp.linalg.norm(after) + jnp.linalg.norm(before)
+        return after, missing(after), size, count + 1
 
     left = missing(before)
-    first = before, left, jnp.linalg.norm(before) + jnp.linalg.norm(left), jnp.zeros((), dtype=int)
+    size = noise + jnp.linalg.norm(before) + jnp.linalg.norm(left)
+    first = before, left, size, jnp.zeros((), dtype=int)
     after, left, size, count = jax.lax.while_loop(goes_on, improve, first)
     moved = state + h * ((1 - gamma) * before + gamma * after)
     return ImplicitStep(moved, after, count, jnp.linalg.norm(left) / jnp.maximum(size, 1e-300))

@@ -23,10 +23,12 @@ __all__ = [
     "l1",
     "l2",
     "line_rates",
+    "momenta",
     "on_stations",
     "section_forces",
     "section_strains",
     "station_velocities",
+    "turning_forces",
 ]
 
 
@@ -92,13 +94,18 @@ def on_stations(
 ) -> jax.Array:
     """What turning and bending ask of the stations (n, 6): L_1(x_1) M x_1 + L_2(x_2) e."""
     half = 0.5 * model.lengths[:, None] * l2(section_forces(model, stress), e)
-    turning = l1(x1, _momenta(model, x1, q1, root))
+    turning = turning_forces(model, x1, q1, root)
     inner = slice(None, -1) if model.is_chain else model.inner
     return turning.at[1:].add(half).at[inner].add(half)
 
 
-def _momenta(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwist | None) -> jax.Array:
-    """M x_1 (n, 6)."""
+def turning_forces(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwist | None) -> jax.Array:
+    """L_1(x_1) M x_1 (n, 6): centrifugal and gyroscopic forces of the stations."""
+    return l1(x1, momenta(model, x1, q1, root))
+
+
+def momenta(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwist | None) -> jax.Array:
+    """M x_1 (n, 6) of velocities and their amplitudes."""
     if model.station_masses is not None:
         return (model.station_masses * x1[:, None, :]).sum(-1)
     p = model.momenta @ q1

@@ -54,13 +54,18 @@ class MachineOfLines:
         }
 
     def joint_forces(self, reactions: Array, times: Array, states: States) -> Mapping[str, Array]:
-        """Force and moment (t, 6) of each joint on its second end, along the joint axes on its first."""
+        """Force and moment (t, 6) of each joint on its second end, along the joint axes on its first.
+
+        Along what a joint leaves free there is none: the balance misses it by the order of the stations.
+        """
         motions = self.motions(times, states)
         found = {}
         for number, (placed, root) in enumerate(zip(self.system.bodies, self.roots, strict=True)):
             if root.joint is None:
                 continue
-            own = reactions[:, number].reshape(-1, 2, 3)
+            free = body_of(placed).support.free
+            held = np.eye(6) - free @ np.linalg.pinv(free)
+            own = (reactions[:, number] @ held).reshape(-1, 2, 3)
             axes = root.joint.initial_axes
             if root.joint.second.body == placed.body.name:
                 space = np.einsum("tij,twj->twi", motions[placed.body.name].rotation, own)

@@ -24,7 +24,7 @@ def slaved(
     where n is what besides w acts on a high mode: couplings and loads. Each sweep puts the last values in.
 
     kept : modes of each line, rigid ones included, that stay dynamic
-    Returns the states, and the change of the last sweep over that of the one before; zero where nothing moved.
+    Returns the states, and the change of the last sweep over that of the one before; 0 where none moves.
     Source: [Wang2015] (37).
     """
     changes = []

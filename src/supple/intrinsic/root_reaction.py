@@ -7,9 +7,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from supple.intrinsic.line_equations import RootTwist, on_stations, section_strains, station_velocities
+from supple.intrinsic.line_equations import RootTwist, momenta, station_velocities, turning_forces
 from supple.intrinsic.line_model import LineModel, LineState
-from supple.intrinsic.line_system import LineSystem, States, system_rates, system_wrenches
+from supple.intrinsic.line_system import LineSystem, States, places_of, system_rates, system_wrenches
+from supple.intrinsic.strain_integration import Places
 
 __all__ = ["reactions", "root_reaction"]
 
@@ -22,7 +23,11 @@ def reactions(system: LineSystem, times: jax.Array, states: States) -> jax.Array
         roots = tuple(None if drive is None else drive.twist(time) for drive in system.drives)
         wrenches = system_wrenches(system, now, time, roots)
         rates = system_rates(system, time, now)
-        each = zip(system.lines, now, rates, wrenches, roots, strict=True)
+        places = (
+            places_of(model, drive, state, time)
+            for model, drive, state in zip(system.lines, system.drives, now, strict=True)
+        )
+        each = zip(system.lines, now, rates, wrenches, roots, places, strict=True)
         return jnp.stack([root_reaction(*line) for line in each])
 
     return jax.vmap(at)(times, states)
@@ -34,19 +39,25 @@ def root_reaction(
     rates: LineState,
     wrenches: jax.Array | None,
     root: RootTwist | None,
+    places: Places,
 ) -> jax.Array:
     """Force and moment (6,) that act on the body at its root besides its loads, along the root's axes.
 
-    The virtual work of the equations of motion in the six rigid motions of the undeformed line, which have no
-    linear strain: what is missing for balance is the reaction.
+    The rate of momentum, less the loads, of all stations where they are:
+
+        F = sum R_i h_i,     M = sum R_i m_i + (r_i - r_0) x R_i h_i,     [h; m] = M x_1' + L_1(x_1) M x_1 - f
     """
     x1 = station_velocities(model, state.q1, root)
-    e = section_strains(model, state.q2)
-    stress = state.q2 + model.retardation * rates.q2
-    inside = on_stations(model, x1, state.q1, stress, e, root)
+    # What modal damping takes is a force of the ground, and so of the root.
+    rate = rates.q1 + model.decay * state.q1
+    faster = None if root is None else RootTwist(root.rate, root.rate)
+    accelerations = station_velocities(model, rate, faster)
+    local = momenta(model, accelerations, rate, faster) + turning_forces(model, x1, state.q1, root)
     if wrenches is not None:
-        inside = inside - wrenches
-    momenta = model.twist_momenta.T @ (model.velocities @ (rates.q1 + model.decay * state.q1))
-    if root is not None:
-        momenta = momenta + model.twist_momenta.T @ (model.twists @ root.rate)
-    return jnp.asarray(inside.reshape(-1) @ model.twists + momenta)
+        local = local - wrenches
+    force = (places.rotations @ local[:, :3, None])[..., 0]
+    moment = (places.rotations @ local[:, 3:, None])[..., 0]
+    moment = moment + jnp.cross(places.positions - places.positions[0], force)
+    return jnp.concatenate(
+        [force.sum(axis=0) @ places.rotations[0], moment.sum(axis=0) @ places.rotations[0]]
+    )
