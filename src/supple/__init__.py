@@ -42,7 +42,10 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.integrate import FixedStep as FixedStep
     from supple.integrate import GeneralizedAlpha as GeneralizedAlpha
     from supple.integrate import Run as Run
+    from supple.integrate import RungeKutta4 as RungeKutta4
     from supple.integrate import Tolerances as Tolerances
+    from supple.intrinsic import LoadPath as LoadPath
+    from supple.intrinsic import condense as condense
     from supple.machine import GROUND as GROUND
     from supple.machine import At as At
     from supple.machine import Ball as Ball
@@ -120,7 +123,8 @@ _NAMES = {
         "FollowerPressure BaseAcceleration split_body "
         "Table Spline Ramp Sine SpinUp Turning"
     ),
-    "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
+    "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha RungeKutta4 Tolerances",
+    "supple.intrinsic": "condense LoadPath",
     "supple.simulation": "simulate simulate_batch",
     "supple.correction": "self_correct SelfCorrection ReductionStart",
     "supple.results": "node_positions rms_error stress_modes",
