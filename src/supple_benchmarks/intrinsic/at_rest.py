@@ -35,7 +35,7 @@ def order_of(rows: list[dict[str, Any]]) -> float:
 
 
 def bend_of_45_degrees() -> dict[str, Any]:
-    """Tip of an arc of radius 100, unit square section, E = 1e7, under a dead force of 600 across its plane."""
+    """Tip of an arc of radius 100, unit square section, E = 1e7, under a dead force of 600 off its plane."""
     angles = np.linspace(0, np.pi / 4, 17)
     points = 100 * np.column_stack([1 - np.cos(angles), np.sin(angles), 0 * angles])
     stiffness = 1e7 / 12

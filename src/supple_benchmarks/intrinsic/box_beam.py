@@ -1,6 +1,6 @@
 """The box beam of [Wang2015] 5.1: a shell model on stations, its frequencies and a large free vibration.
 
-The table of its section is lost in the text of the paper that we have. Chosen: length 20, walls 1.0 by 0.1 between
+The table of its section is lost in the text that we have. Chosen: length 20, walls 1.0 by 0.1 between
 mid-surfaces, 0.01 thick, E = 1e6, Poisson's ratio 0.3, density 1, in consistent units.
 """
 

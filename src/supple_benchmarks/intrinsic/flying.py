@@ -1,8 +1,8 @@
 """A flexible U that flies: solid elements on stations, its centre of mass, truncated and residual modes.
 
-The U-beam of [Wang2015] 5.2: three legs of 5 m of a solid section, free. The load history is lost in the text that
-we have. Chosen: legs as wide and high as the cells of the mesh, E = 3e5, density 10, and on one tip a dead force of
-60 along z and 30 along x, a triangle over 4 s, in consistent units.
+The U-beam of [Wang2015] 5.2: three legs of 5 m of a solid section, free. The load history is lost in
+the text that we have. Chosen: legs as wide and high as the cells of the mesh, E = 3e5, density 10, and on one
+tip a dead force of 60 along z and 30 along x, a triangle over 4 s, in consistent units.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ DURATION = 4.0
 
 
 def solid_u(n_leg: int) -> FlexibleBody:
-    """Three legs in the x-y plane: from a tip along x, then along y, then back; n_leg cells of 20 nodes a leg."""
+    """Three legs in the x-y plane: along x, along y, and back; n_leg cells of 20 nodes a leg."""
     h = LEG / n_leg
     # A grid of square cells of which those of the U are kept.
     cells = [(i, 0) for i in range(n_leg + 1)]
