@@ -16,7 +16,16 @@ from supple.integrate import (
     Run,
     RungeKutta4,
 )
-from supple.intrinsic import BALL, CLAMPED, FREE, hinged, intrinsic_body, line_rest, sliding
+from supple.intrinsic import (
+    BALL,
+    CLAMPED,
+    FREE,
+    hinged,
+    integrated_places,
+    intrinsic_body,
+    line_rest,
+    sliding,
+)
 from supple.machine import (
     Ball,
     DeadForce,
@@ -319,3 +328,19 @@ def test_supports_say_what_is_wrong_with_them():
         sliding((0, 0, 0))
     with pytest.raises(ModelError, match="interface 'middle' is at station 99"):
         intrinsic_body(beam_line(straight(1.0, 4), **SOFT), CLAMPED, 4, stations={"middle": 99})
+
+
+def test_velocities_lead_where_strains_do_to_second_order_in_the_stations():
+    apart = []
+    for n in (4, 8):
+        body = beam(FREE, n=n, n_modes=8)
+        rates = np.zeros(8)
+        rates[0] = 1.5
+        placed = Placed(body, coordinate_rates=rates, angular_velocity=np.array([0, 1.0, 0.5]))
+        run = Run(0.5, 0.005, step=FixedStep(0.005), method=GeneralizedAlpha(1.0))
+        solution = simulate(System([placed]), run)
+        motion = solution.bodies["beam"]
+        _, by_velocities = integrated_places(body, motion, solution.times)
+        apart.append(np.abs(by_velocities - body.places(motion)[1]).max())
+    assert apart[1] < 0.01
+    assert np.log2(apart[0] / apart[1]) > 1.5

@@ -1,5 +1,6 @@
 """Intrinsic modal reduction: slender bodies at any rotation, from a linear model alone."""
 
+from supple.intrinsic.condensation_error import accurate_condensation, condensation_error
 from supple.intrinsic.condense import condense
 from supple.intrinsic.condensed_line import CondensedLine, clamped_line, condensed_line
 from supple.intrinsic.engine import IntrinsicEngine
@@ -10,6 +11,7 @@ from supple.intrinsic.line_rest import line_rest
 from supple.intrinsic.load_path import LoadPath, LoadPaths, NodeSetPath
 from supple.intrinsic.load_path_tree import LoadPathTree, load_path_tree
 from supple.intrinsic.root_support import BALL, CLAMPED, FREE, RootSupport, hinged, sliding
+from supple.intrinsic.velocity_integration import integrated_places
 
 __all__ = [
     "BALL",
@@ -25,10 +27,13 @@ __all__ = [
     "LoadPaths",
     "NodeSetPath",
     "RootSupport",
+    "accurate_condensation",
     "clamped_line",
+    "condensation_error",
     "condense",
     "condensed_line",
     "hinged",
+    "integrated_places",
     "intrinsic_body",
     "intrinsic_modes",
     "line_rest",
