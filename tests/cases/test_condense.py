@@ -69,7 +69,7 @@ def test_the_wing_is_a_valid_case():
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('tip = "tip"', 'tip = "top"', "there is no interface named 'top'; did you mean 'tip'"),
+        ('tip = "tip"', 'tip = "top"', "there is no interface named 'top', did you mean 'tip'"),
         ("modes = 4", 'modes = 4, support = "hinged"', "a hinged root needs axis"),
         ("modes = 4", "modes = 4, axis = [0, 0, 1]", "only a hinged or sliding root has an axis"),
         (CONDENSE, CONDENSE + WHOLE[0], "takes no frame; remove the key"),

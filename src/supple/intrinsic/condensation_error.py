@@ -116,8 +116,8 @@ def accurate_condensation(
                 raise
             stations, least = reached
             raise AccuracyError(
-                f"body '{body.name}': with {stations} stations its lowest {n_frequencies} frequencies are off "
-                f"by {least:.2g}, not by {tolerance:g}, and the mesh carries no more: {error}"
+                f"body '{body.name}': with {stations} stations its lowest {n_frequencies} frequencies are "
+                f"off by {least:.2g}, not by {tolerance:g}, and the mesh carries no more: {error}"
             ) from error
         error = condensation_error(body, found, n_frequencies)
         if error.largest <= tolerance:
