@@ -39,7 +39,7 @@ from supple.machine import (
     System,
     Universal,
 )
-from supple.simulation import simulate
+from supple.simulation import equilibrium, simulate, simulate_batch
 
 SOFT = {"EA": 1e4, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.05}
 STIFF = {"EA": 1e6, "EI": 1e5, "GJ": 1e5, "mass_per_length": 1.0, "radius": 0.05}
@@ -317,6 +317,14 @@ def test_implicit_steps_that_do_not_converge_end_the_run():
     )
 
 
+def test_equilibrium_and_batch_name_what_intrinsic_bodies_have_instead():
+    system = System([beam(CLAMPED, n_modes=6)], [CLAMP])
+    with pytest.raises(ModelError, match=r"find its rest with supple\.intrinsic\.line_rest"):
+        equilibrium(system)
+    with pytest.raises(ModelError, match="march_lines over the"):
+        simulate_batch([system], Run(0.1, 0.1))
+
+
 def test_supports_say_what_is_wrong_with_them():
     from supple.intrinsic import RootSupport
 
@@ -333,11 +341,11 @@ def test_supports_say_what_is_wrong_with_them():
 def test_velocities_lead_where_strains_do_to_second_order_in_the_stations():
     apart = []
     for n in (4, 8):
-        body = beam(FREE, n=n, n_modes=8)
-        rates = np.zeros(8)
-        rates[0] = 1.5
+        body = beam(FREE, n=n, n_modes=None)
+        rates = np.zeros(body.n_coordinates)
+        rates[0] = 0.7
         placed = Placed(body, coordinate_rates=rates, angular_velocity=np.array([0, 1.0, 0.5]))
-        run = Run(0.5, 0.005, step=FixedStep(0.005), method=GeneralizedAlpha(1.0))
+        run = Run(0.3, 0.005, step=FixedStep(0.005), method=GeneralizedAlpha(1.0))
         solution = simulate(System([placed]), run)
         motion = solution.bodies["beam"]
         _, by_velocities = integrated_places(body, motion, solution.times)

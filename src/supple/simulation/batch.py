@@ -30,6 +30,7 @@ from supple.integrate import (
     concatenate,
     damps_joint_forces,
 )
+from supple.intrinsic import IntrinsicBody
 from supple.machine.laws.instants import shortest_scale_of
 from supple.machine.system import System
 from supple.multibody.checks.output_rate import report_output_rate
@@ -128,6 +129,11 @@ def simulate_batch(
         raise ModelError("a batch needs at least one case")
     if cases[0].bodies_of(FullBody):
         raise ModelError("a batch takes rigid and reduced bodies: reduce the full ones first")
+    if cases[0].bodies_of(IntrinsicBody):
+        raise ModelError(
+            "a batch takes rigid and reduced bodies: map supple.intrinsic.line_march.march_lines over the "
+            "cases of intrinsic ones (jax.vmap)"
+        )
     if chunk < 1:
         raise ValueError(f"chunk must be at least 1, got {chunk}")
     for system in cases:
