@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import jax
@@ -72,7 +71,7 @@ def line_equilibrium(
     return LineEquilibrium(start, taken, iterations)
 
 
-@partial(jax.jit, static_argnames=())
+@jax.jit
 def _search(system: LineSystem, states: States, time: Any, share: Any) -> tuple[States, jax.Array, jax.Array]:
     sizes = np.cumsum([state.q2.shape[0] for state in states])[:-1]
 
