@@ -16,6 +16,11 @@ from supple.linearization.linear_machine import Array, LinearMachine
 from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
 from supple.multibody import StaticSearch
 from supple.multibody.compiled.statics import balanced
+from supple.multibody.compiled.time_step import position_scale
+from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.consistent_start import placed_configuration
+from supple.multibody.equations.joint_force import constraint_rows
+from supple.multibody.equations.static_search import StaticState
 from supple.multibody.equations.steady_motion import (
     LinearEquations,
     linear_equations,
@@ -66,8 +71,8 @@ def linearize(
     basis = _free_motions(equations)
     projected = _Projected.of(equations, basis)
     if spin is not None and spin.rate:
-        later = resting_state(_turned_on(found, time, spin), time=time, spin=spin, search=search)
-        _check_constant(projected, _equations(later, time), basis, spin)
+        later, left = _carried(_turned_on(found, time, spin), found, time)
+        _check_constant(projected, _equations(later, time), basis, spin, left)
     return LinearMachine(
         system=placed_at_rest(found),
         spin=spin,
@@ -84,6 +89,23 @@ def _equations(found: RestingState, time: float) -> LinearEquations:
     model, turning, state = found.model, found.turning, found.state
     motion = steady_motion(model, turning, time, state.configuration, state.multipliers)
     return linear_equations(model, turning, motion, balanced(model, motion))
+
+
+def _carried(system: System, found: RestingState, time: float) -> tuple[RestingState, float]:
+    """A system where it is placed, its joints carrying what is unbalanced; and what part they cannot."""
+    model = build_model(system, found.model.active)
+    configuration, none = placed_configuration(system), np.zeros(len(found.model.active))
+    terms = balanced(model, steady_motion(model, found.turning, time, configuration, none))
+    rows = np.asarray(constraint_rows(model, terms.linearization.joints))
+    weights = np.asarray(position_scale(model))
+    unbalanced = weights * np.asarray(terms.residual)
+    carried = weights[:, None] * rows.T
+    multipliers = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
+    largest = max(
+        float(np.linalg.norm(weights * part)) for part in (terms.inertia, terms.internal, terms.applied)
+    )
+    left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / (largest or 1.0)
+    return found._replace(model=model, state=StaticState(configuration, multipliers)), left
 
 
 class _Projected(NamedTuple):
@@ -134,8 +156,10 @@ def _turned_on(found: RestingState, time: float, spin: Spin) -> System:
     return replace(system, bodies=tuple(bodies), joints=tuple(map(driven_on, system.joints)))
 
 
-def _check_constant(projected: _Projected, later: LinearEquations, basis: Array, spin: Spin) -> None:
-    """ModelError where the equations change as the machine turns."""
+def _check_constant(
+    projected: _Projected, later: LinearEquations, basis: Array, spin: Spin, unbalanced: float
+) -> None:
+    """ModelError where the equations, or what is in balance, change as the machine turns."""
     size = np.sqrt(np.abs(np.diag(projected.stiffness)) + spin.rate**2 * np.diag(projected.mass))
     again = _Projected.of(later, basis)
     changes = {
@@ -146,6 +170,7 @@ def _check_constant(projected: _Projected, later: LinearEquations, basis: Array,
     largest = {what: float(np.max(abs(change) / np.outer(size, size))) for what, change in changes.items()}
     opened = float(np.max(abs(later.jacobian @ basis) @ np.ones(basis.shape[1]), initial=0.0))
     largest["joints"] = opened / float(np.max(abs(later.jacobian) @ abs(basis).sum(axis=1), initial=1e-300))
+    largest["balance"] = unbalanced
     what = max(largest, key=lambda name: largest[name])
     if largest[what] > _CONSTANT:
         raise ModelError(
