@@ -27,12 +27,9 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.body import RigidInterface as RigidInterface
     from supple.body import flexible_body as flexible_body
     from supple.cases import read_case as read_case
-    from supple.correction import Deflection as Deflection
     from supple.correction import ErrorStudy as ErrorStudy
-    from supple.correction import JointForce as JointForce
     from supple.correction import ReductionStart as ReductionStart
     from supple.correction import SelfCorrection as SelfCorrection
-    from supple.correction import WholeBody as WholeBody
     from supple.correction import self_correct as self_correct
     from supple.correction import state_errors as state_errors
     from supple.fem import HomogeneousSection as HomogeneousSection
@@ -44,12 +41,12 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.importers import read_mesh as read_mesh
     from supple.importers import read_nastran as read_nastran
     from supple.integrate import AdaptiveStep as AdaptiveStep
-    from supple.integrate import ErrorStatement as ErrorStatement
     from supple.integrate import FixedStep as FixedStep
     from supple.integrate import GeneralizedAlpha as GeneralizedAlpha
     from supple.integrate import Run as Run
     from supple.integrate import Tolerances as Tolerances
-    from supple.linearization import campbell_diagram as campbell_diagram
+    from supple.intrinsic import LoadPath as LoadPath
+    from supple.intrinsic import condense as condense
     from supple.linearization import linearize as linearize
     from supple.linearization import machine_modes as machine_modes
     from supple.machine import GROUND as GROUND
@@ -131,12 +128,11 @@ _NAMES = {
         "FollowerPressure BaseAcceleration split_body "
         "Table Spline Ramp Sine SpinUp Turning Spin"
     ),
-    "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances ErrorStatement",
+    "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
+    "supple.intrinsic": "condense LoadPath",
     "supple.simulation": "simulate simulate_batch equilibrium",
-    "supple.linearization": "linearize machine_modes campbell_diagram",
-    "supple.correction": (
-        "self_correct SelfCorrection ReductionStart state_errors ErrorStudy WholeBody Deflection JointForce"
-    ),
+    "supple.linearization": "linearize machine_modes",
+    "supple.correction": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
     "supple.results": "node_positions rms_error stress_modes",
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",

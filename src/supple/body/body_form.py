@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body.interface import Interface
-from supple.integrate.motion import FloatingMotion
 
 
 class BodyForm(Protocol):
@@ -53,9 +52,7 @@ class BodyForm(Protocol):
         """Nodal displacements (..., N, 3) of deformation coordinates (..., r), in the body's frame."""
         ...
 
-    def positions(
-        self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)
-    ) -> NDArray[np.float64]:
+    def positions(self, motion: Any, nodes: ArrayLike | slice = slice(None)) -> NDArray[np.float64]:
         """Positions (t, k, 3) in space of some nodes, or all: the only way from a motion to space.
 
         Raises ModelError for a node number outside the body.

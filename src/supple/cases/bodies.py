@@ -19,7 +19,7 @@ from supple.body import (
     check_rigid_connections,
     rigid_mass_properties,
 )
-from supple.cases import damping, interfaces, reductions, split
+from supple.cases import condense, damping, interfaces, reductions, split
 from supple.cases.body_kinds import (
     KINDS,
     ElasticKind,
@@ -31,7 +31,8 @@ from supple.cases.body_kinds import (
     Superelement,
     kind_of,
 )
-from supple.cases.damping import Damping
+from supple.cases.condense import Condense, is_condensed
+from supple.cases.damping import Damping, Modal, Rayleigh
 from supple.cases.interfaces import Interface
 from supple.cases.notify import Notify
 from supple.cases.reductions import FullOrder, Reduction, derivative_choice, quartic_choice
@@ -51,6 +52,7 @@ from supple.importers.toml import (
     table,
     unknown,
 )
+from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed
 from supple.reduction import CondensedQuartic, ReducedBody, reduce
 from supple.reduction.eigenvalues.mode_search import search_words
@@ -100,6 +102,7 @@ class Body(CheckedTable):
     reduction: Reduction | None = None
     damping: Damping | None = None
     split: Split | None = None
+    condense: Condense | None = None
     linear: bool = Field(False, description="true leaves the nonlinear strains out (for comparison)")
     position: Vector = Field(ZERO, description="start of the mesh origin, global axes")
     rotation: Vector = Field(ZERO, description="start orientation as a rotation vector, global axes, rad")
@@ -121,7 +124,7 @@ class Body(CheckedTable):
     def corrects_itself(self) -> bool:
         """True of an elastic body whose reduction has no fixed size."""
         if self.reduction is None:
-            return self.elastic is not None
+            return self.elastic is not None and self.condense is None
         return self.reduction.corrects_itself
 
     def flexible(self, source: BodySource) -> FlexibleBody:
@@ -156,13 +159,19 @@ class Body(CheckedTable):
 
     def _form(
         self, flexible: FlexibleBody | None, folder: Path, notify: Notify
-    ) -> RigidBody | ReducedBody | FullBody:
+    ) -> RigidBody | ReducedBody | FullBody | IntrinsicBody:
         if self.reduced is not None:
             return replace(read_reduced_body(folder / self.reduced), name=self.name)
         if self.rigid is not None:
             places = {i.name: np.array(i.position) for i in self.interface if i.position is not None}
             return self.rigid.body(self.name, places)
         assert flexible is not None
+        if self.condense is not None:
+            notify(f"condensing body '{self.name}' ({flexible.n} freedoms)")
+            damped = self.damping
+            # A rule of the case file: kinds that ask for neither a body nor its frame.
+            own = damped.build() if isinstance(damped, Rayleigh | Modal) else None
+            return self.condense.build(flexible, own)
         assert self.frame is not None  # a rule of the case file
         frame = self.frame.build()
         damped = self.damping.build(flexible, frame) if self.damping else None
@@ -185,7 +194,7 @@ class Body(CheckedTable):
 
 
 _START = ("position", "rotation", "velocity", "angular_velocity")
-_ELASTIC_ONLY = ("frame", "reduction", "damping", "split", "linear")
+_ELASTIC_ONLY = ("frame", "reduction", "damping", "split", "linear", "condense")
 
 
 def checked_line(body: FlexibleBody) -> str:
@@ -211,7 +220,7 @@ def _is_of_one_kind(path: KeyPath, body: Raw) -> Mistakes:
         yield path, f'a {key} body needs a mesh; add mesh = "FILE{kind.mesh_suffixes[0]}"'
     if not kind.mesh_suffixes and "mesh" in body:
         yield (*path, "mesh"), f"a {key} body takes no mesh; remove the key"
-    if kind.is_elastic and "frame" not in body:
+    if kind.is_elastic and "frame" not in body and not is_condensed(body):
         yield path, f'a {key} body needs frame; for example frame = {{kind = "mean-axis"}}'
     if not kind.is_elastic:
         for needless in (each for each in _ELASTIC_ONLY if each in body):
@@ -245,5 +254,6 @@ RULES = (
         *reductions.RULES_OF_BODY,
         *damping.RULES_OF_BODY,
         *split.RULES_OF_BODY,
+        *condense.RULES_OF_BODY,
     ),
 )

@@ -2,8 +2,16 @@
 
 from supple.fem.assembly import Assembly, assemble, assemble_strains
 from supple.fem.beam_section import BeamSection
+from supple.fem.mass import CellMass
 from supple.fem.material import Isotropic
-from supple.fem.model import FiniteElementModel, lumped_mass, part_of_model, shell_model, solid_model
+from supple.fem.model import (
+    FiniteElementModel,
+    cell_masses,
+    lumped_mass,
+    part_of_model,
+    shell_model,
+    solid_model,
+)
 from supple.fem.nodal_rotation import nodal_rotation_operator
 from supple.fem.quadratic_strain import QuadraticStrain
 from supple.fem.section import Section
@@ -22,6 +30,7 @@ __all__ = [
     "VON_KARMAN",
     "Assembly",
     "BeamSection",
+    "CellMass",
     "FiniteElementModel",
     "HomogeneousSection",
     "Isotropic",
@@ -33,6 +42,7 @@ __all__ = [
     "StressRecovery",
     "assemble",
     "assemble_strains",
+    "cell_masses",
     "lumped_mass",
     "nodal_rotation_operator",
     "part_of_model",

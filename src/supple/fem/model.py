@@ -131,6 +131,11 @@ def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementMod
     return _shell_model(part.mesh, given, model.kinematics)
 
 
+def cell_masses(model: FiniteElementModel) -> tuple[CellMass, ...]:
+    """Consistent mass of the cells of each section, before it is assembled."""
+    return _cell_masses(model.mesh, model.sections)
+
+
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
     """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total mass of the consistent one."""
     masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections))

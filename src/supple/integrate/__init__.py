@@ -2,6 +2,7 @@
 
 from supple.integrate.engine import Engine, Leg, Progress, Recorder
 from supple.integrate.error_statement import PARTS, ErrorPart, ErrorStatement
+from supple.integrate.first_order import FirstOrderRule, ResidualRungeKutta4, RungeKutta4
 from supple.integrate.generalized_alpha import (
     Coefficients,
     GeneralizedAlpha,
@@ -34,6 +35,7 @@ __all__ = [
     "Engine",
     "ErrorPart",
     "ErrorStatement",
+    "FirstOrderRule",
     "FixedStep",
     "FloatingMotion",
     "GeneralizedAlpha",
@@ -43,7 +45,9 @@ __all__ = [
     "Newmark",
     "Progress",
     "Recorder",
+    "ResidualRungeKutta4",
     "Run",
+    "RungeKutta4",
     "Solution",
     "Statistics",
     "StepControl",

@@ -8,6 +8,7 @@ from math import isfinite
 import numpy as np
 
 from supple.arguments import check_fields
+from supple.integrate.first_order import FirstOrderRule
 from supple.integrate.generalized_alpha import GeneralizedAlpha, TimeIntegrator
 from supple.integrate.step_control import FixedStep, StepControl, Tolerances
 
@@ -41,7 +42,8 @@ class Run:
 
     duration, output_step : float   unit of time; the duration is a multiple of the output step
     step : FixedStep | AdaptiveStep     a fixed step equal to the output step where None
-    method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor
+    method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor; of machines of intrinsic bodies
+        alone also RungeKutta4 | ResidualRungeKutta4
     tolerances : Tolerances
     validity : Validity     warn of a motion beyond what the kinematics allow, or stop at it
     start : float           time of the initial state
@@ -52,7 +54,7 @@ class Run:
     duration: float
     output_step: float
     step: StepControl | None = None
-    method: TimeIntegrator = field(default_factory=GeneralizedAlpha)
+    method: TimeIntegrator | FirstOrderRule = field(default_factory=GeneralizedAlpha)
     tolerances: Tolerances = field(default_factory=Tolerances)
     validity: Validity = field(default_factory=Validity)
     start: float = 0.0
@@ -91,3 +93,13 @@ class Run:
     def step_control(self) -> StepControl:
         """How the step size is chosen."""
         return self.step or FixedStep(self.output_step)
+
+    @property
+    def second_order_method(self) -> TimeIntegrator:
+        """The step rule, where the equations are of second order; ValueError for one of first order."""
+        if isinstance(self.method, FirstOrderRule):
+            raise ValueError(
+                f"{type(self.method).__name__} steps machines of intrinsic bodies only; bodies in floating "
+                "frames take GeneralizedAlpha(rho_inf), Newmark() or HilberHughesTaylor(alpha)"
+            )
+        return self.method

@@ -24,7 +24,7 @@ from supple.reduction import ReducedBody
 __all__ = ["Assembly", "Body", "Placed", "System"]
 
 Body = RigidBody | ReducedBody | FullBody
-_Form = TypeVar("_Form", RigidBody, ReducedBody, FullBody)
+_Form = TypeVar("_Form")
 
 
 # What a machine asks of every form of body.
@@ -64,7 +64,7 @@ class Placed:
         must first be reduced or stand in full.
     """
 
-    body: Body
+    body: Body | Any
     position: np.ndarray = field(default_factory=lambda: np.zeros(3))
     rotation: np.ndarray = field(default_factory=lambda: np.zeros(3))
     velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
@@ -220,7 +220,8 @@ class System:
 
     def bodies_of(self, form: type[_Form]) -> dict[str, _Form]:
         """The bodies of one form, by name, in the system's order: `system.bodies_of(FullBody)`."""
-        return {placed.body.name: placed.body for placed in self.bodies if isinstance(placed.body, form)}
+        named = ((placed.body.name, placed.body) for placed in self.bodies)
+        return {name: body for name, body in named if isinstance(body, form)}
 
     def body_index(self, name: str, what: str = "lookup") -> int:
         """Position of the body of that name among `bodies`."""

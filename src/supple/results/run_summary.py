@@ -10,6 +10,7 @@ import numpy as np
 
 from supple.body import FullBody, RigidBody
 from supple.integrate import Solution, Statistics
+from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.reduction import Locking, ReducedBody, clamped_modes
 from supple.results.joint_loads import joint_loads, joint_meanings
@@ -52,7 +53,9 @@ def unit_names(units: UnitSystem) -> dict[str, str]:
     return {what: unit for what, unit in named.items() if unit}
 
 
-def body_numbers(body: RigidBody | FullBody | ReducedBody, units: UnitSystem = UNNAMED) -> dict[str, Any]:
+def body_numbers(
+    body: RigidBody | FullBody | ReducedBody | IntrinsicBody, units: UnitSystem = UNNAMED
+) -> dict[str, Any]:
     """Kind, size, mass and frequencies (Hz, or one over the time where no unit is said) of a body."""
     return {"kind": body.kind, **_NUMBERS_OF[body.kind](body, units)}
 
@@ -89,6 +92,21 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem) -> dict[str, Any]:
     }
 
 
+def _numbers_of_intrinsic(body: IntrinsicBody, units: UnitSystem) -> dict[str, Any]:
+    first, second = body.modes.orthonormality
+    elastic = body.modes.omega[body.modes.n_rigid :]
+    return {
+        "mass": body.mass,
+        "nodes": len(body.nodes),
+        "stations": body.line.n,
+        "coordinates": body.n_coordinates,
+        headed("frequencies in the frame", units.frequency_shown.unit): _shown(
+            elastic[:N_FREQUENCIES], units
+        ),
+        "orthonormality": {"velocities": first, "forces": second},
+    }
+
+
 def _locking_numbers(locking: Locking) -> dict[str, Any]:
     return {
         "largest": locking.largest_remaining,
@@ -98,7 +116,12 @@ def _locking_numbers(locking: Locking) -> dict[str, Any]:
 
 
 _NUMBERS_OF: Mapping[str, Callable[[Any, UnitSystem], dict[str, Any]]] = MappingProxyType(
-    {"rigid": _numbers_of_rigid, "full": _numbers_of_full, "reduced": _numbers_of_reduced}
+    {
+        "rigid": _numbers_of_rigid,
+        "intrinsic": _numbers_of_intrinsic,
+        "full": _numbers_of_full,
+        "reduced": _numbers_of_reduced,
+    }
 )
 """What there is to say of a body of each form."""
 

@@ -17,6 +17,7 @@ from supple.fem import (
     von_mises,
     von_mises_strain,
 )
+from supple.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody
 from supple.results.stress_modes import strain_modes, stress_modes
 from supple.results.tied_recovery import tied_recovery, with_virtual_freedoms
@@ -25,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 def von_mises_history(
-    body: ReducedBody | FullBody,
+    body: ReducedBody | FullBody | IntrinsicBody,
     model: FiniteElementModel,
     coordinates: Array,
     nodes: ArrayLike | None = None,
@@ -34,7 +35,7 @@ def von_mises_history(
 
     A reduced body goes through its stress modes; the reference, a full body, is recovered one vector at a
     time. Elements beside rigid interfaces have the strain that their ties leave them. A linear body has the
-    stress of its linear strain.
+    stress of its linear strain; an intrinsic one that of the static shapes that carry its section loads.
 
     Parameters
     ----------
@@ -47,11 +48,13 @@ def von_mises_history(
     """
     if body.kind == "reduced":
         return stress_modes(body, model, nodes).von_mises(coordinates)
+    if isinstance(body, IntrinsicBody):
+        return _of_intrinsic_body(body, stress_recovery(model), von_mises, coordinates, nodes)
     return _of_full_body(body, stress_recovery(model), von_mises, coordinates, nodes)
 
 
 def von_mises_strain_history(
-    body: ReducedBody | FullBody,
+    body: ReducedBody | FullBody | IntrinsicBody,
     model: FiniteElementModel,
     coordinates: Array,
     nodes: ArrayLike | None = None,
@@ -59,6 +62,8 @@ def von_mises_strain_history(
     """Von Mises equivalent strain (t, N): as von_mises_history, with the same parameters and errors."""
     if body.kind == "reduced":
         return strain_modes(body, model, nodes).von_mises(coordinates)
+    if isinstance(body, IntrinsicBody):
+        return _of_intrinsic_body(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
     return _of_full_body(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
 
 
@@ -81,3 +86,17 @@ def _of_full_body(
         for q in np.asarray(coordinates)
     )
     return np.array([measure(recovery.at_nodes(u)[chosen]).max(axis=1) for u in nodal])
+
+
+def _of_intrinsic_body(
+    body: IntrinsicBody,
+    recovery: StressRecovery,
+    measure: Callable[[Array], Array],
+    coordinates: Array,
+    nodes: ArrayLike | None,
+) -> Array:
+    """Of the linear displacements of its modes: only strains, and so section loads, enter them."""
+    chosen = slice(None) if nodes is None else node_numbers(nodes, len(body.nodes))
+    linear = recovery.linearized()
+    nodal = (body.nodal_basis @ q for q in np.asarray(coordinates))
+    return np.array([measure(linear.at_nodes(u)[chosen]).max(axis=1) for u in nodal])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from supple.body import BodyForm, in_space, node_displacements
 from supple.integrate import FloatingMotion, Solution
+from supple.intrinsic import IntrinsicBody, IntrinsicMotion
 from supple.machine import At, System
 from supple.results.recovery import displacement_from_axes, node_positions
 
@@ -32,14 +33,22 @@ class Observer(NamedTuple):
     axes: np.ndarray
 
 
-def observer(body: BodyForm, motion: FloatingMotion, interface: str) -> Observer:
+def observer(body: BodyForm, motion: Any, interface: str) -> Observer:
     """An interface of a body as an observer; ModelError for one that the body does not have."""
+    if isinstance(body, IntrinsicBody):
+        return _at_station(body, motion, interface)
     base = body.interface(interface)
     moved = motion.coordinates @ base.motion.T
     theta = moved[:, 3:]
     turned = Rotation.from_rotvec(theta * (1 + base.cubic_turn * np.sum(theta**2, axis=1, keepdims=True)))
     origin = _in_space(motion, base.position + moved[:, :3])
     return Observer(interface, base.position, origin, motion.rotation @ turned.as_matrix())
+
+
+def _at_station(body: IntrinsicBody, motion: IntrinsicMotion, interface: str) -> Observer:
+    station = body.interface(interface)
+    rotations, positions = body.places(motion)
+    return Observer(interface, station.position, positions[:, station.number], rotations[:, station.number])
 
 
 def observer_of(
@@ -87,7 +96,7 @@ class TrackedMotion:
 
 
 def tracked_motion(
-    body: BodyForm, motion: FloatingMotion, at: str | ArrayLike, seen_from: Observer | None = None
+    body: BodyForm, motion: Any, at: str | ArrayLike, seen_from: Observer | None = None
 ) -> TrackedMotion:
     """Motion of one place, `r = R + A (x + u)`, and its deflection `A_p^T (r - r_p) - (x - x_p)`.
 
@@ -96,7 +105,7 @@ def tracked_motion(
 
     Parameters
     ----------
-    motion : FloatingMotion     of the body, at t times
+    motion : FloatingMotion | IntrinsicMotion   of the body, at t times
     at : name of an interface, or node numbers (k,), whose mean is taken
     seen_from : another p, of this or another body, at the same times
 
@@ -104,6 +113,8 @@ def tracked_motion(
     ------
     ModelError  a node number outside the body, an interface that it does not have
     """
+    if isinstance(body, IntrinsicBody):
+        return _of_line(body, motion, at, seen_from)
     if isinstance(at, str):
         interface = body.interface(at)
         rest, displacement = interface.position, (motion.coordinates @ interface.motion.T)[:, :3]
@@ -118,6 +129,21 @@ def tracked_motion(
         return TrackedMotion(position, "", displacement, body.n_coordinates > 0)
     deflection = displacement_from_axes(position, seen_from.origin, seen_from.axes, rest - seen_from.rest)
     return TrackedMotion(position, seen_from.name, deflection)
+
+
+def _of_line(
+    body: IntrinsicBody, motion: IntrinsicMotion, at: str | ArrayLike, seen_from: Observer | None
+) -> TrackedMotion:
+    """The same of an intrinsic body, whose sections turn by any angle."""
+    if isinstance(at, str):
+        place = _at_station(body, motion, at)
+        rest, position = place.rest, place.origin
+    else:
+        rest = body.nodes[np.asarray(at)].mean(axis=0)
+        position = body.positions(motion, at).mean(axis=1)
+    base = seen_from or _at_station(body, motion, body.interfaces[0].name)
+    seen = displacement_from_axes(position, base.origin, base.axes, rest - base.rest)
+    return TrackedMotion(position, base.name, seen)
 
 
 def tracked_places(
@@ -141,7 +167,7 @@ def tracked_places(
     }
 
 
-def deflections(body: BodyForm, motion: FloatingMotion, seen_from: Observer | None = None) -> np.ndarray:
+def deflections(body: BodyForm, motion: Any, seen_from: Observer | None = None) -> np.ndarray:
     """Displacements (t, N, 3) of all nodes, seen from the body's first interface, or else from its frame.
 
     seen_from : another interface, of this or another body, at the same times

@@ -30,6 +30,7 @@ from supple.integrate import (
     concatenate,
     damps_joint_forces,
 )
+from supple.intrinsic import IntrinsicBody
 from supple.machine.laws.instants import shortest_scale_of
 from supple.machine.system import System
 from supple.multibody.checks.output_rate import report_output_rate
@@ -128,6 +129,11 @@ def simulate_batch(
         raise ModelError("a batch needs at least one case")
     if cases[0].bodies_of(FullBody):
         raise ModelError("a batch takes rigid and reduced bodies: reduce the full ones first")
+    if cases[0].bodies_of(IntrinsicBody):
+        raise ModelError(
+            "a batch takes rigid and reduced bodies: map supple.intrinsic.line_march.march_lines over the "
+            "cases of intrinsic ones (jax.vmap)"
+        )
     if chunk < 1:
         raise ValueError(f"chunk must be at least 1, got {chunk}")
     for system in cases:
@@ -202,7 +208,7 @@ def _marched_together(cases: Sequence[System], run: Run, stops: Stops, settings:
         )
         of_case = jax.tree.map(lambda array, own=own: array[own][outputs], history)
         solutions.append(_case_solution(system, model, first, of_case, cost))
-    undamped = bool(cases[0].joints) and not damps_joint_forces(run.method)
+    undamped = bool(cases[0].joints) and not damps_joint_forces(run.second_order_method)
     failures = {
         int(own): failure_message(float(final.time[own]), final.relative_residual[own], undamped=undamped)
         for own in np.flatnonzero(final.failed)

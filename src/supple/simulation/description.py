@@ -12,6 +12,7 @@ import numpy as np
 
 from supple.body import FullBody, RigidBody
 from supple.integrate import Run
+from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed, System
 from supple.storage.run_inputs import Inputs, digest_of
 
@@ -66,6 +67,8 @@ def _of_body(placed: Placed) -> Iterator[bytes]:
             yield from _of((body.mass, body.centre, body.inertia, body.points))
         case FullBody():
             yield from _of((body.frame, body.damping, body.body.is_linear))
+        case IntrinsicBody():
+            yield from _of((body.support, body.damping))
         case _:
             yield from _of((body.frame, body.is_linear))
 

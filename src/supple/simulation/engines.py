@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from supple.integrate import Engine, Run
+from supple.intrinsic import IntrinsicEngine
 from supple.machine import System
 from supple.multibody import CompiledEngine, FullEngine
 
@@ -34,3 +35,4 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
 
 
 register_engine("full", FullEngine)
+register_engine("intrinsic", IntrinsicEngine)

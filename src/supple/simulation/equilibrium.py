@@ -9,7 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from supple.body import FullBody
+from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
+from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed, Spin, System
 from supple.multibody import CompiledStatics, FullStatics
 from supple.multibody.compiled.compiled_machine import CompiledMachine
@@ -71,7 +73,7 @@ def equilibrium(
 
     Raises
     ------
-    ModelError          whatever the start of a run would find wrong with the joints
+    ModelError          whatever the start of a run would find wrong with the joints; an intrinsic body
     ConvergenceError    no equilibrium was found
     Source: Kelley & Keyes (1998) for the search.
     """
@@ -99,6 +101,11 @@ def resting_state(
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> RestingState:
     """The arrays behind an `equilibrium`, with its arguments and errors."""
+    if intrinsic := system.bodies_of(IntrinsicBody):
+        raise ModelError(
+            f"body '{next(iter(intrinsic))}' is intrinsic: find its rest with supple.intrinsic.line_rest, "
+            "which takes machines of such bodies alone"
+        )
     search = StaticSearch() if search is None else search
     turning = Turning(np.zeros((len(system.bodies), 3)), np.zeros(3))
     if spin is not None:

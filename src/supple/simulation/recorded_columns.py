@@ -10,6 +10,7 @@ import numpy as np
 
 from supple.body import FullBody
 from supple.errors import ResultFileError
+from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed, System
 from supple.reduction import ReducedBody
 from supple.storage.result_content import Metadata, ResultHeader
@@ -88,6 +89,10 @@ def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
             for name in ("stiffness", "mass"):
                 matrix = getattr(body.body, name)
                 yield name, np.array([probe @ (matrix @ probe), probe @ (matrix @ other)])
+        case IntrinsicBody():
+            for name in ("velocities", "forces"):
+                array = getattr(body.modes, name)
+                yield name, array.reshape(-1, array.shape[-1]).T @ _probe(array.shape[0] * array.shape[1])
         case _:
             return
     for name in ("coordinates", "coordinate_rates"):

@@ -11,6 +11,7 @@ import numpy as np
 from supple.body import FullBody
 from supple.fem import FiniteElementModel
 from supple.integrate import FloatingMotion, Solution
+from supple.intrinsic import IntrinsicBody
 from supple.machine import At, System
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody, clamped_modes
@@ -37,7 +38,7 @@ from supple.viz.scene import Actor, scene_of
 from supple.viz.style import as_written
 from supple.viz.time_history import Panel, Series, plot_time_history
 
-ElasticBody = ReducedBody | FullBody
+ElasticBody = ReducedBody | FullBody | IntrinsicBody
 Elements = Mapping[str, FiniteElementModel]
 
 N_MODES = 6
@@ -88,6 +89,8 @@ def draw_run(
         )
         if body.name in reduced:
             pictures.append(_draw_modes(path("modes"), reduced[body.name], surface, units))
+        if isinstance(body, IntrinsicBody):
+            pictures.append(_draw_intrinsic_modes(path("modes"), body, surface, units))
         pictures.append(_draw_deformed(path("deformed"), body, (system, solution), bases, surface, units))
         if elements is not None:
             model = elements[body.name]
@@ -203,7 +206,11 @@ def _upright_camera(positions: np.ndarray, gravity: np.ndarray) -> Camera | None
 
 def _drawn(system: System, meshes: Mapping[str, Mesh]) -> list[tuple[ElasticBody, Mesh]]:
     """Elastic bodies that have something to show."""
-    elastic: dict[str, ElasticBody] = {**system.bodies_of(ReducedBody), **system.bodies_of(FullBody)}
+    elastic: dict[str, ElasticBody] = {
+        **system.bodies_of(ReducedBody),
+        **system.bodies_of(FullBody),
+        **system.bodies_of(IntrinsicBody),
+    }
     return [(elastic[name], mesh) for name, mesh in meshes.items() if name in elastic]
 
 
@@ -229,6 +236,14 @@ def _of_one_sign(shapes: np.ndarray) -> np.ndarray:
     first = np.argmax(size >= 0.999 * size.max(axis=1, keepdims=True), axis=1)
     signs = np.where(components[np.arange(len(shapes)), first] < 0.0, -1.0, 1.0)
     return shapes * signs[:, None, None]
+
+
+def _draw_intrinsic_modes(path: Path, body: IntrinsicBody, surface: Skin, units: UnitSystem) -> Path:
+    """Its lowest elastic modes on the support of its root."""
+    number = min(N_MODES, body.n_coordinates)
+    titles = mode_titles(body.modes.omega[body.modes.n_rigid :][:number] / (2 * np.pi), units)
+    shapes = body.expand(np.eye(body.n_coordinates)[:number])
+    return plot_mode_shapes(path, body.nodes, surface, shapes, titles)
 
 
 def _draw_deformed(

@@ -37,7 +37,7 @@ def controls(run: Run) -> Controls:
     """The numbers that steer a compiled run."""
     step = run.step_control
     return Controls(
-        coefficients=run.method.coefficients,
+        coefficients=run.second_order_method.coefficients,
         first=float(step.first),
         largest=float(step.largest),
         smallest=float(step.least),
@@ -155,7 +155,7 @@ class CompiledEngine:
         )
 
     def _why(self, failed: State) -> str:
-        undamped = bool(self._system.joints) and not damps_joint_forces(self._run.method)
+        undamped = bool(self._system.joints) and not damps_joint_forces(self._run.second_order_method)
         return failure_message(float(failed.time), failed.relative_residual, undamped=undamped)
 
     def solution(self, leg: Leg[State]) -> Solution:

@@ -92,7 +92,9 @@ class FullEngine:
         for number, end in enumerate(stops):
             state, residual = self._to_output(state, float(end))
             if residual is not None:
-                undamped = bool(self._machine.system.joints) and not damps_joint_forces(self._run.method)
+                undamped = bool(self._machine.system.joints) and not damps_joint_forces(
+                    self._run.second_order_method
+                )
                 stopped = failure_message(state.state.time, residual, undamped=undamped)
                 break
             if number in outputs:
@@ -109,7 +111,7 @@ class FullEngine:
 
     def _to_output(self, march: March, end: float) -> tuple[March, np.ndarray | None]:
         """Steps up to an output time; the relative residual instead of None when the smallest step fails."""
-        control, method = self._run.step_control, self._run.method
+        control, method = self._run.step_control, self._run.second_order_method
         while march.state.time < end:
             remaining = end - march.state.time
             # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
@@ -141,13 +143,13 @@ class FullEngine:
 
     def _local_error(self, start: FullState, end: FullState, h: float) -> float:
         """Leading local error of the step, relative to the scale of each freedom."""
-        rule = StepRule(self._run.method.coefficients, h)
+        rule = StepRule(self._run.second_order_method.coefficients, h)
         error = rule.position_error(start.auxiliary, end.auxiliary)
         return float(np.max(abs(error) / self._machine.position_scale))
 
     def _turn(self, start: FullState, end: FullState, h: float) -> float:
         """Largest rotation of a body's frame within the step, rad."""
-        rule = StepRule(self._run.method.coefficients, h)
+        rule = StepRule(self._run.second_order_method.coefficients, h)
         increments = rule.increment(start.velocity, start.auxiliary, end.auxiliary)
         turns = [increments[part.start + 3 : part.start + 6] for part in self._machine.slices]
         return float(np.linalg.norm(turns, axis=1).max())

@@ -1,0 +1,240 @@
+"""A slender body in its intrinsic modes, as a machine holds it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.algebra import read_only
+from supple.body import Damping
+from supple.body.floating_kinematics import node_numbers
+from supple.body.interface import interface_named
+from supple.errors import ModelError
+from supple.intrinsic.condensed_line import CondensedLine
+from supple.intrinsic.expansion import Expansion, expansion_of_stations
+from supple.intrinsic.intrinsic_modes import IntrinsicModes, intrinsic_modes
+from supple.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.intrinsic.line_equations import section_forces, section_strains
+from supple.intrinsic.line_model import LineModel, line_model
+from supple.intrinsic.root_support import RootSupport
+from supple.intrinsic.strain_integration import station_places
+from supple.machine import Placed
+
+__all__ = ["IntrinsicBody", "Station", "body_of", "intrinsic_body"]
+
+Array = NDArray[np.float64]
+
+ROOM = 2**22
+"""Numbers of positions computed at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Station:
+    """An interface at a station.
+
+    position : (3,)     in the body's axes
+    motion : (6, e)     of the elastic modes, linear
+    number : int        of the station
+    """
+
+    name: str
+    position: Array
+    motion: Array
+    number: int
+
+    @property
+    def cubic_turn(self) -> float:
+        """None: stations turn as far as they like."""
+        return 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class IntrinsicBody:
+    """A slender body that turns and bends by any angle, from its linear modes; build it with `intrinsic_body`
+    or `condense`.
+
+    modes : IntrinsicModes          on the support of its root
+    expansion : Expansion           its nodes
+    stations : name -> number       interfaces
+    damping : Damping | None        ModalDamping or RayleighDamping
+    """
+
+    modes: IntrinsicModes
+    expansion: Expansion = field(repr=False)
+    stations: Mapping[str, int] = field(repr=False)
+    damping: Damping | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the body."""
+        return self.line.name
+
+    @property
+    def kind(self) -> Literal["intrinsic"]:
+        """Intrinsic."""
+        return "intrinsic"
+
+    @property
+    def line(self) -> CondensedLine:
+        """Its stiffness and mass on stations."""
+        return self.modes.line
+
+    @property
+    def support(self) -> RootSupport:
+        """What its root may do."""
+        return self.modes.support
+
+    @property
+    def mass(self) -> float:
+        """Of the whole body, kg."""
+        return self.line.total_mass
+
+    @property
+    def n_coordinates(self) -> int:
+        """Number of elastic modes."""
+        return self.modes.n_elastic
+
+    @property
+    def nodes(self) -> Array:
+        """(N, 3) rest positions: those of the mesh, or the stations."""
+        return self.expansion.nodes
+
+    @property
+    def interfaces(self) -> tuple[Station, ...]:
+        """Its named stations."""
+        points = self.line.tree.points
+        motions = self.modes.velocities[..., self.modes.n_rigid :]
+        return tuple(Station(name, points[i], motions[i], i) for name, i in self.stations.items())
+
+    def interface(self, name: str) -> Station:
+        """The station of that name; ModelError names the nearest, or those there are."""
+        return interface_named(self.name, name, self.interfaces)
+
+    @cached_property
+    def model(self) -> LineModel:
+        """The arrays of its equations."""
+        return line_model(self.modes, self.damping)
+
+    @cached_property
+    def nodal_basis(self) -> Array:
+        """(N d, e) linear displacement of the nodal freedoms in elastic modes."""
+        return self.expansion.modes.reshape(-1, self.n_coordinates)
+
+    def forces_of(self, coordinates: ArrayLike) -> Array:
+        """Amplitudes q_2 (..., e) of the internal forces of elastic amplitudes (..., e)."""
+        return -np.asarray(coordinates) * self.modes.omega[self.modes.n_rigid :]
+
+    def expand(self, coordinates: ArrayLike) -> Array:
+        """Linear displacements (..., N, 3) of elastic amplitudes (..., e), the root as it is supported."""
+        return np.einsum("nie,...e->...ni", self.expansion.modes[:, :3], np.asarray(coordinates))
+
+    def places(self, motion: IntrinsicMotion) -> tuple[Array, Array]:
+        """Rotations (t, n, 3, 3) and positions (t, n, 3) of the stations in space."""
+        root = motion.position + np.einsum("tij,j->ti", motion.rotation, self.line.tree.points[0])
+        found = _places(self.model, self.forces_of(motion.coordinates), motion.rotation, root)
+        return np.asarray(found.rotations), np.asarray(found.positions)
+
+    def positions(self, motion: IntrinsicMotion, nodes: ArrayLike | slice = slice(None)) -> Array:
+        """Positions (t, k, 3) in space of some nodes, or all, by `Expansion`."""
+        given = nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))
+        chosen = np.arange(len(self.nodes))[given]
+        arms, own = self.expansion.arms(self.line.tree)[chosen], self.expansion.stations[chosen]
+        weights, warping = self.expansion.weights[chosen], self.expansion.warping[chosen]
+        rotations, positions = self.places(motion)
+        rows = max(1, ROOM // (18 * max(len(chosen), 1)))
+        result = np.empty((len(positions), len(chosen), 3))
+        for first in range(0, len(positions), rows):
+            part = slice(first, first + rows)
+            bent = np.einsum("nie,te->tni", warping, motion.coordinates[part])
+            moved = positions[part][:, own] + np.einsum(
+                "tnwij,tnwj->tnwi", rotations[part][:, own], arms + bent[:, :, None]
+            )
+            result[part] = np.einsum("nw,tnwi->tni", weights, moved)
+        return result
+
+    def section_loads(self, motion: IntrinsicMotion) -> Array:
+        """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.
+
+        Where there is RayleighDamping, the elastic part.
+        """
+        q2 = self.forces_of(motion.coordinates)
+        return np.asarray(jax.vmap(lambda q: section_forces(self.model, q))(jnp.asarray(q2)))
+
+    def section_strains(self, motion: IntrinsicMotion) -> Array:
+        """Strains and curvatures (t, n - 1, 6) of the segments, along material axes."""
+        q2 = self.forces_of(motion.coordinates)
+        return np.asarray(jax.vmap(lambda q: section_strains(self.model, q))(jnp.asarray(q2)))
+
+    @property
+    def is_linear(self) -> bool:
+        """False: its equations are quadratic."""
+        return False
+
+    def lowest_frequency(self) -> float:
+        """Of the elastic modes on its support, rad/s; infinite where nothing deforms."""
+        return float(self.modes.omega[self.modes.n_rigid :].min(initial=np.inf))
+
+    @property
+    def rotation_limit(self) -> float:
+        """None: any rotation."""
+        return np.inf
+
+    @property
+    def rotation_rows(self) -> None:
+        """None: rotations are unlimited, and not looked after."""
+        return
+
+
+def body_of(placed: Placed) -> IntrinsicBody:
+    """The intrinsic body that is placed; ModelError for another form."""
+    body = placed.body
+    if not isinstance(body, IntrinsicBody):
+        raise ModelError(
+            f"body '{body.name}' is {body.kind}, in a machine with intrinsic bodies: these move by "
+            "themselves, on the ground or flying, or tied to each other by springs. Keep the slender "
+            "body in a floating frame (reduce), or give the mass of this body to a station"
+        )
+    return body
+
+
+@jax.jit
+def _places(model: LineModel, q2: Any, rotations: Any, positions: Any) -> Any:
+    return jax.vmap(lambda *now: station_places(model, *now))(q2, rotations, positions)
+
+
+def intrinsic_body(
+    line: CondensedLine,
+    support: RootSupport,
+    n_modes: int | None = None,
+    *,
+    stations: Mapping[str, int] | None = None,
+    damping: Damping | None = None,
+) -> IntrinsicBody:
+    """A body whose nodes are the stations of a line.
+
+    Parameters
+    ----------
+    n_modes : int       elastic ones; all when omitted
+    stations : name -> number   interfaces; "root", and "tip" of a line without branches, are always there
+
+    Raises ModelError for a station that there is not, and as `intrinsic_modes`.
+    """
+    k = support.free.shape[1]
+    modes = intrinsic_modes(line, support, None if n_modes is None else n_modes + k)
+    ends = {"root": 0} | ({"tip": line.n - 1} if line.tree.is_chain and line.n > 1 else {})
+    named = ends | dict(stations or {})
+    for name, number in named.items():
+        if not 0 <= number < line.n:
+            raise ModelError(
+                f"body '{line.name}': interface '{name}' is at station {number}; stations are 0 to "
+                f"{line.n - 1}"
+            )
+    expansion = expansion_of_stations(line.tree, read_only(modes.velocities[..., k:]))
+    return IntrinsicBody(modes, expansion, named, damping)

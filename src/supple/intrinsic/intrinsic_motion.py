@@ -1,0 +1,41 @@
+"""Motion of an intrinsic body over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+import numpy as np
+
+from supple.integrate import register_motion
+
+__all__ = ["IntrinsicMotion"]
+
+
+@register_motion
+@dataclass(frozen=True)
+class IntrinsicMotion:
+    """Root, strains and velocities of an intrinsic body, one row per output time."""
+
+    kind: ClassVar[str] = "intrinsic"
+
+    position: np.ndarray
+    """(t, 3) of the origin of the body's axes, which the root carries, global components."""
+    rotation: np.ndarray
+    """(t, 3, 3) of the root, body components to global ones."""
+    coordinates: np.ndarray
+    """(t, e) amplitudes of the elastic modes that have these strains and forces, -q_2 / w."""
+    velocity: np.ndarray
+    """(t, 3) of the origin of the body's axes, global components."""
+    angular_velocity: np.ndarray
+    """(t, 3) of the root, body components, rad/s."""
+    rates: np.ndarray
+    """(t, k + e) amplitudes of the velocities, q_1: rigid modes, then elastic ones."""
+
+    def at(self, rows: slice | np.ndarray) -> IntrinsicMotion:
+        """The motion at some of its output times, by their numbers."""
+        return IntrinsicMotion(**{name: array[rows] for name, array in self.arrays().items()})
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The fields by name."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}

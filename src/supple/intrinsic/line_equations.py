@@ -1,0 +1,139 @@
+"""The equations of motion of a line in its modes, with quadratic couplings alone, factorised.
+
+    q_1' = w (q_2 + beta q_2') - d q_1 - Phi_1^T [L_1(x_1) M x_1 + L_2(x_2) e - f]
+    q_2' = -w q_1 + Phi_2^T L_1(x_1)^T e,                 e = C x_2
+
+Where a tensor form stores the couplings of three modes each, N_m^3 numbers, this one goes to the stations and
+back: products of vectors at stations and segments between a few products of a matrix and a vector. It is the
+same function for any choice of modes, and the power of the couplings is exactly zero.
+Source: [Wang2015] (12)-(14), their integrals left as sums over stations.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from supple.intrinsic.line_model import LineModel
+
+__all__ = [
+    "RootTwist",
+    "l1",
+    "l2",
+    "line_rates",
+    "momenta",
+    "on_stations",
+    "section_forces",
+    "section_strains",
+    "station_velocities",
+    "turning_forces",
+]
+
+
+class RootTwist(NamedTuple):
+    """Prescribed motion of the root in its own axes: velocity and angular velocity (6,), and their rates."""
+
+    twist: Any
+    rate: Any
+
+
+def station_velocities(model: LineModel, q1: jax.Array, root: RootTwist | None = None) -> jax.Array:
+    """Velocities and angular velocities (n, 6) of the stations, along their own axes."""
+    x1 = model.velocities @ q1
+    if root is not None:
+        x1 = x1 + model.twists @ root.twist
+    return x1.reshape(-1, 6)
+
+
+def section_strains(model: LineModel, q2: jax.Array) -> jax.Array:
+    """Strains and curvatures (n - 1, 6) of the segments, C x_2."""
+    return (model.strains @ q2).reshape(-1, 6)
+
+
+def section_forces(model: LineModel, q2: jax.Array) -> jax.Array:
+    """Internal forces and moments (n - 1, 6) at the middles of the segments, x_2, along material axes."""
+    return (model.forces @ q2).reshape(-1, 6)
+
+
+def line_rates(
+    model: LineModel,
+    q1: jax.Array,
+    q2: jax.Array,
+    wrenches: jax.Array | None = None,
+    root: RootTwist | None = None,
+) -> tuple[jax.Array, jax.Array]:
+    """Rates (m,) and (e,) of the amplitudes.
+
+    wrenches : (n, 6)   forces and moments on the stations, along material axes
+    root : RootTwist    where the root's motion is prescribed
+    """
+    k = model.n_rigid
+    x1 = station_velocities(model, q1, root)
+    e = section_strains(model, q2)
+    outer = x1[1:]
+    inner = x1[:-1] if model.is_chain else x1[model.inner]
+    middle = 0.5 * (outer + inner)
+    ds = model.lengths[:, None]
+    strain_power = (ds * l1_transposed(middle, e)).reshape(-1)
+    d2 = strain_power @ model.forces - model.omega * q1[k:]
+
+    stress = q2 + model.retardation * d2
+    inertial = on_stations(model, x1, q1, stress, e, root)
+    if wrenches is not None:
+        inertial = inertial - wrenches
+    d1 = -(inertial.reshape(-1) @ model.velocities) - model.decay * q1
+    if root is not None:
+        d1 = d1 - model.velocities.T @ (model.twist_momenta @ root.rate)
+    return d1.at[k:].add(model.omega * stress), d2
+
+
+def on_stations(
+    model: LineModel, x1: jax.Array, q1: jax.Array, stress: jax.Array, e: jax.Array, root: RootTwist | None
+) -> jax.Array:
+    """What turning and bending ask of the stations (n, 6): L_1(x_1) M x_1 + L_2(x_2) e."""
+    half = 0.5 * model.lengths[:, None] * l2(section_forces(model, stress), e)
+    turning = turning_forces(model, x1, q1, root)
+    inner = slice(None, -1) if model.is_chain else model.inner
+    return turning.at[1:].add(half).at[inner].add(half)
+
+
+def turning_forces(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwist | None) -> jax.Array:
+    """L_1(x_1) M x_1 (n, 6): centrifugal and gyroscopic forces of the stations."""
+    return l1(x1, momenta(model, x1, q1, root))
+
+
+def momenta(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwist | None) -> jax.Array:
+    """M x_1 (n, 6) of velocities and their amplitudes."""
+    if model.station_masses is not None:
+        return (model.station_masses * x1[:, None, :]).sum(-1)
+    p = model.momenta @ q1
+    if root is not None:
+        p = p + model.twist_momenta @ root.twist
+    return p.reshape(-1, 6)
+
+
+def l1(x1: jax.Array, p: jax.Array) -> jax.Array:
+    """L_1(x_1) p = [w x p_v; v x p_v + w x p_w]."""
+    v, w = x1[:, :3], x1[:, 3:]
+    return jnp.concatenate([_cross(w, p[:, :3]), _cross(v, p[:, :3]) + _cross(w, p[:, 3:])], axis=1)
+
+
+def l1_transposed(x1: jax.Array, e: jax.Array) -> jax.Array:
+    """L_1(x_1)^T e = -[w x gamma + v x kappa; w x kappa]."""
+    v, w = x1[:, :3], x1[:, 3:]
+    return -jnp.concatenate([_cross(w, e[:, :3]) + _cross(v, e[:, 3:]), _cross(w, e[:, 3:])], axis=1)
+
+
+def l2(x2: jax.Array, e: jax.Array) -> jax.Array:
+    """L_2(x_2) e = [f x kappa; f x gamma + m x kappa]."""
+    f, m = x2[:, :3], x2[:, 3:]
+    return jnp.concatenate([_cross(f, e[:, 3:]), _cross(f, e[:, :3]) + _cross(m, e[:, 3:])], axis=1)
+
+
+def _cross(a: jax.Array, b: jax.Array) -> jax.Array:
+    """A x b by columns: jnp.cross permutes axes in ways that cost more than the product."""
+    a0, a1, a2 = a[:, 0], a[:, 1], a[:, 2]
+    b0, b1, b2 = b[:, 0], b[:, 1], b[:, 2]
+    return jnp.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=1)

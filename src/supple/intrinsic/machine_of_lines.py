@@ -1,0 +1,143 @@
+"""A machine whose bodies are intrinsic, as a system of lines and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.rotation import euler_parameters
+from supple.errors import ModelError
+from supple.intrinsic.intrinsic_body import body_of
+from supple.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.intrinsic.line_model import LineModel, LineState
+from supple.intrinsic.line_system import LineSystem, States
+from supple.intrinsic.machine_loads import machine_loads
+from supple.intrinsic.root_drive import RootDrive
+from supple.intrinsic.strain_integration import rotation_of
+from supple.intrinsic.supported_root import HeldRoot, held_root
+from supple.machine import Placed, System
+
+__all__ = ["MachineOfLines", "machine_of_lines"]
+
+Array = np.ndarray
+
+SAME_VELOCITY = 1e-6
+"""Of the velocities: what a root may be given more than its support leaves free is round-off."""
+
+
+@dataclass(frozen=True, eq=False)
+class MachineOfLines:
+    """A machine as compiled code takes it.
+
+    system : System
+    lines : LineSystem
+    start : States              as the bodies are placed
+    roots : how each is held
+    """
+
+    system: System
+    lines: LineSystem
+    start: States
+    roots: tuple[HeldRoot, ...]
+
+    def motions(self, times: Array, states: States) -> dict[str, IntrinsicMotion]:
+        """Motions by body name, of stacked states (leading axis: time)."""
+        each = zip(self.system.bodies, self.lines.lines, self.lines.drives, states, strict=True)
+        return {
+            placed.body.name: _motion(placed, model, drive, state, times)
+            for placed, model, drive, state in each
+        }
+
+    def joint_forces(self, reactions: Array, times: Array, states: States) -> Mapping[str, Array]:
+        """Force and moment (t, 6) of each joint on its second end, along the joint axes on its first.
+
+        Along what a joint leaves free there is none: the balance misses it by the order of the stations.
+        """
+        motions = self.motions(times, states)
+        found = {}
+        for number, (placed, root) in enumerate(zip(self.system.bodies, self.roots, strict=True)):
+            if root.joint is None:
+                continue
+            free = body_of(placed).support.free
+            held = np.eye(6) - free @ np.linalg.pinv(free)
+            own = (reactions[:, number] @ held).reshape(-1, 2, 3)
+            axes = root.joint.initial_axes
+            if root.joint.second.body == placed.body.name:
+                space = np.einsum("tij,twj->twi", motions[placed.body.name].rotation, own)
+                found[root.joint.name] = (space @ axes).reshape(-1, 6)
+            else:
+                found[root.joint.name] = -(own @ (placed.rotation.T @ axes)).reshape(-1, 6)
+        return found
+
+
+def machine_of_lines(system: System, time: float) -> MachineOfLines:
+    """The lines, loads and first states of a machine; ModelError for what no intrinsic body takes part in."""
+    roots = tuple(held_root(system, placed) for placed in system.bodies)
+    lines = LineSystem(
+        tuple(body_of(placed).model for placed in system.bodies),
+        tuple(root.drive for root in roots),
+        machine_loads(system),
+    )
+    start = tuple(_start(placed, root.drive, time) for placed, root in zip(system.bodies, roots, strict=True))
+    return MachineOfLines(system, lines, start, roots)
+
+
+def _start(placed: Placed, drive: RootDrive | None, time: float) -> LineState:
+    """The state in which a body is placed: rigid motion of its frame, and elastic amplitudes."""
+    body = body_of(placed)
+    k = body.modes.n_rigid
+    root = body.line.tree.points[0]
+    w = placed.angular_velocity
+    twist = np.concatenate([placed.rotation.T @ placed.velocity + np.cross(w, root), w])
+    allowed = body.modes.velocities[0, :, :k]
+    amplitudes = np.linalg.lstsq(allowed, twist, rcond=None)[0] if k else np.zeros(0)
+    missed = twist - allowed @ amplitudes
+    if drive is not None and np.abs(missed).max() > 0:
+        missed = missed - np.asarray(drive.twist(time).twist)
+    if np.abs(missed).max() > SAME_VELOCITY * np.abs(twist).max():
+        raise ModelError(
+            f"body '{body.name}' is given a velocity at which its root cannot move: of velocity and angular "
+            f"velocity {np.round(twist, 6).tolist()} along its axes, {np.round(missed, 6).tolist()} is held"
+        )
+    return LineState(
+        q1=jnp.asarray(np.concatenate([amplitudes, placed.coordinate_rates])),
+        q2=jnp.asarray(body.forces_of(placed.coordinates)),
+        quaternion=euler_parameters(jnp.asarray(placed.rotation)),
+        position=jnp.asarray(placed.position + placed.rotation @ root),
+    )
+
+
+def _motion(
+    placed: Placed, model: LineModel, drive: RootDrive | None, state: LineState, times: Array
+) -> IntrinsicMotion:
+    body = body_of(placed)
+    rotation, position, twist = (np.asarray(each) for each in _roots(model, drive, state, jnp.asarray(times)))
+    root = body.line.tree.points[0]
+    w = twist[:, 3:]
+    omega = body.modes.omega[body.modes.n_rigid :]
+    return IntrinsicMotion(
+        position=position - rotation @ root,
+        rotation=rotation,
+        coordinates=-np.asarray(state.q2) / omega,
+        velocity=np.einsum("tij,tj->ti", rotation, twist[:, :3] - np.cross(w, root)),
+        angular_velocity=w,
+        rates=np.asarray(state.q1),
+    )
+
+
+@jax.jit
+def _roots(model: LineModel, drive: RootDrive | None, states: LineState, times: Any) -> Any:
+    """Rotations, positions and twists of a root."""
+
+    def at(state: LineState, time: Any) -> Any:
+        twist = model.velocities[:6] @ state.q1
+        if drive is None:
+            return rotation_of(state.quaternion), state.position, twist
+        return *drive.pose(time), twist + drive.twist(time).twist
+
+    return jax.vmap(at)(states, times)

@@ -1,0 +1,60 @@
+"""Supports of the root: the twists, fixed in the root's own axes, that it is free to make."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.algebra import read_only
+from supple.errors import ModelError
+
+__all__ = ["BALL", "CLAMPED", "FREE", "RootSupport", "hinged", "sliding"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RootSupport:
+    """What the root station may do: x_1(root) = free @ rates.
+
+    free : (6, k)   independent twists, velocity then angular velocity, in the root's axes; k from 0 to 6
+    Raises ModelError for twists of the wrong shape, or that depend on each other.
+    """
+
+    free: Array
+
+    def __post_init__(self) -> None:
+        free = read_only(self.free)
+        if free.ndim != 2 or free.shape[0] != 6 or not np.isfinite(free).all():
+            raise ModelError(f"a support's free twists are an array (6, k), not {free.shape}")
+        if free.shape[1] and np.linalg.matrix_rank(free) < free.shape[1]:
+            raise ModelError("a support's free twists depend on each other: leave one out")
+        object.__setattr__(self, "free", free)
+
+
+CLAMPED = RootSupport(np.zeros((6, 0)))
+"""The root does not move, or as it is told."""
+FREE = RootSupport(np.eye(6))
+"""The body flies."""
+BALL = RootSupport(np.eye(6)[:, 3:])
+"""The root turns about a point that does not move."""
+
+
+def hinged(axis: ArrayLike) -> RootSupport:
+    """The root turns about an axis (3,) that is fixed in it and in space."""
+    return RootSupport(np.concatenate([np.zeros(3), _unit(axis)])[:, None])
+
+
+def sliding(axis: ArrayLike) -> RootSupport:
+    """The root moves along an axis (3,), and does not turn."""
+    return RootSupport(np.concatenate([_unit(axis), np.zeros(3)])[:, None])
+
+
+def _unit(axis: ArrayLike) -> Array:
+    direction = np.asarray(axis, dtype=np.float64)
+    length = np.linalg.norm(direction)
+    if direction.shape != (3,) or not np.isfinite(length) or length == 0:
+        raise ModelError(f"the axis of a support must be three finite numbers, not all zero; got {axis}")
+    return direction / length

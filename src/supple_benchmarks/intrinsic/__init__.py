@@ -1,0 +1,1 @@
+"""The intrinsic modal reduction beside its paper, closed forms and the other methods."""

@@ -1,0 +1,104 @@
+"""One slender strip through four methods, at rest under a dead tip force that turns its tip far."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from time import process_time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from supple.body import AveragingInterface, FullBody, NodalFixedFrame, RigidInterface, flexible_body
+from supple.fem import HomogeneousSection, Isotropic, shell_model
+from supple.intrinsic import LoadPath, condense, line_rest
+from supple.machine import DeadForce, Fixed, System, split_body
+from supple.mesh import AlongAxis, strip
+from supple.reduction import CompressedDerivatives, CraigBampton, reduce
+from supple.simulation.equilibrium import equilibrium
+from supple_benchmarks.references.elastica import elastica
+
+__all__ = ["METHODS", "agreement_rows", "tip_by"]
+
+LENGTH, WIDTH, THICKNESS, MODULUS = 1.0, 0.1, 0.005, 2.1e11
+BENDING = MODULUS * WIDTH * THICKNESS**3 / 12
+METHODS = ("full", "floating", "split", "intrinsic")
+N_LENGTH = 24
+
+
+def agreement_rows(quick: bool) -> Iterator[dict[str, Any]]:
+    """Error of the tip against the elastica, as a share of its deflection; the blade is not done."""
+    for rotation in (0.29, 0.87) if quick else (0.01, 0.1, 0.29, 0.57, 0.87, 1.2):
+        for method in METHODS:
+            yield tip_by(method, rotation)
+
+
+def tip_by(method: str, rotation: float) -> dict[str, Any]:
+    """A row of the report: the tip of the strip by a method, at a rotation of the tip, rad."""
+    force, exact = _force_that_turns(rotation)
+    began = process_time()
+    tip = {"full": _full, "floating": _floating, "split": _split, "intrinsic": _intrinsic}[method](force)
+    error = float(np.hypot(*(tip[[0, 2]] - exact)) / exact[1])
+    return {
+        "body": "strip",
+        "tip_rotation": rotation,
+        "method": method,
+        "error": error,
+        "seconds": process_time() - began,
+    }
+
+
+def _force_that_turns(rotation: float) -> tuple[float, NDArray[np.float64]]:
+    scale = BENDING / LENGTH**2
+    force = brentq(lambda f: elastica(BENDING, LENGTH, f)[2] - rotation, 1e-3 * scale, 20 * scale)
+    assert isinstance(force, float)
+    return force, np.array(elastica(BENDING, LENGTH, force)[:2])
+
+
+def _model() -> Any:
+    wall = HomogeneousSection(Isotropic(MODULUS, 0.0, 7800.0), THICKNESS)
+    return shell_model(strip(LENGTH, WIDTH, N_LENGTH, 2), wall)
+
+
+def _interfaces() -> list[Any]:
+    return [RigidInterface("root", "root"), AveragingInterface("tip", "tip")]
+
+
+def _resting(bodies: list[Any], joints: list[Any], last: str, force: float) -> NDArray[np.float64]:
+    clamp = Fixed(first="ground", second=f"{bodies[0].name}.root")
+    loads = [DeadForce(at=f"{last}.tip", force=(0.0, 0.0, force))]
+    rest = equilibrium(System(bodies, [clamp, *joints], loads)).system
+    placed = rest.bodies[rest.body_index(last)]
+    tip = placed.body.interface("tip")
+    moved = np.asarray(tip.motion @ placed.coordinates)[:3]
+    return placed.position + placed.rotation @ (tip.position + moved)
+
+
+def _full(force: float) -> NDArray[np.float64]:
+    body = flexible_body("strip", _model(), _interfaces())
+    return _resting([FullBody(body, NodalFixedFrame("root"))], [], "strip", force)
+
+
+def _floating(force: float) -> NDArray[np.float64]:
+    body = flexible_body("strip", _model(), _interfaces())
+    reduced = reduce(body, NodalFixedFrame("root"), CraigBampton(6), derivatives=CompressedDerivatives(8))
+    return _resting([reduced], [], "strip", force)
+
+
+def _split(force: float) -> NDArray[np.float64]:
+    parts = split_body("strip", _model(), AlongAxis(4, (1, 0, 0)), tuple(_interfaces()))
+    held = ["root", *(f"cut-{number + 1}" for number in range(3))]
+    bodies = [
+        reduce(part, NodalFixedFrame(name), CraigBampton(4), derivatives=CompressedDerivatives(4))
+        for part, name in zip(parts.parts, held, strict=True)
+    ]
+    return _resting(bodies, list(parts.joints), bodies[-1].name, force)
+
+
+def _intrinsic(force: float) -> NDArray[np.float64]:
+    shells = flexible_body("strip", _model(), _interfaces())
+    body = condense(shells, LoadPath("root", "tip", N_LENGTH + 1), n_modes=60)
+    clamp = Fixed(first="ground", second="strip.root")
+    system = System([body], [clamp], [DeadForce(at="strip.tip", force=(0.0, 0.0, force))])
+    return body.places(line_rest(system, n_steps=3)["strip"])[1][0, -1]

@@ -1,0 +1,50 @@
+"""Beams at rest far from where they were: the elastica and the bend of 45 degrees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from supple.intrinsic import CLAMPED, intrinsic_body, line_rest
+from supple.machine import DeadForce, Fixed, System
+from supple_benchmarks.intrinsic.beams import beam_line
+from supple_benchmarks.references.elastica import elastica
+
+__all__ = ["bend_of_45_degrees", "elastica_rows", "order_of"]
+
+LOAD = 10.0
+"""P L^2 / E I"""
+
+
+def elastica_rows(quick: bool) -> Iterator[dict[str, Any]]:
+    """Error of the tip over the length under a dead force across it, by the number of segments."""
+    along, across, _ = elastica(1.0, 1.0, LOAD)
+    for n in (10, 20, 40) if quick else (10, 20, 40, 80):
+        points = np.linspace(0, 1, n + 1)[:, None] * np.eye(3)[0]
+        line = beam_line("beam", points, axial=1e6, bending=1.0, torsion=1.0, mass=1.0, radius=0.01)
+        tip = _tip(line, (0, 0, LOAD), 5)
+        yield {"nodes": n, "error": float(np.hypot(tip[0] - along, tip[2] - across))}
+
+
+def order_of(rows: list[dict[str, Any]]) -> float:
+    """Slope of the error against the number of segments."""
+    n, error = (np.log([row[key] for row in rows]) for key in ("nodes", "error"))
+    return float(-np.polyfit(n, error, 1)[0])
+
+
+def bend_of_45_degrees() -> dict[str, Any]:
+    """Tip of an arc of radius 100, unit square section, E = 1e7, under a dead force of 600 off its plane."""
+    angles = np.linspace(0, np.pi / 4, 17)
+    points = 100 * np.column_stack([1 - np.cos(angles), np.sin(angles), 0 * angles])
+    stiffness = 1e7 / 12
+    line = beam_line("beam", points, axial=1e7, bending=stiffness, torsion=stiffness, mass=1.0, radius=0.3)
+    return {"load": 600, "tip": _tip(line, (0, 0, 600.0), 6).tolist()}
+
+
+def _tip(line: Any, force: tuple[float, float, float], n_steps: int) -> np.ndarray:
+    body = intrinsic_body(line, CLAMPED)
+    clamp = Fixed(first="ground", second="beam.root")
+    system = System([body], [clamp], [DeadForce(at="beam.tip", force=force)])
+    return body.positions(line_rest(system, n_steps=n_steps)["beam"])[0, -1]

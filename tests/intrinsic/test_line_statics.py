@@ -1,0 +1,91 @@
+"""Equilibrium at any deflection: elastica, a follower force, the 45-degree bend."""
+
+import numpy as np
+import pytest
+from fixtures.beam_lines import beam_line, straight
+
+from supple.errors import ConvergenceError, ModelError
+from supple.intrinsic import CLAMPED, FREE, intrinsic_body, line_rest, line_statics
+from supple.machine import DeadForce, Fixed, FollowerForce, System
+from supple_benchmarks.references.elastica import elastica
+
+BEAM = {"EA": 1e6, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.01}
+CLAMP = Fixed(first="ground", second="beam.root")
+
+
+def tip_at_rest(n, load, *, points=None, n_steps=4, **section):
+    line = beam_line(straight(1.0, n) if points is None else points, **(BEAM | section))
+    body = intrinsic_body(line, CLAMPED)
+    rest = line_rest(System([body], [CLAMP], [load]), n_steps=n_steps)
+    rotations, positions = body.places(rest["beam"])
+    return positions[0, -1], rotations[0, -1]
+
+
+def test_the_elastica_is_met_to_second_order():
+    """P L^2 / EI = 10."""
+    along, across, _ = elastica(1.0, 1.0, 10.0)
+    errors = []
+    for n in (10, 20, 40):
+        tip, _ = tip_at_rest(n, DeadForce(at="beam.tip", force=(0, 0, 10.0)))
+        errors.append(np.hypot(tip[0] - along, tip[2] - across))
+    assert errors[-1] <= 2e-5
+    assert np.all(np.log2(np.array(errors[:-1]) / errors[1:]) >= 1.9)
+
+
+def follower_elastica(load):
+    """Tip of an inextensible cantilever under a force that stays across its tip: shot from there."""
+    from scipy.integrate import solve_ivp
+    from scipy.optimize import brentq
+
+    def shot(turn):
+        # phi: angle against the tip; the force is across the tip, M' = -P cos(phi).
+        def rates(_, y):
+            return [y[1], -load * np.cos(y[0] - turn), np.cos(y[0]), np.sin(y[0])]
+
+        return solve_ivp(rates, (1.0, 0.0), [turn, 0.0, 0.0, 0.0], rtol=1e-11, atol=1e-12).y[:, -1]
+
+    turn = brentq(lambda angle: shot(angle)[0], 2.0, 3.0, xtol=1e-13)
+    _, _, along, across = shot(turn)
+    return np.array([-along, -across]), turn
+
+
+def test_a_follower_force_turns_the_tip_by_158_degrees():
+    """P L^2 / EI = 8."""
+    exact, turn = follower_elastica(8.0)
+    assert np.degrees(turn) == pytest.approx(157.94, abs=0.01)
+    errors = []
+    for n in (10, 20):
+        tip, rotation = tip_at_rest(n, FollowerForce(first="beam.tip", force=(0, 0, 8.0)), n_steps=6)
+        errors.append(np.linalg.norm(tip[[0, 2]] - exact))
+        assert np.arctan2(-rotation[2, 0], rotation[0, 0]) == pytest.approx(-turn, abs=2e-3)
+    assert errors[1] < 1e-3
+    assert np.log2(errors[0] / errors[1]) > 1.8
+
+
+def test_the_bend_of_45_degrees_stands_where_it_is_published():
+    """Dead load 600 on the tip of an arc of radius 100; [SimoVuQuoc1986], part I: (15.79, 47.23, 53.37)."""
+    angles = np.linspace(0, np.pi / 4, 17)
+    points = np.column_stack([100 * (1 - np.cos(angles)), 100 * np.sin(angles), 0 * angles])
+    EI = 1e7 / 12
+    tip, _ = tip_at_rest(
+        16,
+        DeadForce(at="beam.tip", force=(0, 0, 600.0)),
+        points=points,
+        EA=1e7,
+        EI=EI,
+        GJ=EI,
+        orientation=(0.0, 0.0, 1.0),
+    )
+    assert tip == pytest.approx([15.79, 47.23, 53.37], rel=0.01)
+
+
+def test_a_free_line_rests_nowhere_of_its_own():
+    body = intrinsic_body(beam_line(straight(1.0, 4), **BEAM), FREE, 4)
+    with pytest.raises(ModelError, match="has no equilibrium of its own"):
+        line_rest(System([body]))
+
+
+def test_a_search_that_fails_is_reported_with_the_share_reached(monkeypatch):
+    monkeypatch.setattr(line_statics, "MOST_ITERATIONS", 1)
+    with pytest.raises(ConvergenceError, match="no equilibrium of the lines beyond 0 of the loads"):
+        tip_at_rest(3, FollowerForce(first="beam.tip", force=(0, 0, 1e5)), n_steps=1)

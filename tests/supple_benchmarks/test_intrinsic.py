@@ -1,0 +1,55 @@
+"""The quick form of the intrinsic benchmark: its keys, and what it must show."""
+
+import json
+
+import pytest
+
+from supple_benchmarks.intrinsic.perform import perform
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("intrinsic")
+    perform(True, folder / "report.json", folder)
+    return json.loads((folder / "report.json").read_text())
+
+
+pytestmark = pytest.mark.slow
+
+
+def test_modes_are_orthonormal_and_energy_is_kept(report):
+    assert max(report["orthonormality"].values()) <= 1e-11
+    assert report["energy_drift"] < 1e-5
+
+
+def test_beams_at_rest_are_those_of_theory_and_literature(report):
+    assert report["elastica_order"] >= 1.9
+    assert report["elastica"][-1]["nodes"] == 40
+    assert report["elastica"][-1]["error"] <= 2e-5
+    assert report["simo45"]["load"] == 600
+    assert report["simo45"]["tip"] == pytest.approx([15.79, 47.23, 53.37], rel=0.01)
+
+
+def test_the_box_has_the_low_frequencies_of_its_shells(report):
+    low = {row["kind"]: abs(row["error"]) for row in reversed(report["box_beam"]["frequencies"])}
+    assert low["flapwise"] < 5e-3
+    assert low["chordwise"] < 5e-3
+    assert low["torsion"] < 0.01
+    assert len(report["box_beam"]["tip"]["t"]) == len(report["box_beam"]["tip"]["u"])
+
+
+def test_a_body_that_flies_moves_its_centre_as_newton_says_and_residual_modes_help(report):
+    flying = report["u_beam"]
+    assert flying["order"] == pytest.approx(2, abs=0.3)
+    for row in flying["residualised"]:
+        assert row["residualised_error"] < row["truncated_error"] / 3
+
+
+def test_intrinsic_modes_agree_with_the_elastica_where_one_frame_does_not(report):
+    errors = {(row["method"], row["tip_rotation"]): row["error"] for row in report["agreement"]}
+    assert max(errors["intrinsic", 0.29], errors["intrinsic", 0.87]) < 1e-3
+    assert errors["floating", 0.87] > 10 * errors["intrinsic", 0.87]
+
+
+def test_the_cost_of_a_step_is_reported(report):
+    assert {"modes", "nodes", "us_per_rk4_step", "tensor_us_per_rk4_step"} == set(report["speed"][0])
