@@ -19,9 +19,11 @@ def _momentum_lost(box, scheme, turn=TURN):
     step = turn / float(spin[2])
     model, state = spinning(box, scheme, step, spin)
     L = angular_momentum(model, state, step)
-    end = flown(scheme, model, state, step, round(2 * np.pi * TURNS / turn))
-    change = jnp.linalg.norm(angular_momentum(model, end, step) - L) / jnp.linalg.norm(L)
-    return float(change), np.abs(link_residual(end.p, model.squared_lengths)).max() / box.points.arm**2
+    change = []
+    for _ in range(20):
+        state = flown(scheme, model, state, step, round(2 * np.pi * TURNS / turn / 20))
+        change.append(float(jnp.linalg.norm(angular_momentum(model, state, step) - L) / jnp.linalg.norm(L)))
+    return max(change), np.abs(link_residual(state.p, model.squared_lengths)).max() / box.points.arm**2
 
 
 def test_predicted_links_brake_a_rigid_rotation_as_derived():

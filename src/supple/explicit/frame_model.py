@@ -10,7 +10,7 @@ from jax import Array
 from supple.explicit.frame_moments import Moments, Spread, arms
 from supple.explicit.frame_points import CORNERS
 
-__all__ = ["FrameModel", "FrameState", "Generalized", "elastic_force", "gravity_force", "point_forces"]
+__all__ = ["FrameModel", "FrameState", "Generalized", "Steps", "elastic_force", "gravity_force", "point_forces"]
 
 
 class FrameModel(NamedTuple):
@@ -30,15 +30,27 @@ class FrameModel(NamedTuple):
 
 
 class FrameState(NamedTuple):
-    """Where a frame stands at t_n, and its increments since t_n - h.
+    """Where a frame stands at t_n, and its rates over the step before; at the start, those of that instant.
 
-    p : (4, 3) m;   y : (k,);   dp : (4, 3);   dy : (k,)
+    p : (4, 3) m;   y : (k,);   vp : (4, 3) m/s;   vy : (k,)
     """
 
     p: Array
     y: Array
-    dp: Array
-    dy: Array
+    vp: Array
+    vy: Array
+
+
+class Steps(NamedTuple):
+    """The lengths of the step before t_n, zero at the start, and of the one after, s."""
+
+    before: Array | float
+    after: Array | float
+
+    @property
+    def mean(self) -> Array | float:
+        """The time over which a force at t_n acts: half a step at the start."""
+        return 0.5 * (self.before + self.after)
 
 
 class Generalized(NamedTuple):

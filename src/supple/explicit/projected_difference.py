@@ -2,7 +2,7 @@
 
     B(q_n)^T M [x(q_n+1) - 2 x_n + x_n-1] = h^2 {B(q_n)^T f_n - [0; K_L y_n] + G_n^T lambda},   D(p_n+1) = 0
 
-with B = dx/dq, from the discrete Lagrangian 1/(2h) |x(q_n+1) - x(q_n)|_M^2 - h V(y_n). No term is neglected and
+with B = dx/dq, in equal steps; from the discrete Lagrangian 1/(2h) |x(q_n+1) - x(q_n)|_M^2 - h V(y_n). No term is neglected and
 no force depends on velocity: gyroscopic, centrifugal and Euler forces are inside. Momentum is exact, energy
 stays bounded, the step limit of the modes holds. The unknown increments enter bilinearly,
 
@@ -20,7 +20,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array, lax
 
-from supple.explicit.frame_model import FrameModel, FrameState, Generalized, elastic_force
+from supple.explicit.frame_model import FrameModel, FrameState, Generalized, Steps, elastic_force
 from supple.explicit.frame_moments import Spread, arms, spread
 from supple.explicit.rigid_links import link_residual, link_rows, link_vectors
 
@@ -43,35 +43,24 @@ class _Tangent(NamedTuple):
 class ProjectedDifference:
     """The default scheme of a four-point frame."""
 
-    def start(
-        self, model: FrameModel, p: Array, y: Array, rates: Generalized, force: Generalized, h: Array
-    ) -> FrameState:
-        """State whose increments over the half steps around t_0 have the mean `rates` (velocities).
-
-        force : applied at t_0, without that of the modes' stiffness
-        """
-        t = _tangent(model, p, y)
-        full = force + Generalized(jnp.zeros((4, 3)), elastic_force(model, y, rates.y))
-        momentum = _momentum(model, t, rates.times(h))
-        # The step backwards is a step of the reversed motion.
-        back, _ = _increment(model, p, t, momentum.times(-1.0) + full.times(h**2 / 2), rates.times(-h), 1.0)
-        return FrameState(p, y, -back.p, -back.y)
-
     def step(
-        self, model: FrameModel, state: FrameState, force: Generalized, h: Array
+        self, model: FrameModel, state: FrameState, force: Generalized, steps: Steps
     ) -> tuple[FrameState, Array]:
-        """The state a step h later, and the link multipliers (6,), N/m; `force` applies at t_n."""
-        p, y, dp, dy = state
+        """The state after the step, and the link multipliers (6,), N/m; `force` applies at t_n."""
+        p, y, vp, vy = state
+        h, mean = steps.after, steps.mean
         t = _tangent(model, p, y)
-        before = Generalized(dp, dy)
-        moved = _momentum(model, t, before)
-        bilinear = _bilinear(model, t, dp, dy)
-        elastic = elastic_force(model, y, dy / h) - 0.5 * model.mass_damping * dy / h
+        moved = _momentum(t, Generalized(vp, vy))
+        bilinear = _bilinear(model, t, vp, vy)
+        drag = 0.5 * mean * model.mass_damping
         right = Generalized(
-            moved.p - bilinear.p + h**2 * force.p, moved.y - bilinear.y + h**2 * (force.y + elastic)
+            h * (moved.p - steps.before * bilinear.p + mean * force.p),
+            h * (moved.y - steps.before * bilinear.y + mean * (force.y + elastic_force(model, y, vy)) - drag * vy),
         )
-        after, multipliers = _increment(model, p, t, right, before, 1 + 0.5 * h * model.mass_damping)
-        return FrameState(p + after.p, y + after.y, after.p, after.y), multipliers / h**2
+        guess = Generalized(h * vp, h * vy)
+        after, multipliers = _increment(model, p, t, right, guess, 1 + drag)
+        new = FrameState(p + after.p, y + after.y, after.p / h, after.y / h)
+        return new, multipliers / (h * mean)
 
 
 def _tangent(model: FrameModel, p: Array, y: Array) -> _Tangent:
@@ -81,7 +70,7 @@ def _tangent(model: FrameModel, p: Array, y: Array) -> _Tangent:
     return _Tangent(sums, P, A_py, link_rows(link_vectors(p)))
 
 
-def _momentum(model: FrameModel, t: _Tangent, d: Generalized) -> Generalized:
+def _momentum(t: _Tangent, d: Generalized) -> Generalized:
     """B_n^T M B_n d."""
     return Generalized(t.sums.Xi @ d.p + (t.A_py @ d.y).reshape(4, 3), t.A_py.T @ d.p.reshape(12) + d.y)
 
@@ -114,7 +103,7 @@ def _increment(
     factor = unit / jnp.sqrt(scale)
 
     def correction(d: Generalized, multipliers: Array) -> tuple[Generalized, Array]:
-        moved, bilinear = _momentum(model, t, d), _bilinear(model, t, *d)
+        moved, bilinear = _momentum(t, d), _bilinear(model, t, *d)
         r_p = (right.p - moved.p - bilinear.p).reshape(12) + border.T @ multipliers
         r_y = right.y - moved.y - bilinear.y - (modal_mass - 1) * d.y
         r_D = -link_residual(p + d.p, model.squared_lengths) * factor

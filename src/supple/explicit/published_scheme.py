@@ -17,7 +17,7 @@ from typing import Protocol
 import jax.numpy as jnp
 from jax import Array, lax
 
-from supple.explicit.frame_model import FrameModel, FrameState, Generalized, elastic_force
+from supple.explicit.frame_model import FrameModel, FrameState, Generalized, Steps, elastic_force
 from supple.explicit.frame_moments import arms
 from supple.explicit.rigid_links import link_residual, link_rows, link_vectors
 
@@ -28,7 +28,7 @@ class Links(Protocol):
     """How the distances of the points are kept over a step."""
 
     def accelerations(
-        self, inverse_mass: Array, free: Array, p: Array, v: Array, squared_lengths: Array, h: Array
+        self, inverse_mass: Array, free: Array, p: Array, v: Array, squared_lengths: Array, steps: Steps
     ) -> tuple[Array, Array]:
         """Accelerations (12 + k,) and multipliers (6,) from those without links, at velocities v (4, 3)."""
         ...
@@ -38,8 +38,8 @@ class Links(Protocol):
 class PredictedLinks:
     """Forces along d + h v; one linear solution, the square of the acceleration dropped, the error fed back."""
 
-    def accelerations(self, inverse_mass, free, p, v, squared_lengths, h):  # noqa: D102 (of the protocol)
-        d, rate = link_vectors(p), link_vectors(v)
+    def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):  # noqa: D102 (of the protocol)
+        d, rate, h = link_vectors(p), link_vectors(v), steps.after
         rows = _padded(link_rows(d + h * rate), len(free))
         open_ = ((squared_lengths - (d * d).sum(axis=1)) / h - ((2 * d + h * rate) * rate).sum(axis=1)) / (
             2 * h
@@ -53,7 +53,8 @@ class PredictedLinks:
 class ExactLinks:
     """SHAKE: forces along the links at t_n such that D(p_n+1) = 0."""
 
-    def accelerations(self, inverse_mass, free, p, v, squared_lengths, h):  # noqa: D102 (of the protocol)
+    def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):  # noqa: D102 (of the protocol)
+        h = steps.after
         rows = _padded(link_rows(link_vectors(p)), len(free))
         spread = inverse_mass @ rows.T
         inverse = jnp.linalg.inv(rows @ spread)
@@ -61,9 +62,9 @@ class ExactLinks:
         def improve(carry):
             multipliers, _, passes = carry
             a = (free + spread @ multipliers)[:12].reshape(4, 3)
-            residual = link_residual(p + h * (v + h * a), squared_lengths)
+            residual = link_residual(p + h * (v + steps.mean * a), squared_lengths)
             size = jnp.abs(residual).max() / squared_lengths[0]
-            return multipliers - inverse @ residual / h**2, size, passes + 1
+            return multipliers - inverse @ residual / (h * steps.mean), size, passes + 1
 
         multipliers, _, _ = lax.while_loop(
             lambda carry: (carry[1] > 1e-15) & (carry[2] < 30),
@@ -111,30 +112,22 @@ class PublishedScheme:
     links: Links = field(default_factory=PredictedLinks)
     gyroscopic: GyroscopicForce = field(default_factory=NoGyroscopicForce)
 
-    def start(
-        self, model: FrameModel, p: Array, y: Array, rates: Generalized, force: Generalized, h: Array
-    ) -> FrameState:
-        """State whose velocities half a step back are those at t_0 less half a step of acceleration."""
-        back = FrameState(p, y, h * rates.p, h * rates.y)
-        after, _ = self.step(model, back, force, h)
-        return FrameState(p, y, 1.5 * back.dp - 0.5 * after.dp, 1.5 * back.dy - 0.5 * after.dy)
-
     def step(
-        self, model: FrameModel, state: FrameState, force: Generalized, h: Array
+        self, model: FrameModel, state: FrameState, force: Generalized, steps: Steps
     ) -> tuple[FrameState, Array]:
-        """The state a step h later, and the link multipliers (6,); `force` applies at t_n."""
-        p, y, dp, dy = state
-        v, rates = dp / h, dy / h
+        """The state after the step, and the link multipliers (6,); `force` applies at t_n."""
+        p, y, vp, vy = state
+        mean = steps.mean
         M_C = jnp.einsum("il,alk->aik", arms(p), model.moments.S1).reshape(12, -1)
-        modal = jnp.eye(len(y)) * (1 + 0.5 * h * model.mass_damping)
+        modal = jnp.eye(len(y)) * (1 + 0.5 * mean * model.mass_damping)
         mass = jnp.block([[jnp.kron(model.moments.S0, jnp.eye(3)), M_C], [M_C.T, modal]])
         inverse_mass = jnp.linalg.inv(mass)
-        total = force + self.gyroscopic.force(model, p, v, rates)
-        on_modes = total.y + elastic_force(model, y, rates) - model.mass_damping * rates
+        total = force + self.gyroscopic.force(model, p, vp, vy)
+        on_modes = total.y + elastic_force(model, y, vy) - model.mass_damping * vy
         free = inverse_mass @ jnp.concatenate([total.p.reshape(12), on_modes])
-        a, multipliers = self.links.accelerations(inverse_mass, free, p, v, model.squared_lengths, h)
-        dp, dy = dp + h**2 * a[:12].reshape(4, 3), dy + h**2 * a[12:]
-        return FrameState(p + dp, y + dy, dp, dy), multipliers
+        a, multipliers = self.links.accelerations(inverse_mass, free, p, vp, model.squared_lengths, steps)
+        vp, vy = vp + mean * a[:12].reshape(4, 3), vy + mean * a[12:]
+        return FrameState(p + steps.after * vp, y + steps.after * vy, vp, vy), multipliers
 
 
 def _padded(rows: Array, size: int) -> Array:
