@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
 from supple.errors import ModelError
-from supple.explicit.elements import SolidBlock, SolidPoints, element_limits, solid_block, solid_points
+from supple.explicit.elements import SolidPoints, element_limits, solid_points
+from supple.explicit.elements.solid_block import hourglass_stiffness
 from supple.explicit.materials import Law, StVenantKirchhoff
 from supple.fem import FiniteElementModel, Isotropic, lumped_mass
 from supple.fem.mass import CellMass
@@ -68,22 +69,15 @@ class ExplicitSubdomain:
         return tuple(solid_points(self.model, section, block) for section, block in pairs)
 
     @cached_property
-    def blocks(self) -> tuple[SolidBlock, ...]:
-        """The arrays of the march."""
-        return tuple(
-            solid_block(points, len(self.nodes), self.law.elastic, self.hourglass) for points in self.points
-        )
-
-    @cached_property
     def element_limits(self) -> tuple[FloatArray, ...]:
         """The longest stable step of each element of each block at rest, s."""
         limits = []
         mesh, elastic = self.model.mesh, self.law.elastic
-        for section, points, block in zip(self.model.sections, self.points, self.blocks, strict=True):
+        for section, points in zip(self.model.sections, self.points, strict=True):
             element = SOLID_ELEMENTS[section.cell_type]
             mass = solid_mass(element, section.corners(mesh), elastic.density)
             lumped = np.einsum("ekk->ek", CellMass(points.nodes, mass).lumped().translational)
-            limits.append(element_limits(points, lumped, elastic, np.asarray(block.hourglass)))
+            limits.append(element_limits(points, lumped, elastic, hourglass_stiffness(points, elastic, self.hourglass)))
         return tuple(limits)
 
     @property

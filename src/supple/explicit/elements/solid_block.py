@@ -14,7 +14,7 @@ from supple.explicit.materials.law import Law, viscous_stress
 from supple.explicit.tensor3 import Tensor, as_array, tensor
 from supple.fem import Isotropic
 
-__all__ = ["BlockForce", "SolidBlock", "block_force", "deformation", "solid_block"]
+__all__ = ["BlockForce", "SolidBlock", "block_force", "deformation", "hourglass_stiffness", "solid_block"]
 
 
 class SolidBlock(NamedTuple):
@@ -51,24 +51,37 @@ class BlockForce(NamedTuple):
     smallest: Array
 
 
-def solid_block(points: SolidPoints, n_nodes: int, elastic: Isotropic, hourglass: float) -> SolidBlock:
+def solid_block(
+    points: SolidPoints,
+    numbers: np.ndarray,
+    n_nodes: int,
+    gradients: np.ndarray,
+    elastic: Isotropic,
+    hourglass: float,
+) -> SolidBlock:
     """The arrays of a block.
 
+    numbers : (N_part,) of the part's nodes among the n_nodes of the march
+    gradients : (E, g, 3, k) of the points, in the axes of space
     hourglass : stiffness of an hourglass mode over that of the stretching mode
     """
-    gradients = points.gradients.transpose(3, 2, 1, 0)
-    modulus = elastic.elasticity[0, 0]
-    b = (points.gradients[:, 0] ** 2).sum(axis=(1, 2)) / 3
-    norm = np.maximum((points.gamma**2).sum(axis=2).max(axis=1, initial=0.0), 1e-300)
-    kappa = hourglass * modulus * points.volumes.sum(axis=1) * b / norm
+    nodes = numbers[points.nodes.T]
     return SolidBlock(
-        jnp.asarray(points.nodes.T),
-        jnp.asarray(np.ascontiguousarray(gradients)),
+        jnp.asarray(nodes),
+        jnp.asarray(np.ascontiguousarray(gradients.transpose(3, 2, 1, 0))),
         jnp.asarray(points.volumes.T),
         jnp.asarray(np.ascontiguousarray(points.gamma.transpose(1, 2, 0))),
-        jnp.asarray(kappa),
-        jnp.asarray(incidence(points.nodes.T, n_nodes)),
+        jnp.asarray(hourglass_stiffness(points, elastic, hourglass)),
+        jnp.asarray(incidence(nodes, n_nodes)),
     )
+
+
+def hourglass_stiffness(points: SolidPoints, elastic: Isotropic, hourglass: float) -> np.ndarray:
+    """kappa (E,), N/m: kappa |gamma|^2 is the fraction `hourglass` of (lambda + 2 mu) V |b|^2 / 3."""
+    b = (points.gradients[:, 0] ** 2).sum(axis=(1, 2)) / 3
+    norm = (points.gamma**2).sum(axis=2).max(axis=1, initial=0.0)
+    free = np.where(norm > 0, norm, 1.0)
+    return hourglass * elastic.elasticity[0, 0] * points.volumes.sum(axis=1) * b / free
 
 
 def deformation(block: SolidBlock, corners: Array) -> Tensor:
