@@ -14,6 +14,7 @@ from supple.algebra.jax_settings import check_not_forked
 from supple.errors import ModelError
 from supple.explicit.explicit_system import ExplicitSystem
 from supple.explicit.march.build import Built, built
+from supple.explicit.march.march_step import kinetic
 from supple.explicit.march.interval import Recorded, chosen_steps, march_to, recorded
 from supple.explicit.march.model import Energies, MarchState
 from supple.explicit.modal_subdomain import ModalSubdomain
@@ -73,7 +74,6 @@ class ExplicitEngine:
             system, self._options.scheme, self._options.safety, self._options.largest_ratio
         )
         self._check_step()
-        self._start_energy = jnp.asarray(self._energies(self._built.start).kinetic)
 
     @property
     def built(self) -> Built:
@@ -90,7 +90,8 @@ class ExplicitEngine:
 
     def start(self, time: float) -> MarchState:
         """The parts as they are placed."""
-        return self._built.start._replace(time=jnp.asarray(time))
+        state = self._built.start._replace(time=jnp.asarray(time))
+        return state._replace(initial=kinetic(self._built.model, state))
 
     def resumed(self, last: Solution) -> MarchState:
         """The state at the end of a recorded part, exact to the last bit."""
@@ -120,14 +121,13 @@ class ExplicitEngine:
                 own.model,
                 own.methods,
                 state,
-                self._start_energy,
                 jnp.asarray(self._options.step or 0.0),
                 jnp.asarray(ahead),
             )
             after = jax.device_get(after)
             bad = np.flatnonzero(after.trouble)
             if bad.size:
-                stopped = self._told(jax.tree.map(lambda leaf: leaf[bad[0]], after))
+                stopped = self._told(jax.tree.map(lambda leaf: leaf[bad[0]], after), float(last.initial))
                 after = jax.tree.map(lambda leaf: leaf[: bad[0]], after)
             if len(after.time):
                 rows.append(after)
@@ -165,9 +165,6 @@ class ExplicitEngine:
             engine_state={f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)},
         )
 
-    def _energies(self, state: MarchState) -> Energies:
-        return Energies(*recorded(self._built.model, self._built.methods, state).energies)
-
     def _check_step(self) -> None:
         step = self._options.step
         if step is None:
@@ -182,7 +179,7 @@ class ExplicitEngine:
                 f"out, or give at most {0.9 * limit:.3g}"
             )
 
-    def _told(self, row: Recorded) -> str:
+    def _told(self, row: Recorded, initial: float) -> str:
         """Why a run ended, in words."""
         when = f"t = {float(row.time):.6g}, step {int(row.steps)}"
         e = dict(zip(Energies._fields, np.asarray(row.energies), strict=True))
@@ -195,7 +192,7 @@ class ExplicitEngine:
             case 2:
                 return f"the motion is not a number any more at {when}: the step is too long for the deformed mesh"
             case 3:
-                drift = sum(e.values()) - 2 * e["external"] - float(self._start_energy)
+                drift = sum(e.values()) - 2 * e["external"] - initial
                 worst = max((name for name in e if name != "external"), key=lambda name: abs(e[name]))
                 return (
                     f"the energy balance is open by {drift:.3g} J at {when}, more than 1 %; the largest term is "

@@ -98,25 +98,32 @@ def block_force(
     alive : (E,) 1, or 0 where an element has been deleted
     beta : stiffness damping, s; None leaves its operations out
     """
-    corners, moves = lax.optimization_barrier((x[:, block.nodes], dx[:, block.nodes]))
-    F, dF = deformation(block, corners), deformation(block, moves)
+    corners = lax.optimization_barrier(x[:, block.nodes])
+    moves = lax.optimization_barrier(dx[:, block.nodes])
+    # Apart, so that an increment which the law does not read is not worked out.
+    F = lax.optimization_barrier(deformation(block, corners))
+    dF = lax.optimization_barrier(deformation(block, moves))
     P, state, dissipated, J = law.respond(F, dF, state)
     lost = jnp.zeros_like(J)
     if beta is not None:
         viscous, lost = viscous_stress(law.elastic, beta, F, dF, h)
         P = tensor(lambda i, j: P[i][j] + viscous[i][j])
     volumes = block.volumes * alive
-    stress = as_array(lax.optimization_barrier(tensor(lambda i, j: volumes * P[i][j])))
+    stress = lax.optimization_barrier(as_array(lax.optimization_barrier(tensor(lambda i, j: volumes * P[i][j]))))
     g = block.gradients
     forces = -sum(stress[:, None, j] * g[None, :, j] for j in range(3)).sum(axis=2)  # type: ignore[union-attr]
     against = jnp.zeros_like(x)
     if len(block.gamma):
         kappa = block.hourglass * alive
-        amplitudes = [
-            kappa * sum(corners[:, k] * block.gamma[a, k] for k in range(len(g))) for a in range(len(block.gamma))
-        ]
-        amplitudes = lax.optimization_barrier(amplitudes)
-        corner = -sum(amplitudes[a][:, None] * block.gamma[None, a] for a in range(len(amplitudes)))
+        # One array a component: a loop over elements alone is what the compiler makes vector code of.
+        amplitudes = lax.optimization_barrier(
+            [
+                [kappa * sum(corners[i, k] * gamma[k] for k in range(len(g))) for i in range(3)]
+                for gamma in block.gamma
+            ]
+        )
+        stacked = lax.optimization_barrier(jnp.array(amplitudes))
+        corner = -sum(stacked[a][:, None] * block.gamma[None, a] for a in range(len(stacked)))
         against = gathered(lax.optimization_barrier(corner), block.table)
     return BlockForce(
         gathered(lax.optimization_barrier(forces), block.table),

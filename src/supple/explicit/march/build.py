@@ -173,6 +173,7 @@ def _start(
         ),
         obstacle_forces=jnp.zeros((len(methods.obstacles), 3)),
         energies=Energies(*(zero for _ in Energies._fields)),
+        initial=zero,
         smallest=jnp.ones(()),
         steps=jnp.asarray(0),
     )

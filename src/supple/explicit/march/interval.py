@@ -41,18 +41,18 @@ class Recorded(NamedTuple):
 
 @partial(jax.jit, static_argnames="methods")
 def march_to(
-    model: MarchModel, methods: Methods, state: MarchState, start_energy: Array, fixed: Array, times: Array
+    model: MarchModel, methods: Methods, state: MarchState, fixed: Array, times: Array
 ) -> tuple[MarchState, Recorded]:
     """Through output times (t,); the rows after one with trouble repeat it.
 
-    start_energy : J, of the run's start;   fixed : step of the explicit nodes to keep, s; 0: what is stable
+    fixed : step of the explicit nodes to keep, s; 0: what is stable
     """
 
     def one(carry: tuple[MarchState, Array], end: Array) -> tuple[tuple[MarchState, Array], Recorded]:
         state, trouble = carry
         new = _interval(model, methods, state, fixed, end)
         new = jax.tree.map(lambda a, b: jnp.where(trouble > 0, a, b), state, new)
-        row, trouble = _judged(model, methods, new, start_energy, trouble)
+        row, trouble = _judged(model, methods, new, trouble)
         return (new, trouble), row
 
     (state, _), rows = lax.scan(one, (state, jnp.asarray(0)), times)
@@ -102,9 +102,10 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
 
 
 def _judged(
-    model: MarchModel, methods: Methods, state: MarchState, start_energy: Array, trouble: Array
+    model: MarchModel, methods: Methods, state: MarchState, trouble: Array
 ) -> tuple[Recorded, Array]:
     row = recorded(model, methods, state, trouble)
+    start_energy = state.initial
     e = state.energies._replace(kinetic=row.energies[0])
     held = e.kinetic + e.internal + e.plastic + e.hourglass + e.contact + e.damping + e.interface
     size = jnp.abs(start_energy) + jnp.abs(e.external) + e.plastic + jnp.abs(e.damping)
@@ -125,6 +126,7 @@ def _judged(
     return row._replace(trouble=trouble), trouble
 
 
+@partial(jax.jit, static_argnames="methods")
 def recorded(model: MarchModel, methods: Methods, state: MarchState, trouble: Array | int = 0) -> Recorded:
     """A state as it is kept."""
     plastic = []

@@ -126,7 +126,7 @@ class MarchState(NamedTuple):
     before, frame_before : the last step of the explicit nodes and of the frames, s; zero at the start
     x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
     materials, alive : of each block;   smallest : det F of the worst point so far
-    obstacle_forces : (o, 3) from explicit nodes, at t_n
+    obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
     """
 
     time: Array
@@ -141,5 +141,6 @@ class MarchState(NamedTuple):
     obstacles: tuple[ObstacleState, ...]
     obstacle_forces: Array
     energies: Energies
+    initial: Array
     smallest: Array
     steps: Array

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, lax
 
 from supple.explicit.materials.hardening import Hardening
 from supple.explicit.materials.law import Response, lame, linear_stress
@@ -67,12 +67,13 @@ class J2Plasticity:
         middle = tensor(lambda i, j: F[i][j] - 0.5 * dF[i][j])
         cof_middle = cofactor(middle)
         inverse = scaled(1 / determinant(middle, cof_middle), transposed(cof_middle))
-        L = product(dF, inverse)
+        # Barriers: without them the compiler works out each tensor again for every component that reads it.
+        L = lax.optimization_barrier(product(dF, lax.optimization_barrier(inverse)))
         D = symmetric_part(L)
-        Q = _turn(L)
-        turned = product(product(Q, _symmetric(state.stress)), transposed(Q))
-        trial = added(turned, linear_stress(self.elastic, D))
-        stress, strain, dissipated = self._returned(trial, state.strain)
+        Q = lax.optimization_barrier(_turn(L))
+        half = lax.optimization_barrier(product(Q, _symmetric(state.stress)))
+        trial = lax.optimization_barrier(added(product(half, transposed(Q)), linear_stress(self.elastic, D)))
+        stress, strain, dissipated = lax.optimization_barrier(self._returned(trial, state.strain))
         cof = cofactor(F)
         J = determinant(F, cof)
         kept = jnp.stack([stress[0][0], stress[1][1], stress[2][2], stress[1][2], stress[0][2], stress[0][1]])
