@@ -83,9 +83,7 @@ def test_the_same_force_in_equal_parts_of_a_held_bar_settles_at_the_static_solut
 
 
 def test_stiffness_damping_takes_the_vibration_and_leaves_the_flight():
-    part = Part(
-        explicit_bar(CellType.HEXA8, damping=LinearRayleighDamping(0.0, 0.01)), velocity=(0.5, 0, 0)
-    )
+    part = Part(explicit_bar(CellType.HEXA8, damping=LinearRayleighDamping(0.0, 0.01)), velocity=(0.5, 0, 0))
     wall = Contact(At("bar", "tip"), RigidPlane((4.01, 0, 0), (-1, 0, 0)))
     solution = marched(ExplicitSystem([part], contacts=[wall]), 6.0)
     e = solution.bodies[ENERGIES].values

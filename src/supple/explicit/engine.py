@@ -14,10 +14,9 @@ from supple.algebra.jax_settings import check_not_forked
 from supple.errors import ModelError
 from supple.explicit.explicit_system import ExplicitSystem
 from supple.explicit.march.build import Built, built
-from supple.explicit.march.march_step import kinetic
 from supple.explicit.march.interval import Recorded, chosen_steps, march_to, recorded
+from supple.explicit.march.march_step import kinetic
 from supple.explicit.march.model import Energies, MarchState
-from supple.explicit.modal_subdomain import ModalSubdomain
 from supple.explicit.motions import FourPointMotion, NodalMotion
 from supple.explicit.projected_difference import ProjectedDifference
 from supple.explicit.published_scheme import PublishedScheme
@@ -70,9 +69,7 @@ class ExplicitEngine:
         check_not_forked()
         self._options = options or ExplicitOptions()
         self._system, self._run = system, run
-        self._built = built(
-            system, self._options.scheme, self._options.safety, self._options.largest_ratio
-        )
+        self._built = built(system, self._options.scheme, self._options.safety, self._options.largest_ratio)
         self._check_step()
 
     @property
@@ -84,7 +81,11 @@ class ExplicitEngine:
         """Step of the explicit nodes at the start, s, and explicit steps in one of the frames."""
         span = jnp.asarray(self._run.output_step)
         h, ratio, _ = chosen_steps(
-            self._built.model, self._built.methods, self._built.start, jnp.asarray(self._options.step or 0.0), span
+            self._built.model,
+            self._built.methods,
+            self._built.start,
+            jnp.asarray(self._options.step or 0.0),
+            span,
         )
         return float(h), int(ratio)
 
@@ -113,7 +114,9 @@ class ExplicitEngine:
         ahead = times[times > float(state.time)]
         rows: list[Recorded] = []
         if len(ahead) < len(times):
-            rows.append(jax.tree.map(lambda leaf: np.asarray(leaf)[None], recorded(own.model, own.methods, state)))
+            rows.append(
+                jax.tree.map(lambda leaf: np.asarray(leaf)[None], recorded(own.model, own.methods, state))
+            )
         before = int(state.steps)
         stopped, last = None, state
         if len(ahead):
@@ -162,7 +165,9 @@ class ExplicitEngine:
             bodies=bodies,
             joint_forces={},
             statistics=leg.statistics,
-            engine_state={f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)},
+            engine_state={
+                f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)
+            },
         )
 
     def _check_step(self) -> None:

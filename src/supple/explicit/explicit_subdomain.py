@@ -39,7 +39,7 @@ class ExplicitSubdomain:
     name: str
     model: FiniteElementModel = field(repr=False)
     law: Law
-    hourglass: float = 0.05
+    hourglass: float = 0.01
     deletion: float = float("inf")
     damping: LinearRayleighDamping | None = None
 
@@ -77,7 +77,9 @@ class ExplicitSubdomain:
             element = SOLID_ELEMENTS[section.cell_type]
             mass = solid_mass(element, section.corners(mesh), elastic.density)
             lumped = np.einsum("ekk->ek", CellMass(points.nodes, mass).lumped().translational)
-            limits.append(element_limits(points, lumped, elastic, hourglass_stiffness(points, elastic, self.hourglass)))
+            limits.append(
+                element_limits(points, lumped, elastic, hourglass_stiffness(points, elastic, self.hourglass))
+            )
         return tuple(limits)
 
     @property
@@ -96,7 +98,7 @@ def explicit_subdomain(
     material: Law | None = None,
     *,
     name: str = "explicit",
-    hourglass: float = 0.05,
+    hourglass: float = 0.01,
     deletion: float = float("inf"),
     damping: LinearRayleighDamping | None = None,
 ) -> ExplicitSubdomain:

@@ -43,7 +43,9 @@ class Part:
         turned = np.array(self.rotation, dtype=float)
         turned = Rotation.from_rotvec(turned).as_matrix() if turned.shape == (3,) else turned
         if turned.shape != (3, 3) or not np.allclose(turned.T @ turned, np.eye(3), atol=1e-9):
-            raise ModelError(f"rotation of part '{self.name}' must be a vector (3,) or a rotation matrix (3, 3)")
+            raise ModelError(
+                f"rotation of part '{self.name}' must be a vector (3,) or a rotation matrix (3, 3)"
+            )
         object.__setattr__(self, "rotation", turned)
 
     @property
@@ -57,7 +59,9 @@ class Part:
         body = self.subdomain
         model = body.body.model if isinstance(body, ModalSubdomain) else body.model
         if model is None:
-            raise ModelError(f"part '{self.name}' has no mesh, only matrices: it cannot be tied, hit or loaded")
+            raise ModelError(
+                f"part '{self.name}' has no mesh, only matrices: it cannot be tied, hit or loaded"
+            )
         return model.mesh
 
     @property
@@ -179,7 +183,9 @@ class ExplicitSystem:
             assert isinstance(part, Part)
             if part.name == name:
                 return part
-        raise ModelError(f"there is no sub-domain '{name}'" + did_you_mean(name, [p.name for p in self.placed]))
+        raise ModelError(
+            f"there is no sub-domain '{name}'" + did_you_mean(name, [p.name for p in self.placed])
+        )
 
     @property
     def placed(self) -> tuple[Part, ...]:

@@ -10,7 +10,15 @@ from jax import Array
 from supple.explicit.frame_moments import Moments, Spread, arms
 from supple.explicit.frame_points import CORNERS
 
-__all__ = ["FrameModel", "FrameState", "Generalized", "Steps", "elastic_force", "gravity_force", "point_forces"]
+__all__ = [
+    "FrameModel",
+    "FrameState",
+    "Generalized",
+    "Steps",
+    "elastic_force",
+    "gravity_force",
+    "point_forces",
+]
 
 
 class FrameModel(NamedTuple):

@@ -38,14 +38,20 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
     Raises ModelError where a point lies farther than `within` from every face: the interfaces do not meet.
     """
     triangles = np.concatenate(
-        [cells[:, _TRIANGLES[kind]].reshape(-1, 3) for kind, cells in mesh.cells.items() if kind in _TRIANGLES]
+        [
+            cells[:, _TRIANGLES[kind]].reshape(-1, 3)
+            for kind, cells in mesh.cells.items()
+            if kind in _TRIANGLES
+        ]
     )
     corners = mesh.nodes[triangles]
     # Only faces near a point can hold it; their centres are searched within their own size.
     centres, reach = corners.mean(axis=1), np.linalg.norm(np.ptp(corners, axis=1), axis=1).max()
     tree = cKDTree(centres)
     found, weights = np.empty((len(points), 3), dtype=np.int64), np.empty((len(points), 3))
-    for number, (point, near) in enumerate(zip(points, tree.query_ball_point(points, reach + within), strict=True)):
+    for number, (point, near) in enumerate(
+        zip(points, tree.query_ball_point(points, reach + within), strict=True)
+    ):
         gaps, own = _gaps(point, corners[near]) if near else (np.array([np.inf]), np.zeros((1, 3)))
         best = int(np.argmin(gaps))
         if gaps[best] > within:

@@ -51,7 +51,7 @@ class ModalFrame:
         return damped_limit(limit, self.body.stiffness_damping)
 
     def penalty_stiffness(self, nodes: NDArray[np.int64], stiffness: FloatArray) -> FloatArray:
-        """sum k B^T B (6 + k, 6 + k) of springs at nodes in all directions, on rigid motion and modes."""
+        """Sum k B^T B (6 + k, 6 + k) of springs at nodes in all directions, on rigid motion and modes."""
         B = self._motion(nodes)
         return np.einsum("n,nia,nib->ab", stiffness, B, B, optimize=True)
 
@@ -98,7 +98,9 @@ def modal_frame(body: ModalSubdomain, points: FloatArray, shapes: FloatArray, ma
     hung = MassFields(frame.weights(points), shapes, sparse.csr_array(sparse.diags_array(mass)))
     sums = body.moments + moments(hung) if len(mass) else body.moments
     K = np.diag(body.frequencies**2)
-    squares, T = linalg.eigh(K, local_mass(sums, frame.arm)) if body.n_modes else (np.zeros(0), np.zeros((0, 0)))
+    squares, T = (
+        linalg.eigh(K, local_mass(sums, frame.arm)) if body.n_modes else (np.zeros(0), np.zeros((0, 0)))
+    )
     turned = Moments(
         sums.S0,
         sums.S1 @ jnp.asarray(T),

@@ -134,4 +134,7 @@ def modal_subdomain(
             f"{linear.frequencies[0]:g}"
         )
     alpha, beta = (0.0, 0.0) if damping is None else (damping.alpha, damping.beta)
-    return ModalSubdomain(body, linear.vectors[:, kept], linear.frequencies[kept], alpha, beta)
+    vectors = linear.vectors[:, kept]
+    # A mode has no sign of its own; this one lets a run go on in another process.
+    signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(vectors.shape[1])])
+    return ModalSubdomain(body, vectors * signs, linear.frequencies[kept], alpha, beta)

@@ -123,7 +123,9 @@ def _from_core(arm: Array, radius: float) -> tuple[Array, Array]:
 
 def _check_mass(mass: float) -> None:
     if not mass > 0:
-        raise ModelError(f"the mass of an obstacle must be positive (infinite: its velocity is kept), got {mass}")
+        raise ModelError(
+            f"the mass of an obstacle must be positive (infinite: its velocity is kept), got {mass}"
+        )
 
 
 def _check_radius(radius: float) -> None:

@@ -55,7 +55,13 @@ class ProjectedDifference:
         drag = 0.5 * mean * model.mass_damping
         right = Generalized(
             h * (moved.p - steps.before * bilinear.p + mean * force.p),
-            h * (moved.y - steps.before * bilinear.y + mean * (force.y + elastic_force(model, y, vy)) - drag * vy),
+            h
+            * (
+                moved.y
+                - steps.before * bilinear.y
+                + mean * (force.y + elastic_force(model, y, vy))
+                - drag * vy
+            ),
         )
         guess = Generalized(h * vp, h * vy)
         after, multipliers = _increment(model, p, t, right, guess, 1 + drag)

@@ -77,7 +77,7 @@ def solid_block(
 
 
 def hourglass_stiffness(points: SolidPoints, elastic: Isotropic, hourglass: float) -> np.ndarray:
-    """kappa (E,), N/m: kappa |gamma|^2 is the fraction `hourglass` of (lambda + 2 mu) V |b|^2 / 3."""
+    """Kappa (E,), N/m: kappa |gamma|^2 is the fraction `hourglass` of (lambda + 2 mu) V |b|^2 / 3."""
     b = (points.gradients[:, 0] ** 2).sum(axis=(1, 2)) / 3
     norm = (points.gamma**2).sum(axis=2).max(axis=1, initial=0.0)
     free = np.where(norm > 0, norm, 1.0)
@@ -109,7 +109,9 @@ def block_force(
         viscous, lost = viscous_stress(law.elastic, beta, F, dF, h)
         P = tensor(lambda i, j: P[i][j] + viscous[i][j])
     volumes = block.volumes * alive
-    stress = lax.optimization_barrier(as_array(lax.optimization_barrier(tensor(lambda i, j: volumes * P[i][j]))))
+    stress = lax.optimization_barrier(
+        as_array(lax.optimization_barrier(tensor(lambda i, j: volumes * P[i][j])))
+    )
     g = block.gradients
     forces = -sum(stress[:, None, j] * g[None, :, j] for j in range(3)).sum(axis=2)  # type: ignore[union-attr]
     against = jnp.zeros_like(x)

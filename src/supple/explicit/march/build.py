@@ -272,7 +272,7 @@ def _frame(
             jnp.asarray(frame.shapes[own]),
             jnp.asarray(force.force, dtype=float),
             as_time_law(force.law),
-            force.follows,
+            () if force.follows else None,
         )
         for force in system.forces
         if force.nodes.body == part.name

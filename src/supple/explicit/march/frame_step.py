@@ -51,7 +51,9 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
         external = gravity_force(sums, own.p, model.gravity)
         for weights, shapes, force, law, follows in arrays.loaded:
             share = law(state.time) * force / len(weights)
-            turned = arms(own.p) @ share / jnp.sqrt(arrays.model.squared_lengths[0]) if follows else share
+            # None or (): the structure of the arguments, which a compiled march is made for.
+            arm = jnp.sqrt(arrays.model.squared_lengths[0])
+            turned = share if follows is None else arms(own.p) @ share / arm
             pushes = jnp.broadcast_to(turned, (len(weights), 3))
             external = external + point_forces(weights, shapes, own.p, own.y, pushes)
         contact = Generalized(jnp.zeros((4, 3)), jnp.zeros_like(own.y))

@@ -101,9 +101,7 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
     return state._replace(time=jnp.where(done == n, end, state.time))
 
 
-def _judged(
-    model: MarchModel, methods: Methods, state: MarchState, trouble: Array
-) -> tuple[Recorded, Array]:
+def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Array) -> tuple[Recorded, Array]:
     row = recorded(model, methods, state, trouble)
     start_energy = state.initial
     e = state.energies._replace(kinetic=row.energies[0])

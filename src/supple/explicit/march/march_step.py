@@ -22,7 +22,9 @@ __all__ = ["kinetic", "march_step", "with_forces"]
 def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array, ratio: Array) -> MarchState:
     """The state `ratio` explicit steps of h later, in one step of the frames."""
     if not model.frames:
-        return nodal_step(model, methods, state, h, jnp.zeros_like(state.v), jnp.zeros((len(methods.obstacles), 3)))
+        return nodal_step(
+            model, methods, state, h, jnp.zeros_like(state.v), jnp.zeros((len(methods.obstacles), 3))
+        )
     long = ratio * h
     done = frame_step(model, methods, state, long)
     led = state.v
@@ -62,9 +64,7 @@ def nodal_step(
     middle = 0.5 * (state.v + v)
     obstacles, driven, given = _moved(model, methods, state, from_frames, mean, h)
     x = state.x + h * v
-    out = nodal_forces(
-        model, methods, state.time + h, x, h * v, h, state.materials, state.alive, obstacles
-    )
+    out = nodal_forces(model, methods, state.time + h, x, h * v, h, state.materials, state.alive, obstacles)
     works = mean * (state.forces * middle).sum(axis=(1, 2))
     on_hanging = mean * jnp.sum(jnp.where(hangs, state.forces.sum(axis=0) * middle, 0.0))
     weight = mean * jnp.sum(jnp.where(hangs, model.mass * model.gravity[:, None] * middle, 0.0))

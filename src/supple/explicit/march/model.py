@@ -37,7 +37,7 @@ class FrameArrays(NamedTuple):
     model : FrameModel      with the mass of the nodes that hang on it
     nodes : (n,)            explicit nodes that hang on it, at weights (n, 4) and shapes (n, 3, k)
     touching : tuple of NodesTouching       contacts of its own points
-    loaded : tuple of (weights, shapes, force (3,), law)     forces on its own points
+    loaded : tuple of (weights, shapes, force (3,), law, follows)    forces on its own points; () or None
     """
 
     model: FrameModel
