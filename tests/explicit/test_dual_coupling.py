@@ -1,4 +1,4 @@
-"""Lagrange multipliers on interface velocities, and several time steps: sections 1.6 and 1.7 of our theory page."""
+"""Multipliers on interface velocities, and several time steps (theory page, dual coupling)."""
 
 from functools import cache
 
@@ -25,7 +25,7 @@ MATERIAL = Isotropic(1.0, 0.3, 1.0)
 
 def _half(start):
     mesh = block(4, 2, 2, 4, 2, 2, CellType.TETRA4)
-    model = solid_model(Mesh(mesh.nodes + [start, 0, 0], mesh.cells, mesh.node_sets), MATERIAL)
+    model = solid_model(Mesh(mesh.nodes + np.array([start, 0, 0]), mesh.cells, mesh.node_sets), MATERIAL)
     return model.mesh, model.stiffness.toarray(), lumped_mass(model)
 
 
@@ -35,7 +35,7 @@ def _freedoms(nodes):
 
 @cache
 def halves():
-    """A box held at its root, its first half in 39 modes (27 interface freedoms and 12), its second in elements."""
+    """A box held at its root, its first half in 39 modes, its second in elements."""
     (mesh1, K1, m1), (mesh2, K2, m2) = _half(0.0), _half(4.0)
     tip, root = _freedoms(mesh1.node_sets["tip"]), _freedoms(mesh2.node_sets["root"])
     inner = np.setdiff1d(np.arange(len(m1)), np.concatenate([_freedoms(mesh1.node_sets["root"]), tip]))

@@ -1,4 +1,4 @@
-"""Explicit finite elements, by definition: patch, rigid motion, the implicit model's own force, true step limit."""
+"""Explicit finite elements by definition: patch, rigid motion, the implicit model's force, step limit."""
 
 import jax
 import jax.numpy as jnp

@@ -26,7 +26,7 @@ def at(matrix):
     return tensor(lambda i, j: jnp.asarray(matrix[i][j], dtype=float)[None])
 
 
-def piola(law, F, dF=np.zeros((3, 3)), state=None):
+def piola(law, F, dF=((0, 0, 0),) * 3, state=None):
     out = law.respond(at(F), at(dF), law.initial((1,)) if state is None else state)
     return np.array([[float(out.stress[i][j][0]) for j in range(3)] for i in range(3)]), out
 

@@ -32,7 +32,7 @@ from supple.reduction import NormalModes
 
 def _block(start, length, cells, kind=CellType.TETRA4):
     mesh = block(length, 1, 1, *cells, kind)
-    return solid_model(Mesh(mesh.nodes + [start, 0, 0], mesh.cells, mesh.node_sets), SOFT)
+    return solid_model(Mesh(mesh.nodes + np.array([start, 0, 0]), mesh.cells, mesh.node_sets), SOFT)
 
 
 @cache

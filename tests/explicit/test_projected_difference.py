@@ -1,4 +1,4 @@
-"""The default scheme of a modal sub-domain: [Radioss] corrected, sections 1.4 and 1.5 of our theory page."""
+"""The default scheme of a modal sub-domain: [Radioss] corrected (docs/theory/explicit.md)."""
 
 import jax
 import jax.numpy as jnp

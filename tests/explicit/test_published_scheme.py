@@ -1,4 +1,4 @@
-"""The source's scheme, with the errors it has: sections 1.3 and 1.4 of our theory page."""
+"""The source's scheme, with the errors it has (docs/theory/explicit.md)."""
 
 import jax.numpy as jnp
 import numpy as np

@@ -1,4 +1,4 @@
-"""Explicit combined modal reduction: modal sub-domains on four-point frames beside nonlinear finite elements."""
+"""Explicit march: modal sub-domains on four-point frames beside nonlinear finite elements."""
 
 from supple.explicit.engine import ENERGIES, OBSTACLES, STEPS, ExplicitEngine, ExplicitOptions
 from supple.explicit.explicit_subdomain import ExplicitSubdomain, explicit_subdomain

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import jax
@@ -43,7 +43,7 @@ class ExplicitOptions:
     largest_ratio : explicit steps in one step of the frames; 1: one step for all
     """
 
-    scheme: ProjectedDifference | PublishedScheme = ProjectedDifference()
+    scheme: ProjectedDifference | PublishedScheme = field(default_factory=ProjectedDifference)
     safety: float = 0.9
     step: float | None = None
     largest_ratio: int = 50
@@ -152,7 +152,8 @@ class ExplicitEngine:
                 np.concatenate(rows.plastic[span], axis=1),
                 np.concatenate(rows.alive[span], axis=1),
             )
-        for (name, frame), (p, y, vp, vy) in zip(own.frames.items(), rows.frames, strict=True):
+        for (name, frame), marched in zip(own.frames.items(), rows.frames, strict=True):
+            p, y, vp, vy = (np.asarray(leaf) for leaf in marched)
             bodies[name] = FourPointMotion(p, y @ frame.turned.T, vp, vy @ frame.turned.T)
         bodies[ENERGIES] = SeriesMotion(np.asarray(rows.energies))
         bodies[STEPS] = SeriesMotion(np.column_stack([rows.step, rows.ratio]))
@@ -180,7 +181,8 @@ class ExplicitEngine:
         limit = min([limit] + [float(frame.step_limit) for frame in self._built.model.frames if not limits])
         if step > limit:
             raise ModelError(
-                f"the step {step:g} s is above the limit of {limit:.4g} s, at which the march blows up; leave it "
+                f"the step {step:g} s is above the limit of {limit:.4g} s, at which the march blows up; "
+                f"leave it "
                 f"out, or give at most {0.9 * limit:.3g}"
             )
 
@@ -191,22 +193,29 @@ class ExplicitEngine:
         match int(row.trouble):
             case 1:
                 return (
-                    f"an element turned over (det F <= 0) before {when}: refine there, delete elements at a plastic "
+                    f"an element turned over (det F <= 0) before {when}: refine there, delete elements "
+                    f"at a plastic "
                     "strain, or choose a law that resists (NeoHookean)"
                 )
             case 2:
-                return f"the motion is not a number any more at {when}: the step is too long for the deformed mesh"
+                return (
+                    f"the motion is not a number any more at {when}: the step is too long for the "
+                    f"deformed mesh"
+                )
             case 3:
                 drift = sum(e.values()) - 2 * e["external"] - initial
                 worst = max((name for name in e if name != "external"), key=lambda name: abs(e[name]))
                 return (
-                    f"the energy balance is open by {drift:.3g} J at {when}, more than 1 %; the largest term is "
-                    f"{worst} ({e[worst]:.3g} J), the interface lost {e['interface']:.3g} J: take shorter steps, or "
+                    f"the energy balance is open by {drift:.3g} J at {when}, more than 1 %; the largest "
+                    f"term is "
+                    f"{worst} ({e[worst]:.3g} J), the interface lost {e['interface']:.3g} J: take "
+                    f"shorter steps, or "
                     "a smaller ratio between them"
                 )
             case _:
                 worst = min(("internal", "hourglass"), key=lambda name: e[name])
                 return (
-                    f"the {worst} energy is negative ({e[worst]:.3g} J) at {when}: energy comes from nothing, for "
+                    f"the {worst} energy is negative ({e[worst]:.3g} J) at {when}: energy comes from "
+                    f"nothing, for "
                     "the step is above what is stable; take a smaller safety"
                 )

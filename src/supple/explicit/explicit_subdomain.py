@@ -105,7 +105,8 @@ def explicit_subdomain(
     """Nonlinear finite elements for an explicit march.
 
     model : of TETRA4, TETRA10 or HEXA8 cells; the hexahedra get one strain point with hourglass control
-    material : J2Plasticity(..), NeoHookean(..) or StVenantKirchhoff(..), the last of the model's own constants
+    material : J2Plasticity(..), NeoHookean(..) or StVenantKirchhoff(..), the last of the model's own
+        constants
         where it is left out
     name, hourglass, deletion, damping : see `ExplicitSubdomain`
     Raises ModelError for other cells, and for a model of several materials.
@@ -113,7 +114,8 @@ def explicit_subdomain(
     own = {section.property for section in model.sections}
     if len(own) != 1:
         raise ModelError(
-            f"explicit sub-domain '{name}' has {len(own)} materials; make a sub-domain of each, they are tied "
+            f"explicit sub-domain '{name}' has {len(own)} materials; make a sub-domain of each, they "
+            f"are tied "
             "where they share nodes"
         )
     (constants,) = own

@@ -81,7 +81,8 @@ class Tie:
     """Nodes of an explicit sub-domain that move with another part, position for position.
 
     nodes : At(sub-domain, node set)    of an explicit one
-    on : str    the part they are tied to: an explicit one, whose nodes they must meet, or a modal one, on whose
+    on : str    the part they are tied to: an explicit one, whose nodes they must meet, or a modal one, on
+        whose
                 material they hang wherever they lie on its cells
     within : float      of the size of the set: how far from the part nodes may lie
     """
@@ -173,7 +174,8 @@ class ExplicitSystem:
             self.part(tie.on)
             if not isinstance(self.part(tie.nodes.body).subdomain, ExplicitSubdomain):
                 raise ModelError(
-                    f"the nodes of a tie belong to an explicit sub-domain; '{tie.nodes.body}' is modal. Two modal "
+                    f"the nodes of a tie belong to an explicit sub-domain; '{tie.nodes.body}' is modal. "
+                    f"Two modal "
                     "sub-domains are made one: reduce their common body"
                 )
 

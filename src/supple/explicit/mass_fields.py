@@ -1,7 +1,7 @@
 """The vector fields whose motion carries the mass of a body: its nodes, and directors where nodes turn.
 
-A node with rotations carries three unit directors e_d, which turn with it. Their rates have the kinetic energy
-of an isotropic rotary inertia J, since sum_d |theta x e_d|^2 = 2 |theta|^2:
+A node with rotations carries three unit directors e_d, which turn with it. Their rates have the kinetic
+energy of an isotropic rotary inertia J, since sum_d |theta x e_d|^2 = 2 |theta|^2:
 
     1/2 m |x'|^2 + 1/2 (J/2) sum_d |d'_d|^2
 

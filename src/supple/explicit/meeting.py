@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from supple.errors import ModelError
 from supple.mesh import CellType, Mesh
@@ -27,7 +27,7 @@ _TRIANGLES = {
 
 def meeting_nodes(points: FloatArray, nodes: FloatArray, within: float) -> IntArray:
     """Number of the node (n,) that each point (n, 3) meets, of nodes (N, 3); -1 where none is that near."""
-    distance, nearest = cKDTree(nodes).query(points)
+    distance, nearest = KDTree(nodes).query(points)
     return np.where(distance <= within, nearest, -1)
 
 
@@ -47,7 +47,7 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
     corners = mesh.nodes[triangles]
     # Only faces near a point can hold it; their centres are searched within their own size.
     centres, reach = corners.mean(axis=1), np.linalg.norm(np.ptp(corners, axis=1), axis=1).max()
-    tree = cKDTree(centres)
+    tree = KDTree(centres)
     found, weights = np.empty((len(points), 3), dtype=np.int64), np.empty((len(points), 3))
     for number, (point, near) in enumerate(
         zip(points, tree.query_ball_point(points, reach + within), strict=True)
@@ -56,8 +56,10 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
         best = int(np.argmin(gaps))
         if gaps[best] > within:
             raise ModelError(
-                f"{what}: the node at {np.array2string(point, precision=6)} does not meet the other part; the "
-                f"nearest face is {gaps[best]:.3g} away, allowed are {within:.3g}. Do the parts stand where they "
+                f"{what}: the node at {np.array2string(point, precision=6)} does not meet the other "
+                f"part; the "
+                f"nearest face is {gaps[best]:.3g} away, allowed are {within:.3g}. Do the parts stand "
+                f"where they "
                 "should? `within` allows more"
             )
         found[number], weights[number] = triangles[near[best]], own[best]

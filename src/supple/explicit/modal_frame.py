@@ -1,4 +1,4 @@
-"""A modal sub-domain with what hangs on it: modes made diagonal for the whole mass, step limit, contact stiffness."""
+"""A modal sub-domain with what hangs on it: modes for the whole mass, step limit, contacts."""
 
 from __future__ import annotations
 

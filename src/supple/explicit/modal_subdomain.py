@@ -48,7 +48,8 @@ class ModalSubdomain:
         shared = self.vectors.T @ (M @ R) / np.sqrt(np.einsum("ij,ij->j", R, M @ R))
         if (worst := float(np.abs(shared).max(initial=0.0))) > LARGEST_RIGID_PART:
             raise ModelError(
-                f"mode {int(np.abs(shared).max(axis=1).argmax()) + 1} of body '{self.body.name}' contains rigid "
+                f"mode {int(np.abs(shared).max(axis=1).argmax()) + 1} of body '{self.body.name}' "
+                f"contains rigid "
                 f"motion (product {worst:.1e}, allowed {LARGEST_RIGID_PART:.0e}): its frame carries that "
                 "already, and the step limit would be lost; make the modes M-orthogonal to rigid motion, as "
                 "modal_subdomain does"
@@ -114,16 +115,16 @@ def modal_subdomain(
 
         V^T M V = I,   R^T M V = 0,   V^T K V = diag(omega^2)
 
-    The columns of any basis are made M-orthogonal to the six rigid motions and vibrate at frequencies of their
-    own; those above `highest` are left out. So constraint modes of many interface freedoms do not shorten the
-    step: what counts is the highest frequency kept.
+    The columns of any basis are made M-orthogonal to the six rigid motions and vibrate at frequencies of
+    their own; those above `highest` are left out. So constraint modes of many interface freedoms do not
+    shorten the step: what counts is the highest frequency kept.
 
     body : FlexibleBody     its elements' quadratic strains are not used
     basis : NormalModes(..), CraigBampton(..), ErrorControlled(..) or any other recipe
     highest : float         rad/s
     damping : LinearRayleighDamping(..)     of the modes; the frame is undamped
     Raises ModelError when no mode is left; errors of the recipe.
-    Source: [Radioss], section 1.5 of our notes for the orthogonality.
+    Source: [Radioss]; docs/theory/explicit.md for the orthogonality.
     """
     frame = MeanAxisFrame()
     linear = rayleigh_ritz(body, frame, basis.build(body, frame))

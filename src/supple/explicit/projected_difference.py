@@ -2,9 +2,10 @@
 
     B(q_n)^T M [x(q_n+1) - 2 x_n + x_n-1] = h^2 {B(q_n)^T f_n - [0; K_L y_n] + G_n^T lambda},   D(p_n+1) = 0
 
-with B = dx/dq, in equal steps; from the discrete Lagrangian 1/(2h) |x(q_n+1) - x(q_n)|_M^2 - h V(y_n). No term is neglected and
-no force depends on velocity: gyroscopic, centrifugal and Euler forces are inside. Momentum is exact, energy
-stays bounded, the step limit of the modes holds. The unknown increments enter bilinearly,
+with B = dx/dq, in equal steps; from the discrete Lagrangian 1/(2h) |x(q_n+1) - x(q_n)|_M^2 - h V(y_n). No
+term is neglected and no force depends on velocity: gyroscopic, centrifugal and Euler forces are inside.
+Momentum is exact, energy stays bounded, the step limit of the modes holds. The unknown increments enter
+bilinearly,
 
     x_n+1 - x_n = xi_n dp + P_n Phi dy + dP Phi dy,
 
@@ -100,7 +101,8 @@ def _increment(
 ) -> tuple[Generalized, Array]:
     """D and lambda with B_n^T M (x(q_n + d) - x_n) = right + G_n^T lambda and D(p + dp) = 0."""
     scale = model.squared_lengths[0]
-    # The modes are eliminated first; the links make the rest regular, even where modes repeat a uniform strain.
+    # The modes are eliminated first; the links make the rest regular, even where modes repeat a uniform
+    # strain.
     S = jnp.kron(t.sums.Xi, jnp.eye(3)) - t.A_py @ t.A_py.T / modal_mass
     unit = t.sums.Xi[0, 0] + t.sums.Xi[1, 1]
     border = t.G * (unit / jnp.sqrt(scale))

@@ -3,8 +3,8 @@
     [M_E  M_C^T; M_C  M_V] [p''; y''] = F + F_gyr + [G^T lambda; -K_L y - C_L y'],   M_C linear in P
 
 It neglects u_L beside X: momentum errs by O(u_L / l). The links of the open implementation act along the
-*predicted* link d + h v, in one linear solution, and brake a rotation by 2 pi Omega h a turn. Both are kept to
-reproduce published results; `ProjectedDifference` has neither error.
+*predicted* link d + h v, in one linear solution, and brake a rotation by 2 pi Omega h a turn. Both are kept
+to reproduce published results; `ProjectedDifference` has neither error.
 
 [Radioss] (9)-(25), and its routine FXLINK for `PredictedLinks`.
 """
@@ -36,7 +36,7 @@ class Links(Protocol):
 
 @dataclass(frozen=True)
 class PredictedLinks:
-    """Forces along d + h v; one linear solution, the square of the acceleration dropped, the error fed back."""
+    """Forces along d + h v in one linear solution: the acceleration's square dropped, errors fed back."""
 
     def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):  # noqa: D102 (of the protocol)
         d, rate, h = link_vectors(p), link_vectors(v), steps.after
@@ -86,13 +86,13 @@ class GyroscopicForce(Protocol):
 class NoGyroscopicForce:
     """None, as in the open implementation."""
 
-    def force(self, model, p, v, rates):  # noqa: D102 (of the protocol)
+    def force(self, model, p, v, rates):  # noqa: ARG002, D102 (of the protocol)
         return Generalized(jnp.zeros_like(p), jnp.zeros_like(rates))
 
 
 @dataclass(frozen=True)
 class LaggedGyroscopicForce:
-    """-2 M_C^T(P') y' and -2 sum (P^T P')_ij C_ij y' at the velocities of the last half step, as published."""
+    """-2 M_C^T(P') y' and -2 sum (P^T P')_ij C_ij y' at the last half step, as published."""
 
     def force(self, model, p, v, rates):  # noqa: D102 (of the protocol)
         P, dP = arms(p), arms(v)

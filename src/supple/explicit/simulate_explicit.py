@@ -43,9 +43,10 @@ def simulate_explicit(
 
     Returns
     -------
-    Solution    a `NodalMotion` or `FourPointMotion` per sub-domain; under `ENERGIES` the energy balance in the
-                order of `Energies`, under `STEPS` the step and the ratio, under `OBSTACLES` how far each has moved
-                and its velocity
+    Solution    a `NodalMotion` or `FourPointMotion` per sub-domain; under `ENERGIES` the energy balance in
+    the
+                order of `Energies`, under `STEPS` the step and the ratio, under `OBSTACLES` how far each
+                has moved and its velocity
 
     Raises
     ------

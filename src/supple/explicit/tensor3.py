@@ -1,8 +1,8 @@
 """Tensors of 3 x 3 components, each an array over points: what constitutive laws are written in.
 
-A tensor is a nested tuple t[i][j] of arrays of one shape. Written out component by component, a law compiles to
-one loop over points without memory between its operations; arrays of shape (.., 3, 3) would cost several times
-as much in small products.
+A tensor is a nested tuple t[i][j] of arrays of one shape. Written out component by component, a law
+compiles to one loop over points without memory between its operations; arrays of shape (.., 3, 3) would
+cost several times as much in small products.
 """
 
 from __future__ import annotations

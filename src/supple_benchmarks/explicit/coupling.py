@@ -1,4 +1,4 @@
-"""Two halves of a box, one in modes, tied by multipliers: against elimination, and with several time steps."""
+"""Two halves of a box, one in modes, tied by multipliers: elimination, several time steps."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class _Halves(NamedTuple):
 
 @cache
 def _halves() -> _Halves:
-    """First half held at its root, 27 interface and 12 fixed-interface modes made diagonal; second in elements."""
+    """First half held, 27 interface and 12 fixed-interface modes made diagonal; second in elements."""
     mesh = block(4, 2, 2, 4, 2, 2, CellType.TETRA4)
     model = solid_model(mesh, Isotropic(1.0, 0.3, 1.0))
     K, m = model.stiffness.toarray(), lumped_mass(model)
@@ -55,7 +55,7 @@ def _halves() -> _Halves:
     rows[np.arange(27), root] = -1
     Kj = jnp.asarray(K)
     coupling = Coupling(
-        ModalSide(np.sqrt(squares), (basis @ T)[tip]), ElementSide(m, lambda u, t: -(Kj @ u), rows, K)
+        ModalSide(np.sqrt(squares), (basis @ T)[tip]), ElementSide(m, lambda u, _: -(Kj @ u), rows, K)
     )
     k, n = 39, len(m)
     free = np.setdiff1d(np.arange(n), root)
@@ -99,7 +99,7 @@ def _marched(case: str, scheme: MultiTimeStep, h: float, n: int) -> CoupledMotio
     )
 
 
-def dual_against_primal(quick: bool) -> float:
+def dual_against_primal(_quick: bool) -> float:
     """Largest difference of displacements over the largest displacement."""
     h, n = 0.4 * LIMIT, 400
     own = _halves()

@@ -38,20 +38,20 @@ def _box(n_modes: int) -> ModalSubdomain:
 @partial(jax.jit, static_argnums=0)
 def _flown(scheme: Any, model: FrameModel, state: FrameState, before: Any, step: Any, n: Any) -> FrameState:
     nothing = Generalized(jnp.zeros((4, 3)), jnp.zeros_like(state.y))
-    return lax.fori_loop(
-        0, n, lambda _, s: scheme.step(model, s, nothing, Steps(before, step))[0], state
-    )
+    return lax.fori_loop(0, n, lambda _, s: scheme.step(model, s, nothing, Steps(before, step))[0], state)
 
 
-def _start(box: ModalSubdomain, scheme: Any, model: FrameModel, step: float, spin: Any, rate: float = 0.0) -> Any:
+def _start(
+    box: ModalSubdomain, scheme: Any, model: FrameModel, step: float, spin: Any, rate: float = 0.0
+) -> Any:
     p = jnp.asarray(box.points.placed(np.zeros(3), np.eye(3)) - box.points.origin)
     k = model.stiffness.shape[0]
     state = FrameState(p, jnp.zeros(k), jnp.cross(jnp.asarray(spin), p), jnp.full(k, rate))
     return _flown(scheme, model, state, 0.0, step, 1)
 
 
-def free_flight(quick: bool) -> dict[str, float]:
-    """Errors over 20 turns, the order of the attitude, and the brake of the published scheme over its theory."""
+def free_flight(_quick: bool) -> dict[str, float]:
+    """Errors over 20 turns, order of the attitude, brake of the published scheme over its theory."""
     box, scheme = _box(12), ProjectedDifference()
     model = box.compiled()
     spin = 0.02 * box.frequencies[0] * np.array([0.3, 0.5, 1.0]) / np.linalg.norm([0.3, 0.5, 1.0])
@@ -87,7 +87,7 @@ def _order(box: ModalSubdomain, scheme: Any) -> float:
 
 
 def _brake() -> float:
-    """Angular momentum that the published scheme takes from a rigid box in its first turn, over 2 pi Omega h."""
+    """Momentum that the published scheme takes from a rigid box in a turn, over 2 pi Omega h."""
     own = _box(12)
     box = ModalSubdomain(own.body, np.zeros((own.body.n, 0)), np.zeros(0))
     model, scheme, turn = box.compiled(), PublishedScheme(), TURN / 4
@@ -98,8 +98,8 @@ def _brake() -> float:
     return float(lost) / (2 * np.pi * turn)
 
 
-def step_limit(quick: bool) -> dict[str, float]:
-    """The largest tried fraction of the limit that stayed, the smallest that blew up, and the clamped ratio."""
+def step_limit(_quick: bool) -> dict[str, float]:
+    """The largest tried fraction of the limit that stayed, the smallest that blew up, clamped ratio."""
     box, scheme = _box(12), ProjectedDifference()
     model = box.compiled()
     stays, grows = 0.0, np.inf

@@ -1,10 +1,10 @@
 """Taylor's bar: a copper cylinder hits a rigid wall at 227 m/s.
 
-Length 32.4 mm, radius 3.2 mm, E = 117 GPa, nu = 0.35, rho = 8930 kg/m^3, sigma_y = 400 MPa, linear hardening of
-100 MPa, 80 us, no friction. Published final length 21.26 to 21.66 mm, mushroom radius 6.89 to 7.24 mm:
-A. M. Kamoulakos, Bench Mark (1990), 21.47-21.66, 7.02-7.12; Y. Y. Zhu, S. Cescotto, Int. J. Numer. Methods
-Eng. 38 (1995), 21.26-21.49, 6.89-7.18; G. T. Camacho, M. Ortiz, Comput. Methods Appl. Mech. Eng. 142 (1997)
-269-301, 21.42-21.44, 7.21-7.24.
+Length 32.4 mm, radius 3.2 mm, E = 117 GPa, nu = 0.35, rho = 8930 kg/m^3, sigma_y = 400 MPa, linear
+hardening of 100 MPa, 80 us, no friction. Published final length 21.26 to 21.66 mm, mushroom radius 6.89 to
+7.24 mm: A. M. Kamoulakos, Bench Mark (1990), 21.47-21.66, 7.02-7.12; Y. Y. Zhu, S. Cescotto, Int. J. Numer.
+Methods Eng. 38 (1995), 21.26-21.49, 6.89-7.18; G. T. Camacho, M. Ortiz, Comput. Methods Appl. Mech. Eng.
+142 (1997) 269-301, 21.42-21.44, 7.21-7.24.
 """
 
 from __future__ import annotations

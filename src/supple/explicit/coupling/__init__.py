@@ -1,4 +1,4 @@
-"""Dual coupling of sub-domains at rest in space: Lagrange multipliers on interface velocities, several time steps."""
+"""Dual coupling of sub-domains at rest in space: multipliers on velocities, several time steps."""
 
 from supple.explicit.coupling.dual_march import CoupledMotion, dual_march
 from supple.explicit.coupling.interface_operator import InterfaceOperator, interface_operator

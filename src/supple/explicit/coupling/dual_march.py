@@ -61,17 +61,17 @@ def dual_march(
         jnp.asarray(side.mass),
         scheme.operator(coupling, h),
     )
-    first, second = (tuple(jnp.asarray(own, dtype=float) for own in pair) for pair in (modal, elements))
+    (u1, v1), (u2, v2) = ([jnp.asarray(own, dtype=float) for own in pair] for pair in (modal, elements))
     zero = jnp.zeros(())
-    a1 = -arrays.squares * first[0]
-    a2 = side.force(second[0], zero) / arrays.mass
+    a1 = -arrays.squares * u1
+    a2 = side.force(u2, zero) / arrays.mass
     # Accelerations at the start agree at the interface: C a = 0.
     both = np.asarray(arrays.modal_rows @ arrays.modal_rows.T + (arrays.rows / arrays.mass) @ arrays.rows.T)
     pull = jnp.asarray(-np.linalg.solve(both, np.asarray(arrays.modal_rows @ a1 + arrays.rows @ a2)))
     state = CoupledState(
         zero,
-        Side(*first, a1 + arrays.modal_rows.T @ pull),
-        Side(*second, a2 + arrays.rows.T @ pull / arrays.mass),
+        Side(u1, v1, a1 + arrays.modal_rows.T @ pull),
+        Side(u2, v2, a2 + arrays.rows.T @ pull / arrays.mass),
         pull,
         jnp.zeros(2),
         zero,

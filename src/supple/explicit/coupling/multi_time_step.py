@@ -1,9 +1,9 @@
 """How the two sides share a long step: Gravouil and Combescure, or Prakash and Hjelmstad.
 
 Sources: A. Gravouil, A. Combescure, "Multi-time-step explicit-implicit method for non-linear structural
-dynamics", Int. J. Numer. Methods Eng. 50 (2001) 199-225; A. Prakash, K. D. Hjelmstad, "A FETI-based multi-time-
-step coupling method for Newmark schemes in structural dynamics", Int. J. Numer. Methods Eng. 61 (2004)
-2183-2204.
+dynamics", Int. J. Numer. Methods Eng. 50 (2001) 199-225; A. Prakash, K. D. Hjelmstad, "A FETI-based
+multi-time- step coupling method for Newmark schemes in structural dynamics", Int. J. Numer. Methods Eng. 61
+(2004) 2183-2204.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ class GravouilCombescure:
 
 @dataclass(frozen=True)
 class PrakashHjelmstad:
-    """Continuity at long steps only, with multipliers that run straight between: no work is lost in linear sides.
+    """Continuity at long steps only, multipliers straight between: no work is lost in linear sides.
 
     passes : over the short steps: 2 are exact for linear elements, more correct nonlinear ones
     """

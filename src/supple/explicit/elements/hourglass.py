@@ -5,8 +5,8 @@
 with the corner pattern h_a and the mean gradient b. They are blind to every affine motion, so the amplitudes
 gamma_a . x turn with the element and their energy 1/2 kappa |gamma_a . x|^2 sees no rotation, of any size.
 
-Source: D. P. Flanagan, T. Belytschko, "A uniform strain hexahedron and quadrilateral with orthogonal hourglass
-control", Int. J. Numer. Methods Eng. 17 (1981) 679-706.
+Source: D. P. Flanagan, T. Belytschko, "A uniform strain hexahedron and quadrilateral with orthogonal
+hourglass control", Int. J. Numer. Methods Eng. 17 (1981) 679-706.
 """
 
 from __future__ import annotations

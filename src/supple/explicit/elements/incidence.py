@@ -15,7 +15,7 @@ __all__ = ["gathered", "incidence"]
 
 
 def incidence(nodes: NDArray[np.int64], n_nodes: int) -> NDArray[np.int64]:
-    """Where each node stands among the element corners: (most, N) places in `nodes.ravel()`, its size if none.
+    """Where each node stands among the corners: (most, N) places in `nodes.ravel()`, its size if none.
 
     nodes : (k, E)
     """

@@ -2,9 +2,9 @@
 
     omega_max(M, K) <= max_e omega_max(M_e, K_e),   dt <= 2 / omega_max       (Irons and Treharne 1971)
 
-The element's own eigenvalue is exact at rest, from A A^T of A = sqrt(V) D^(1/2) B M_e^(-1/2), which has six rows
-a strain point; the hourglass stiffness adds at most its own. As elements deform, the bound follows the smallest
-stretch of the element.
+The element's own eigenvalue is exact at rest, from A A^T of A = sqrt(V) D^(1/2) B M_e^(-1/2), which has six
+rows a strain point; the hourglass stiffness adds at most its own. As elements deform, the bound follows the
+smallest stretch of the element.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
-"""From a system to the arrays of its march: nodes in common, mass that hangs on frames, stiffness of contacts."""
+"""From a system to the arrays of its march: common nodes, mass that hangs on frames, contacts."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -94,8 +95,9 @@ def built(
     movable = np.ones((3, len(x)))
     for support in system.supports:
         held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
-        movable[np.ix_(support.axes, held)] = 0.0
-        v[np.ix_(held, support.axes)] = 0.0
+        for axis in support.axes:
+            movable[axis, held] = 0.0
+            v[held, axis] = 0.0
     short = min((float(np.asarray(limit).min()) for limit in limits), default=np.inf)
 
     obstacles = tuple(contact.obstacle for contact in system.contacts)
@@ -118,11 +120,6 @@ def built(
             _check_outside(contact, x[nodes])
             touching.append(NodesTouching(jnp.asarray(nodes), jnp.asarray(stiffness)))
             obstacle_of.append(number)
-    loaded = []
-    for force in system.forces:
-        if force.nodes.body in numbers:
-            nodes = numbers[force.nodes.body][system.node_numbers(force.nodes)]
-            loaded.append((jnp.asarray(nodes), jnp.asarray(force.force, dtype=float), as_time_law(force.law)))
     model = MarchModel(
         tuple(blocks),
         tuple(limits),
@@ -132,7 +129,7 @@ def built(
         jnp.asarray(movable),
         tuple(frame_arrays),
         tuple(touching),
-        tuple(loaded),
+        _loaded(system, numbers),
         jnp.asarray([obstacle.mass for obstacle in obstacles], dtype=float),
         jnp.asarray(system.gravity),
         jnp.asarray(contact_rate),
@@ -149,6 +146,19 @@ def built(
     )
     start = _start(model, methods, x, v, tuple(frame_states))
     return Built(model, methods, with_forces(model, methods, start), numbers, spans, frames)
+
+
+def _loaded(system: ExplicitSystem, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
+    """Nodes, force and law of each load on explicit nodes."""
+    return tuple(
+        (
+            jnp.asarray(numbers[force.nodes.body][system.node_numbers(force.nodes)]),
+            jnp.asarray(force.force, dtype=float),
+            as_time_law(force.law),
+        )
+        for force in system.forces
+        if force.nodes.body in numbers
+    )
 
 
 def _start(
@@ -210,7 +220,8 @@ def _met(tie: Tie, points: FloatArray, nodes: FloatArray, numbers: IntArray) -> 
     if (found < 0).any():
         lost = points[found < 0][0]
         raise ModelError(
-            f"tie of '{tie.nodes}' on '{tie.on}': the node at {np.array2string(lost, precision=6)} meets no node "
+            f"tie of '{tie.nodes}' on '{tie.on}': the node at {np.array2string(lost, precision=6)} "
+            f"meets no node "
             "of the other part; explicit parts are tied node to node: give them a common mesh there"
         )
     return numbers[found]

@@ -58,7 +58,8 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
             external = external + point_forces(weights, shapes, own.p, own.y, pushes)
         contact = Generalized(jnp.zeros((4, 3)), jnp.zeros_like(own.y))
         for touching, number in zip(arrays.touching, numbers, strict=True):
-            assert touching.weights is not None and touching.shapes is not None
+            assert touching.weights is not None
+            assert touching.shapes is not None
             x = material_points(touching.weights, touching.shapes, own.p, own.y)
             push = penalty(methods.obstacles[number], state.obstacles[number], touching, x.T)
             contact = contact + point_forces(touching.weights, touching.shapes, own.p, own.y, push.T)

@@ -1,4 +1,4 @@
-"""The compiled march from output time to output time: steps chosen anew in each interval from what is stable."""
+"""The compiled march from output time to output time, by steps chosen anew from what is stable."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def nodal_step(
         hangs = hangs.at[arrays.nodes].set(True)
     v = jnp.where(hangs, led, v)
     middle = 0.5 * (state.v + v)
-    obstacles, driven, given = _moved(model, methods, state, from_frames, mean, h)
+    obstacles, driven, given = _moved(model, state, from_frames, mean, h)
     x = state.x + h * v
     out = nodal_forces(model, methods, state.time + h, x, h * v, h, state.materials, state.alive, obstacles)
     works = mean * (state.forces * middle).sum(axis=(1, 2))
@@ -98,7 +98,7 @@ def nodal_step(
 
 
 def _moved(
-    model: MarchModel, methods: Methods, state: MarchState, from_frames: Array, mean: Array, h: Array
+    model: MarchModel, state: MarchState, from_frames: Array, mean: Array, h: Array
 ) -> tuple[tuple[ObstacleState, ...], Array, Array]:
     """Obstacles a step on, the work of those that are driven, and the work done on all of them."""
     moved, driven, given = [], jnp.zeros(()), jnp.zeros(())

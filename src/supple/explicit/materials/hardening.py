@@ -51,7 +51,7 @@ class LinearHardening:
 
 @dataclass(frozen=True)
 class PowerHardening:
-    """sigma_y = initial + factor eps_p^exponent, as Ludwik's and Johnson and Cook's at one rate and temperature.
+    """sigma_y = initial + factor eps_p^exponent: Ludwik's; Johnson and Cook's at one rate.
 
     initial, factor : Pa;   exponent in (0, 1]
     """

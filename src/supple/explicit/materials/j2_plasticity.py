@@ -1,4 +1,4 @@
-"""J2 plasticity with isotropic hardening at finite strain: hypoelastic, in Hughes and Winget's incremental form.
+"""J2 plasticity with isotropic hardening at finite strain: hypoelastic, after Hughes and Winget.
 
 The rate form of Hooke's law acts on the Cauchy stress, in axes that turn with the spin of the mid-step:
 

@@ -1,4 +1,4 @@
-"""What a constitutive law offers an explicit element: stress from the deformation gradient and its increment."""
+"""What a constitutive law offers an explicit element: stress from the deformation gradient."""
 
 from __future__ import annotations
 

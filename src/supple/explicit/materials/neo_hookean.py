@@ -16,15 +16,18 @@ __all__ = ["NeoHookean"]
 
 @dataclass(frozen=True)
 class NeoHookean:
-    """P = mu (F - F^-T) + lambda ln(J) F^-T, of the energy mu/2 (tr F^T F - 3) - mu ln J + lambda/2 ln^2 J."""
+    """P = mu (F - F^-T) + lambda ln(J) F^-T.
+
+    Its energy is mu/2 (tr F^T F - 3) - mu ln J + lambda/2 ln^2 J.
+    """
 
     elastic: Isotropic
 
-    def initial(self, shape: tuple[int, ...]) -> tuple[()]:
+    def initial(self, shape: tuple[int, ...]) -> tuple[()]:  # noqa: ARG002 - of the protocol
         """Nothing."""
         return ()
 
-    def respond(self, F: Tensor, dF: Tensor, state: tuple[()]) -> Response:
+    def respond(self, F: Tensor, dF: Tensor, state: tuple[()]) -> Response:  # noqa: ARG002 - of the protocol
         """Stress at F."""
         first, mu = lame(self.elastic)
         cof = cofactor(F)
@@ -34,6 +37,6 @@ class NeoHookean:
             tensor(lambda i, j: mu * F[i][j] + on_inverse * cof[i][j]), state, no_dissipation(F), J
         )
 
-    def plastic_strain(self, state: tuple[()]) -> Array | None:
+    def plastic_strain(self, state: tuple[()]) -> Array | None:  # noqa: ARG002 - of the protocol
         """None."""
         return None

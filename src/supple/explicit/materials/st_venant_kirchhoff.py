@@ -1,4 +1,4 @@
-"""St. Venant-Kirchhoff: linear between Green-Lagrange strain and second Piola-Kirchhoff stress, as in the rest of supple."""
+"""St. Venant-Kirchhoff: Green-Lagrange strain times constants, as in the rest of supple."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ __all__ = ["StVenantKirchhoff"]
 
 @dataclass(frozen=True)
 class StVenantKirchhoff:
-    """P = F (lambda tr(E) I + 2 mu E), E = (F^T F - I) / 2. Softens in strong compression: for small strains."""
+    """P = F (lambda tr(E) I + 2 mu E), E = (F^T F - I) / 2. Softens in compression: for small strains."""
 
     elastic: Isotropic
 
-    def initial(self, shape: tuple[int, ...]) -> tuple[()]:
+    def initial(self, shape: tuple[int, ...]) -> tuple[()]:  # noqa: ARG002 - of the protocol
         """Nothing."""
         return ()
 
-    def respond(self, F: Tensor, dF: Tensor, state: tuple[()]) -> Response:
+    def respond(self, F: Tensor, dF: Tensor, state: tuple[()]) -> Response:  # noqa: ARG002 - of the protocol
         """Stress at F."""
         C = product(transposed(F), F)
         E = tensor(lambda i, j: 0.5 * (C[i][j] - (1.0 if i == j else 0.0)))
         stress = product(F, linear_stress(self.elastic, E))
         return Response(stress, state, no_dissipation(F), determinant(F, cofactor(F)))
 
-    def plastic_strain(self, state: tuple[()]) -> Array | None:
+    def plastic_strain(self, state: tuple[()]) -> Array | None:  # noqa: ARG002 - of the protocol
         """None."""
         return None
