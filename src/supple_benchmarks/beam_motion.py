@@ -142,9 +142,12 @@ def fly_beam(
 
 @dataclass(frozen=True)
 class _Free:
+    """The root moves as the beam does."""
+
     n_fixed = 0
 
     def configuration(self, i: int) -> Array:
+        """None of its freedoms is prescribed."""
         del i
         return np.empty(0)
 
@@ -159,12 +162,15 @@ class _Clamp:
     n_fixed = NODE_SIZE
 
     def configuration(self, i: int) -> Array:
+        """x, y and angle of the root at instant i."""
         return np.array([0.0, 0.0, self.drive.angle[i]])
 
     def rate(self, i: int) -> Array:
+        """Their first derivatives."""
         return np.array([0.0, 0.0, self.drive.rate[i]])
 
     def acceleration(self, i: int) -> Array:
+        """Their second derivatives."""
         return np.array([0.0, 0.0, self.drive.acceleration[i]])
 
 

@@ -69,6 +69,12 @@ def test_modal_ratios_hold_in_every_mode(pair, ratios):
     np.testing.assert_allclose(C, np.diag(2 * expected * omega), atol=1e-12)
 
 
+def test_modal_ratios_hold_in_the_lowest_modes_alone_where_so_many_are_asked_for(pair):
+    omega, C = modal_ratios(ModalDamping([0.01, 0.02], n_modes=4), *pair)
+    expected = np.array([0.01, 0.02, 0.02, 0.02, 0.0, 0.0])
+    np.testing.assert_allclose(C, np.diag(2 * expected * omega), atol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -81,6 +87,7 @@ def test_modal_ratios_hold_in_every_mode(pair, ratios):
         (lambda: ModalDamping(-0.1), "modal damping ratios must be zero or positive"),
         (lambda: ModalDamping([]), "modal damping ratios must be zero or positive"),
         (lambda: ModalDamping([0.1, np.nan]), "modal damping ratios must be zero or positive"),
+        (lambda: ModalDamping(0.1, n_modes=0), "n_modes is 0; damp at least one mode"),
         (lambda: ModalDamping(np.eye(2)), "modal damping ratios must be zero or positive"),
     ],
 )

@@ -38,6 +38,9 @@ def test_a_split_strip_bends_as_the_whole_one(case_folder, tmp_path):
     sag = np.ptp(expected[:, 2])
     assert sag > 1e-3
     assert abs(tip - expected).max() < 5e-3 * sag
+    seen, expected = (run.tracked[name] for run, name in ((split, "strip-2.TIP"), (whole, "strip.TIP")))
+    assert (seen.seen_from, expected.seen_from) == ("strip-1.root", "root")
+    assert abs(seen.deflection - expected.deflection).max() < 5e-3 * sag
     assert any("into 2; the ties change its lowest free frequencies by" in line for line in heard)
 
 

@@ -34,7 +34,7 @@ def test_without_a_word_the_deck_is_for_calculix(case_folder, tmp_path):
     result = exported(case_folder / "strip.toml", "-o", deck, "--body", "strip", "--time", "0.1")
     assert result.exit_code == 0, result.output
     assert "TYPE=S6" in deck.read_text()
-    assert "0.1 s" in result.output
+    assert "t = 0.1" in result.output
 
 
 OTHER = """

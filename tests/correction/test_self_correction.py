@@ -58,7 +58,9 @@ def corrected(beam, frame, **target):
     result = self_correct(
         turned(spin_up)(FullBody(beam, frame)),
         RUN,
-        ReductionStart(SelfCorrection(**target), CraigBampton(n_modes=4), CompressedDerivatives(4)),
+        ReductionStart(
+            SelfCorrection(directions=3, **target), CraigBampton(n_modes=4), CompressedDerivatives(4)
+        ),
         announce=rounds.append,
     ).bodies["beam"]
     return result, rounds

@@ -73,7 +73,7 @@ def double_pendulum(frame):
 def starts(**options):
     return {
         name: ReductionStart(
-            target=SelfCorrection(**({"absolute": allowed, "instants": 20} | options)),
+            target=SelfCorrection(**({"absolute": allowed, "instants": 20, "directions": 3} | options)),
             basis=CraigBampton(n_modes=2),
             derivatives=CompressedDerivatives(4),
         )

@@ -7,6 +7,7 @@ import re
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from fixtures.bar_case import MOTOR, bar_case
 from fixtures.runs_on_disk import RUNS, bits, pendulum
 
 from supple.body import RigidBody
@@ -18,32 +19,7 @@ from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.simulation import simulate
 from supple.storage import read_solution
 
-CASE = """\
-title = "a bar on a motor"
-gravity = [0, 0, -9.81]
-
-[[body]]
-name = "bar"
-rigid = { mass = 1.0, centre = [0.5, 0, 0], inertia = [[0.01, 0, 0], [0, 0.1, 0], [0, 0, 0.1]] }
-interface = [{ name = "pin", position = [0, 0, 0] }]
-
-[[joint]]
-name = "motor"
-kind = "prescribed-rotation"
-first = "ground"
-second = "bar.pin"
-axis = [0, 1, 0]
-law = { kind = "table", file = "angle.csv" }
-
-[simulation]
-duration = 1.0
-output_step = 0.05
-step = 0.05
-
-[output]
-pictures = false
-animation = false
-"""
+CASE = bar_case(1.0, 0.05, 0.05, joint=MOTOR)
 
 
 class StoppedError(Exception):

@@ -83,6 +83,7 @@ def test_parts_of_another_kind_never_give_a_traceback(tmp_path, linear, part, in
                 file[part] = "words"
             case "a number":
                 file[part] = 1.0
+    seal_again(path)
     for read in (read_reduced_body, read_interface_names):
         try:
             read(path)
@@ -97,6 +98,7 @@ def test_attributes_of_another_kind_never_give_a_traceback(tmp_path, linear, nam
     path = write_reduced_body(tmp_path / "body.h5", linear)
     with h5py.File(path, "r+") as file:
         file.attrs[name] = value
+    seal_again(path)
     try:
         read_reduced_body(path)
     except ResultFileError as error:

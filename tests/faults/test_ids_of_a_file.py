@@ -164,11 +164,11 @@ def test_a_case_file_names_nodes_by_their_ids(machine):
     """`node_indices` of a mesh file are its ids: the tip of the machine's arm is the same by either name."""
     path = machine("m", {"length": "m", "mass": "kg", "time": "s"})
     mesh = read_mesh(path.parent / "arm.inp")
-    ids = mesh.node_ids[mesh.nodes_of("tip")].tolist()
-    text = path.read_text(encoding="utf-8").replace('nodes = "tip"', f"node_indices = {ids}")
+    ids = mesh.node_ids[mesh.nodes_of("TIP")].tolist()
+    text = path.read_text(encoding="utf-8").replace('nodes = "TIP"', f"node_indices = {ids}")
     path.write_text(text, encoding="utf-8")
     case = read_case(path)
-    assert case.flexible["arm"].interface("tip").node_ids.tolist() == mesh.nodes_of("tip").tolist()
+    assert case.flexible["arm"].interface("tip").node_ids.tolist() == mesh.nodes_of("TIP").tolist()
     path.write_text(text.replace(str(ids), "[0, 1]"), encoding="utf-8")
     with pytest.raises(MeshError, match="no node of this mesh has the id 0"):
         _ = read_case(path).flexible

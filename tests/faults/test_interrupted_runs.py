@@ -7,6 +7,7 @@ import signal
 import time
 
 import pytest
+from fixtures.bar_case import bar_case
 from fixtures.runs_on_disk import started
 from fixtures.strip_case import CASE as STRIP
 
@@ -23,26 +24,7 @@ from supple.simulation import simulate
 simulate(pendulum(), Run(100.0, 0.1, step=FixedStep(1e-4)), file=sys.argv[1])
 """
 
-LONG = """\
-title = "a bar on a hinge"
-gravity = [0, 0, -9.81]
-
-[[body]]
-name = "bar"
-rigid = { mass = 1.0, centre = [0.5, 0, 0], inertia = [[0.01, 0, 0], [0, 0.1, 0], [0, 0, 0.1]] }
-interface = [{ name = "pin", position = [0, 0, 0] }]
-
-[[joint]]
-kind = "revolute"
-first = "ground"
-second = "bar.pin"
-axis = [0, 1, 0]
-
-[simulation]
-duration = 100.0
-output_step = 0.1
-step = 1e-4
-"""
+LONG = bar_case(100.0, 0.1, 1e-4)
 
 
 def stopped(process, path, number, outputs=2):
@@ -91,7 +73,7 @@ def test_a_script_says_what_it_keeps(tmp_path, number, code):
 
 @pytest.mark.slow
 def test_a_self_correction_says_what_it_keeps(tmp_path):
-    from fixtures.strip_case import abaqus_text
+    from fixtures.abaqus_text import abaqus_text
 
     from supple.mesh import strip
 

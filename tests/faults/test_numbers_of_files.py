@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fixtures.bar_case import bar_case
 
 from supple.cases import read_case
 from supple.errors import CaseError, ImportFormatError
 from supple.importers import MatrixRole, read_labelled_matrix, read_matrix, read_mesh, read_nodes, read_polar
 from supple.importers.time_table import read_time_table
+from supple.machine.joints.joint import axes_along
 
 WRONG = ["1_000", "١٢", "2" * 400, "99999999999999999999"]
 READERS = {
@@ -69,4 +71,22 @@ def test_whole_numbers_of_a_case_have_64_bits(number, tmp_path):
     path = tmp_path / "case.toml"
     path.write_text(f'title = "t"\n[simulation]\nduration = {number}\n', encoding="utf-8")
     with pytest.raises(CaseError, match=r"line 3, simulation\.duration: a whole number has at most 64 bits"):
+        read_case(path)
+
+
+@pytest.mark.parametrize("axis", [(0.0, 1e300, 0.0), (0.0, 1e-300, 0.0), (0.0, 5e-324, 0.0)])
+def test_the_length_of_an_axis_does_not_matter(axis):
+    """A square of these is infinite or zero; a hinge whose axis was none let its body fall."""
+    np.testing.assert_array_equal(axes_along(axis), axes_along((0.0, 1.0, 0.0)))
+    np.testing.assert_array_equal(axes_along((1.0, 0.0, 0.0), axis), axes_along((1.0, 0.0, 0.0), (0, 1, 0)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("axis = [0, 1, 0]", "axis = [0, 1e300, 0]"), ("mass = 1.0", "mass = 1e61"), ("-9.81", "-1e200")],
+)
+def test_numbers_whose_products_overflow_are_mistakes_of_a_case(tmp_path, old, new):
+    path = tmp_path / "bar.toml"
+    path.write_text(bar_case(0.1, 0.05, 0.05).replace(old, new), encoding="utf-8")
+    with pytest.raises(CaseError, match=r"line \d+, .*: -?1e\+\d+ is beyond the 1e\+60 that can be computed"):
         read_case(path)

@@ -6,6 +6,7 @@ import errno
 import signal
 
 import pytest
+from fixtures.bar_case import bar_case
 from fixtures.runs_on_disk import RUNS, bits, pendulum, started
 
 from supple.cases import read_case, run_case
@@ -78,30 +79,7 @@ def case(tmp_path):
     return read_case(tmp_path / "bar.toml")
 
 
-CASE = """\
-title = "a bar on a hinge"
-gravity = [0, 0, -9.81]
-
-[[body]]
-name = "bar"
-rigid = { mass = 1.0, centre = [0.5, 0, 0], inertia = [[0.01, 0, 0], [0, 0.1, 0], [0, 0, 0.1]] }
-interface = [{ name = "pin", position = [0, 0, 0] }]
-
-[[joint]]
-kind = "revolute"
-first = "ground"
-second = "bar.pin"
-axis = [0, 1, 0]
-
-[simulation]
-duration = 0.2
-output_step = 0.05
-step = 0.05
-
-[output]
-pictures = false
-animation = false
-"""
+CASE = bar_case(0.2, 0.05, 0.05)
 
 
 def test_a_folder_takes_one_run_of_a_case_at_a_time(tmp_path, case):
@@ -177,3 +155,14 @@ def test_a_file_system_without_locks_earns_a_warning(tmp_path, make, monkeypatch
     with pytest.warns(UnlockedWarning, match=r"run\.h5 knows no locks: make sure yourself"):
         write_solution(tmp_path / "run.h5", make(), case="a")
     assert read_header(tmp_path / "run.h5").complete
+
+
+def test_a_run_that_was_stopped_has_no_report_of_the_one_before(tmp_path, case):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    run_case(case, tmp_path / "out")
+    assert (tmp_path / "out" / "bar.json").exists()
+    with pytest.raises(KeyboardInterrupt):
+        run_case(case, tmp_path / "out", force=True, progress=stop)
+    assert not (tmp_path / "out" / "bar.json").exists()

@@ -10,6 +10,7 @@ from itertools import pairwise
 import h5py
 import numpy as np
 import pytest
+from fixtures.systems_of_units import POWERS, SYSTEMS
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -19,21 +20,6 @@ from supple.results.run_tables import body_table, joint_table, motion_table, pla
 from supple.storage import read_solution
 from supple.units import UnitSystem
 
-SYSTEMS = {
-    "m-kg-s": {"length": "m", "mass": "kg", "time": "s", "force": "N", "stress": "Pa"},
-    "mm-t-s": {"length": "mm", "mass": "t", "time": "s", "force": "N", "stress": "MPa"},
-    "mm-kg-ms": {"length": "mm", "mass": "kg", "time": "ms", "force": "kN", "stress": "GPa"},
-    "cm-g-s": {"length": "cm", "mass": "g", "time": "s"},
-    "in-lbf-s": {"length": "in", "mass": "lbf*s^2/in", "time": "s", "force": "lbf", "stress": "psi"},
-    "ft-slug-s": {"length": "ft", "mass": "slug", "time": "s"},
-}
-POWERS = {
-    "length": {"length": 1},
-    "mass": {"mass": 1},
-    "time": {"time": 1},
-    "force": {"mass": 1, "length": 1, "time": -2},
-    "moment": {"mass": 1, "length": 2, "time": -2},
-}
 STEPS = 12
 
 

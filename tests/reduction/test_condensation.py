@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fixtures.beam_bodies import beam_body
 from scipy import linalg
 from scipy.optimize import minimize
 
@@ -56,11 +57,18 @@ def bar():
     return flexible_body("bar", model, [RigidInterface("root", "root"), RigidInterface("tip", "tip")])
 
 
+@pytest.fixture(scope="module")
+def beams():
+    return beam_body("root", "tip", n=8)
+
+
 BASES = {
     "strip, mean-axis": ("beam", MeanAxisFrame(), Rubin(n_columns=10), CompressedDerivatives(10)),
     "strip, fixed": ("beam", NodalFixedFrame("root"), CraigBampton(n_modes=6), CompressedDerivatives(2)),
     "link, mean-axis": ("link", MeanAxisFrame(), CraigBampton(n_modes=4), NoDerivatives()),
     "link, modes alone": ("link", MeanAxisFrame(), NormalModes(4), NoDerivatives()),
+    "beams, mean-axis": ("beams", MeanAxisFrame(), Rubin(n_modes=4), CompressedDerivatives(4)),
+    "beams, fixed": ("beams", NodalFixedFrame("root"), CraigBampton(n_modes=4), NoDerivatives()),
     "solid, mean-axis": ("bar", MeanAxisFrame(), Rubin(n_modes=4), CompressedDerivatives(4)),
     "solid, fixed": ("bar", NodalFixedFrame("root"), CraigBampton(n_modes=4), NoDerivatives()),
 }

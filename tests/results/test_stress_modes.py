@@ -121,7 +121,7 @@ def test_chosen_nodes_are_those_of_the_whole(model):
 
 def affine(model):
     """A body whose nine coordinates are the gradients H of u = H x, among which is every rigid rotation."""
-    body = flexible_body("beam", model, [RigidInterface("root", "root")])
+    body = flexible_body("beam", model)
     body = reduce(body, MeanAxisFrame(), NormalModes(9), derivatives=NoDerivatives())
     u = np.zeros((model.mesh.n_nodes, model.dofs_per_node, 9))
     for i in range(3):

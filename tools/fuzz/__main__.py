@@ -2,6 +2,8 @@
 
     python tools/fuzz --quick               # about a minute; the exit code tells of faults
     python tools/fuzz -n 100000             # and writes report.json and report.md beside this file
+    python tools/fuzz -n 100000 --kept F    # counts are kept in F, from which the same command goes on; it
+                                            # tries the faults that were listed again
 
 Seeds are fixed: mutation k of a kind is the same file on every machine.
 """
@@ -14,20 +16,20 @@ import sys
 import tempfile
 import time
 import zlib
-from collections import Counter
 from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 from corpus import Kind, kinds
 from mutate import mutated
-from worker import MEMORY, SECONDS, Finding, Outcome, Worker
+from tally import Tally
+from worker import MEMORY, SECONDS, WAITING, Outcome, Worker
 
 SEED = 20261122
 QUICK = 2500
+BATCH = 250
+"""Mutations of one kind before the next one has its turn."""
 FOLDER = Path(__file__).resolve().parent
-SHOWN = 5
-"""Faults of one place that are listed."""
 
 
 def main() -> int:
@@ -39,45 +41,39 @@ def main() -> int:
     parser.add_argument("-n", type=int, default=100_000, help="mutations, shared evenly between the kinds")
     parser.add_argument("--only", help="one kind, by its label")
     parser.add_argument("--keep", type=Path, help="folder for the files that a reader failed on")
+    parser.add_argument("--kept", type=Path, help="file of the counts so far: begun, or gone on from")
     parser.add_argument("--first", type=int, default=0, help="number of the first mutation")
     given = parser.parse_args()
-    began = time.perf_counter()
+    tally = Tally.kept(given.kept, given.first)
     with tempfile.TemporaryDirectory() as folder:
         chosen = [kind for kind in kinds(Path(folder)) if given.only in (None, kind.label)]
         if given.quick:
             chosen = [kind for kind in chosen if not kind.is_hdf5]
-        each = -(-(QUICK if given.quick else given.n) // len(chosen))
-        counts, faults = {}, []
         for kind in chosen:
-            counts[kind.label], found = _tried(
-                kind, Path(folder), range(given.first, given.first + each), given.keep
-            )
-            faults += found
-            line = ", ".join(
-                f"{counts[kind.label][each]} {each}" for each in Outcome if counts[kind.label][each]
-            )
-            print(f"{kind.label:<18} {line}", flush=True)
-    seconds = time.perf_counter() - began
-    for fault in faults:
+            _check_seeds(kind, Path(folder))
+        for label, number in tally.take_back():
+            for kind in chosen:
+                if kind.label == label:
+                    _try(kind, Path(folder), range(number, number + 1), tally, given.keep)
+        end = given.first + -(-(QUICK if given.quick else given.n) // len(chosen))
+        while waiting := [kind for kind in chosen if tally.next(kind.label) < end]:
+            for kind in waiting:
+                first = tally.next(kind.label)
+                _try(kind, Path(folder), range(first, min(first + BATCH, end)), tally, given.keep)
+                tally.keep(given.kept)
+                print(tally.line(kind.label), flush=True)
+    for fault in tally.faults:
         print(
             f"FAULT {fault['kind']} {fault['number']}: {fault['outcome']}: {fault['message']} "
             f"({fault['where']})"
         )
     if not (given.quick or given.only):
-        _write_report(counts, faults, seconds)
-    total = sum(sum(each.values()) for each in counts.values())
-    n_faults = sum(each[outcome] for each in counts.values() for outcome in Outcome if outcome.is_fault)
-    print(f"{total} mutations in {seconds:.0f} s: {n_faults} faults")
-    return int(n_faults > 0)
+        _write_report(tally)
+    print(f"{tally.n_mutations} mutations in {tally.seconds:.0f} s: {tally.n_faults} faults")
+    return int(tally.n_faults > 0)
 
 
-def _tried(
-    kind: Kind, folder: Path, numbers: range, keep: Path | None
-) -> tuple[Counter[Outcome], list[dict]]:
-    """Counts of outcomes, and the first faults of each place."""
-    counts: Counter[Outcome] = Counter()
-    faults: list[dict] = []
-    places: Counter[str] = Counter()
+def _check_seeds(kind: Kind, folder: Path) -> None:
     with tempfile.TemporaryDirectory(dir=folder) as own:
         worker = Worker(Path(own))
         for seed in kind.seeds:
@@ -86,21 +82,24 @@ def _tried(
                 raise SystemExit(
                     f"the seed {seed.name} of {kind.label} is {finding.outcome}: {finding.message}"
                 )
+        worker.end()
+
+
+def _try(kind: Kind, folder: Path, numbers: range, tally: Tally, keep: Path | None) -> None:
+    began = time.perf_counter()
+    with tempfile.TemporaryDirectory(dir=folder) as own:
+        worker = Worker(Path(own))
         for number in numbers:
             rng = np.random.default_rng([SEED, zlib.crc32(kind.label.encode()), number])
             seed = kind.seeds[number % len(kind.seeds)]
             content = mutated(rng, seed.content, [each.content for each in kind.seeds])
-            finding: Finding = worker.read(kind.reader, *_beside(Path(own), seed, content))
-            counts[finding.outcome] += 1
-            if finding.outcome.is_fault:
-                places[finding.where] += 1
-                if places[finding.where] <= SHOWN:
-                    faults.append({"kind": kind.label, "number": number, **finding._asdict()})
-                if keep is not None:
-                    keep.mkdir(parents=True, exist_ok=True)
-                    (keep / f"{kind.label.replace(' ', '-')}-{number}-{seed.name}").write_bytes(content)
+            finding = worker.read(kind.reader, *_beside(Path(own), seed, content))
+            tally.count(kind.label, number, finding)
+            if finding.outcome.is_fault and keep is not None:
+                keep.mkdir(parents=True, exist_ok=True)
+                (keep / f"{kind.label.replace(' ', '-')}-{number}-{seed.name}").write_bytes(content)
         worker.end()
-    return counts, faults
+    tally.seconds += time.perf_counter() - began
 
 
 def _beside(folder: Path, seed, content: bytes) -> tuple[str, bytes]:
@@ -109,26 +108,28 @@ def _beside(folder: Path, seed, content: bytes) -> tuple[str, bytes]:
     return seed.name, content
 
 
-def _write_report(counts: dict[str, Counter[Outcome]], faults: list[dict], seconds: float) -> None:
-    total = sum(sum(each.values()) for each in counts.values())
+def _write_report(tally: Tally) -> None:
     date = datetime.now(UTC).date().isoformat()
-    table = {kind: {str(outcome): found[outcome] for outcome in Outcome} for kind, found in counts.items()}
+    table = {
+        kind: {str(outcome): found[outcome] for outcome in Outcome} for kind, found in tally.counts.items()
+    }
     numbers = {
         "date": date,
         "seed": SEED,
-        "mutations": total,
-        "seconds": round(seconds),
+        "mutations": tally.n_mutations,
+        "seconds": round(tally.seconds),
         "outcomes": table,
-        "faults": faults,
+        "faults": tally.faults,
     }
     (FOLDER / "report.json").write_text(json.dumps(numbers, indent=1) + "\n", encoding="utf-8")
     heads = [str(outcome) for outcome in Outcome]
     lines = [
         "# Mutated files",
         "",
-        f"{date}: {total} mutations of valid files, seed {SEED}, within {MEMORY / 2**30:g} GiB and "
-        f"{SECONDS:g} s each. A file",
-        "is read (good) or refused by an error of supple's own; all other outcomes are faults.",
+        f"{date}: {tally.n_mutations} mutations of valid files, seed {SEED}, within {MEMORY / 2**30:g} GiB",
+        f"and {SECONDS:g} s of processor time each (or {WAITING * SECONDS:g} s by the clock). A file is read",
+        "(good) or refused by an error of supple's own; all other outcomes are faults. Copies of HDF5 files",
+        "(`copied_hdf5`) are made by a process that is forked, instead of one that is begun anew.",
         "",
         f"| kind of file | {' | '.join(heads)} |",
         f"| --- |{' --- |' * len(heads)}",

@@ -14,10 +14,14 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import NamedTuple
 
+from forked_copy import fork_copies
+
 from supple.errors import SuppleError
 
 SECONDS = 20.0
-"""After which a file hangs its reader."""
+"""On a processor, after which a file hangs its reader."""
+WAITING = 4
+"""Times as long by the clock: the computer may be busy, and a reader may sleep."""
 MEMORY = 2 * 2**30
 """Address space beyond that of a process that has read nothing."""
 
@@ -64,10 +68,13 @@ class Worker:
         assert self._process is not None
         try:
             self._pipe.send(path)
-            if not self._pipe.poll(SECONDS):
+            if not self._pipe.poll(WAITING * SECONDS):
                 self.end()
-                return Finding(Outcome.HANG, f"no answer within {SECONDS:g} s")
-            return Finding(*self._pipe.recv())
+                return Finding(Outcome.HANG, f"no answer within {WAITING * SECONDS:g} s by the clock")
+            finding, seconds = self._pipe.recv()
+            if seconds > SECONDS:
+                return Finding(Outcome.HANG, f"an answer after {seconds:.0f} s on a processor")
+            return Finding(*finding)
         except (EOFError, BrokenPipeError, ConnectionResetError):
             self._process.join()
             code = self._process.exitcode or 0
@@ -103,12 +110,21 @@ def _serve(pipe: Connection, other_end: Connection, reader: Callable[[Path], obj
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     warnings.simplefilter("ignore")
+    fork_copies()
     while True:
         try:
             path = pipe.recv()
         except EOFError:
             return
-        pipe.send(_outcome(reader, path))
+        began = _processor_seconds()
+        finding = _outcome(reader, path)
+        pipe.send((finding, _processor_seconds() - began))
+
+
+def _processor_seconds() -> float:
+    """Of this process and of those that it has begun and that have ended."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(each.ru_utime + each.ru_stime for each in used)
 
 
 def _outcome(reader: Callable[[Path], object], path: Path) -> Finding:

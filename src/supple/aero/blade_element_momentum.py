@@ -118,9 +118,11 @@ class _Sections:
     polars: BlendedPolars
 
     def chord(self) -> FloatArray:
+        """At all radii, m."""
         return np.interp(self.radius, self.rotor.radius, self.rotor.chord)
 
     def angle_of_attack(self, phi: FloatArray, place: NDArray[np.int64]) -> FloatArray:
+        """Of the sections at those places, rad."""
         twist = np.interp(self.radius, self.rotor.radius, self.rotor.twist)
         return phi - twist[place] - self.operation.pitch
 
@@ -143,10 +145,12 @@ class _Sections:
         return np.where(k <= CRITICAL_INDUCTION / d, 1 + k, turbulent), cos - share * C_t
 
     def relative_residual(self, phi: FloatArray, place: NDArray[np.int64], wind: FloatArray) -> FloatArray:
+        """What is zero at the inflow angle sought, m/s."""
         axial, tangential = self.slowing(phi, place)
         return np.sin(phi) * axial * self.operation.angular_speed * self.radius[place] - tangential * wind
 
     def loads(self, phi: FloatArray, place: NDArray[np.int64], wind: FloatArray) -> AirLoads:
+        """Of the sections at those places; ModelError where a polar does not reach as far."""
         angle = self.angle_of_attack(phi, place)
         self._check_covered(angle, place)
         C_n, C_t = self.coefficients(phi, place)

@@ -119,12 +119,16 @@ def rayleigh_at_modes(
 class ModalDamping:
     """A damping ratio for each mode of the body as it is simulated; its matrix does not change.
 
+        C = M Phi diag(2 zeta omega) Phi^T M
+
     The modes are motions against the body's frame, so that the damping depends on the frame.
 
     ratios : one for all modes, or one per mode from the lowest up; modes beyond the last take the last ratio
+    n_modes : how many are damped, from the lowest up; all when omitted, which a body in full must not
     """
 
     ratios: NDArray[np.float64] | float
+    n_modes: int | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -132,6 +136,8 @@ class ModalDamping:
         ratios = read_only(np.atleast_1d(np.asarray(self.ratios, dtype=np.float64)))
         if ratios.ndim != 1 or ratios.size == 0 or not np.all(np.isfinite(ratios) & (ratios >= 0)):
             raise ModelError(f"modal damping ratios must be zero or positive numbers, not {self.ratios}")
+        if self.n_modes is not None and self.n_modes < 1:
+            raise ModelError(f"modal damping: n_modes is {self.n_modes}; damp at least one mode")
         object.__setattr__(self, "ratios", ratios)
 
     @property
@@ -140,13 +146,33 @@ class ModalDamping:
         return 0.0
 
     def matrix(self, stiffness: ArrayLike, mass: ArrayLike) -> NDArray[np.float64]:
-        """C = M Phi diag(2 zeta omega) Phi^T M from the modes of dense matrices (r, r)."""
+        """C (r, r) from the modes of dense matrices (r, r)."""
         M = np.asarray(mass, dtype=np.float64)
         squares, modes = linalg.eigh(np.asarray(stiffness, dtype=np.float64), M)
-        given = np.asarray(self.ratios)
-        ratios = given[np.minimum(np.arange(squares.size), given.size - 1)]
-        weighted = M @ modes
-        return (weighted * (2 * ratios * np.sqrt(np.maximum(squares, 0)))) @ weighted.T
+        columns = self._columns(squares, modes, M)
+        return columns @ columns.T
+
+    def columns(
+        self, stiffness: sparse.sparray, mass: sparse.sparray, constraint: Any
+    ) -> NDArray[np.float64]:
+        """W (n, n_modes) of C = W W^T, from the lowest modes of sparse matrices on a constraint.
+
+        Parameters as for `lowest_modes`; ModelError when no number of modes is given, or one too large.
+        """
+        if self.n_modes is None:
+            raise ModelError(
+                "modal damping of a body with all its freedoms: say how many of its modes are damped, for "
+                "example ModalDamping(0.02, n_modes=20); or take RayleighDamping"
+            )
+        found = lowest_modes(stiffness, mass, self.n_modes, constraint=constraint)
+        return self._columns(found.values, found.vectors, mass)
+
+    def _columns(self, squares: NDArray[np.float64], modes: NDArray[np.float64], mass: Any) -> Any:
+        """M phi sqrt(2 zeta omega) of the modes that are damped."""
+        given, number = np.asarray(self.ratios), np.arange(len(squares))[: self.n_modes]
+        ratios = given[np.minimum(number, given.size - 1)]
+        omega = np.sqrt(np.maximum(squares[number], 0))
+        return (mass @ modes[:, number]) * np.sqrt(2 * ratios * omega)
 
 
 Damping = RayleighDamping | LinearRayleighDamping | ModalDamping

@@ -77,7 +77,10 @@ class FlexibleBody:
         linear = replace(
             self,
             force=LinearForce(self.stiffness),
-            interfaces=tuple(replace(interface, cubic_turn=0.0) for interface in self.interfaces),
+            interfaces=tuple(
+                replace(interface, cubic_turn=0.0, tied_nodes=interface.tied_nodes[:0])
+                for interface in self.interfaces
+            ),
         )
         if "grounded_stiffness" in vars(self):  # the same K need not be factored twice
             vars(linear)["grounded_stiffness"] = self.grounded_stiffness

@@ -11,7 +11,7 @@ from scipy.sparse import csr_array, vstack
 
 from supple.algebra import lowest_modes
 from supple.arguments import check_fields
-from supple.body.damping import LinearRayleighDamping, RayleighDamping
+from supple.body.damping import Damping
 from supple.body.flexible_body import FlexibleBody
 from supple.body.floating_kinematics import floating_positions
 from supple.body.frame import Frame
@@ -27,12 +27,12 @@ class FullBody:
 
     body : FlexibleBody    nonlinear where it has quadratic strains; `body.linearized()` otherwise
     frame : NodalFixedFrame | MeanAxisFrame
-    damping : RayleighDamping | LinearRayleighDamping | None
+    damping : RayleighDamping(...), LinearRayleighDamping(...), ModalDamping(ratios, n_modes) or None
     """
 
     body: FlexibleBody
     frame: Frame
-    damping: RayleighDamping | LinearRayleighDamping | None = None
+    damping: Damping | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)

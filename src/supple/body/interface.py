@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -69,6 +69,7 @@ class BodyInterface:
     motion   : csr (6, n), q_v = (u_v, theta_v) = motion @ q
     node_ids : (k,) numbers of the nodes it is made of
     cubic_turn : c of the rotation vector theta_v (1 + c theta_v.theta_v) by which a joint there has turned
+    tied_nodes : numbers of the nodes that move rigidly with it to second order (`second_order_tie`)
 
     A rigid interface stands as the elements beside it, turned by phi, want it where |theta_v| = tan(phi), for
     their strains are cut back to quadratic ones (`second_order_tie`): c = -1/3. Where nodes turn by phi, an
@@ -80,6 +81,7 @@ class BodyInterface:
     motion: sparse.csr_array
     node_ids: NDArray[np.int64]
     cubic_turn: float = 0.0
+    tied_nodes: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,13 +51,20 @@ def second_order_strains(
     -------
     QuadraticStrain of dofs of N + (sets) nodes, as `with_virtual_nodes` gives them
     """
+    return tuple(part for block in blocks for _, part in tied_parts(block, nodes, dofs_per_node, rigid_sets))
+
+
+def tied_parts(
+    block: QuadraticStrain, nodes: FloatArray, dofs_per_node: int, rigid_sets: Sequence[RigidSet]
+) -> Iterator[tuple[IntArray, QuadraticStrain]]:
+    """For one block: parts that touch as many sets each, and the numbers of their elements in it."""
     set_of = np.full(len(nodes), -1)
     arms = np.zeros((len(nodes), 3))
     for number, (node_ids, position) in enumerate(rigid_sets):
         own = nodes[node_ids] - position
         if own.any():  # a single node where the virtual one is has nothing to turn
             set_of[node_ids], arms[node_ids] = number, own
-    return tuple(part for block in blocks for part in _parts(block, dofs_per_node, set_of, arms))
+    return _parts(block, dofs_per_node, set_of, arms)
 
 
 def with_virtual_nodes(expansion: sparse.csc_array, dofs_per_node: int, n_sets: int) -> sparse.csc_array:
@@ -78,7 +85,7 @@ def with_virtual_nodes(expansion: sparse.csc_array, dofs_per_node: int, n_sets: 
 
 def _parts(
     block: QuadraticStrain, dofs_per_node: int, set_of: IntArray, arms: FloatArray
-) -> Iterator[QuadraticStrain]:
+) -> Iterator[tuple[IntArray, QuadraticStrain]]:
     """The elements of a block by the number of sets that they touch."""
     element_nodes = block.dofs[:, ::dofs_per_node] // dofs_per_node
     sets = np.sort(set_of[element_nodes], axis=1)
@@ -88,13 +95,12 @@ def _parts(
         chosen = counts == count
         part = block if chosen.all() else block.of(np.flatnonzero(chosen))
         if count == 0:
-            yield part
+            yield np.flatnonzero(chosen), part
             continue
         own = sets[chosen][first[chosen]].reshape(-1, count)
         held = set_of[element_nodes[chosen]][:, None] == own[..., None]
-        yield _tied(
-            part, len(set_of) + own, np.where(held[..., None], arms[element_nodes[chosen]][:, None], 0.0)
-        )
+        own_arms = np.where(held[..., None], arms[element_nodes[chosen]][:, None], 0.0)
+        yield np.flatnonzero(chosen), _tied(part, len(set_of) + own, own_arms)
 
 
 def _tied(block: QuadraticStrain, virtual: IntArray, arms: FloatArray) -> QuadraticStrain:

@@ -105,7 +105,8 @@ def interface_motions(
         # On a line or point, rotations are those of the nodes themselves.
         by_displacement = turns_finitely and not are_collinear(nodes[node.node_ids])
         cubic_turn = (ARCTAN if node.is_rigid else ARCSIN) if by_displacement else 0.0
-        result.append(BodyInterface(node.name, node.position, motion, node.node_ids, cubic_turn))
+        tied = node.node_ids if node.is_rigid and turns_finitely else np.empty(0, dtype=np.int64)
+        result.append(BodyInterface(node.name, node.position, motion, node.node_ids, cubic_turn, tied))
     return tuple(result)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -14,7 +14,6 @@ from supple.body import (
     FlexibleBody,
     FullBody,
     MeanAxisFrame,
-    ModalDamping,
     NodalFixedFrame,
     RigidBody,
     check_rigid_connections,
@@ -102,10 +101,10 @@ class Body(CheckedTable):
     damping: Damping | None = None
     split: Split | None = None
     linear: bool = Field(False, description="true leaves the nonlinear strains out (for comparison)")
-    position: Vector = Field(ZERO, description="start of the mesh origin, global axes, m")
+    position: Vector = Field(ZERO, description="start of the mesh origin, global axes")
     rotation: Vector = Field(ZERO, description="start orientation as a rotation vector, global axes, rad")
-    velocity: Vector = Field(ZERO, description="start velocity of the mesh origin, global axes, m/s")
-    angular_velocity: Vector = Field(ZERO, description="start angular velocity, body axes, rad/s")
+    velocity: Vector = Field(ZERO, description="start velocity of the mesh origin, global axes")
+    angular_velocity: Vector = Field(ZERO, description="start angular velocity, body axes, rad per time")
 
     @property
     def kind(self) -> str:
@@ -152,7 +151,7 @@ class Body(CheckedTable):
         folder : where that file lies
         notify : hears of each long step
         """
-        start = {key: np.array(getattr(self, key)) for key in _START}
+        start: dict[str, Any] = {key: np.array(getattr(self, key)) for key in _START}
         return Placed(self._form(flexible, folder, notify), **start)
 
     def _form(
@@ -168,7 +167,6 @@ class Body(CheckedTable):
         frame = self.frame.build()
         damped = self.damping.build(flexible, frame) if self.damping else None
         if self.reduction is None or self.reduction.corrects_itself or isinstance(self.reduction, FullOrder):
-            assert not isinstance(damped, ModalDamping)  # a rule of the case file
             return FullBody(flexible, frame, damped)
         step = f"reducing body '{self.name}' ({flexible.n} freedoms)"
         notify(step)

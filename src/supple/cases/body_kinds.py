@@ -67,9 +67,9 @@ class Homogeneous(ElasticKind):
     mesh_suffixes = MESH_SUFFIXES
     has_elements = True
 
-    youngs_modulus: Positive = Field(description="Young's modulus, Pa")
+    youngs_modulus: Positive = Field(description="Young's modulus, force per area")
     poissons_ratio: float = Field(gt=-1.0, lt=0.5, description="Poisson's ratio")
-    density: Positive = Field(description="mass per volume, kg/m3")
+    density: Positive = Field(description="mass per volume")
 
     def source(self, folder: Path, mesh: str, /) -> BodySource:
         """The mesh file with elements."""
@@ -85,7 +85,7 @@ class Homogeneous(ElasticKind):
 class Shell(Homogeneous):
     """Homogeneous flat-shell triangles on every cell of the mesh."""
 
-    thickness: Positive = Field(description="wall thickness, m")
+    thickness: Positive = Field(description="wall thickness, a length")
     kinematics: Kinematics = Field(
         "green-lagrange",
         description="membrane strain; von-karman only for flat structures bending out of their plane",
@@ -160,7 +160,7 @@ class Superelement(ElasticKind):
 
     stiffness: str = Field(description="Matrix Market file of the stiffness matrix, beside the case file")
     mass: str = Field(description="Matrix Market file of the mass matrix, beside the case file")
-    nodes: str = Field(description="Matrix Market file of the node positions, an array of 3 columns, m")
+    nodes: str = Field(description="Matrix Market file of the node positions, an array of 3 columns")
     dofs_per_node: Literal[3, 6] = Field(
         description="freedoms per node: 3 (translations) or 6 (and rotations)"
     )
@@ -178,9 +178,11 @@ class Superelement(ElasticKind):
 class Rigid(BodyKind):
     """A rigid body."""
 
-    mass: Positive = Field(description="kg")
-    centre: Vector = Field(ZERO, description="centre of mass in body axes, m")
-    inertia: Matrix = Field(description="inertia tensor about the centre of mass in body axes, 3 rows, kg m2")
+    mass: Positive = Field(description="a mass")
+    centre: Vector = Field(ZERO, description="centre of mass in body axes")
+    inertia: Matrix = Field(
+        description="inertia tensor about the centre of mass in body axes, 3 rows, mass times length squared"
+    )
 
     def body(self, name: str, places: Mapping[str, np.ndarray]) -> RigidBody:
         """The body with its interfaces at the places."""

@@ -18,13 +18,13 @@ from supple.cases.case_tables import CaseTables
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
 from supple.cases.split import SplitSource, split_source
-from supple.cases.split_tables import changed_frequencies, with_damping, with_parts
+from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
 from supple.correction import ReductionStart
 from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
-from supple.machine import SplitBody, System
+from supple.machine import At, SplitBody, System
 from supple.mesh import Mesh
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
@@ -190,6 +190,16 @@ class Case:
             parts = tuple(flexible[part] for part in self._split[name].parts)
             self.notify(changed_frequencies(whole, SplitBody(name, self._split[name].mesh, parts)))
         return flexible
+
+    @cached_property
+    def bases(self) -> Mapping[str, At]:
+        """By name of a part of a split body: the first interface of the whole, from which it is seen."""
+        found = {}
+        for body in self.tables.body:
+            base = base_of(body, self._split[body.name]) if body.split is not None else None
+            if base is not None:
+                found |= dict.fromkeys(self._split[body.name].parts, base)
+        return found
 
     @cached_property
     def system(self) -> System:

@@ -8,14 +8,16 @@ from typing import Annotated
 
 from pydantic import Field
 
-from supple.cases import bodies, joints, loads, output, simulation, springs
+from supple.cases import bodies, joints, loads, output, simulation, spin, springs
 from supple.cases.bodies import Body
 from supple.cases.body_kinds import KINDS
 from supple.cases.ends import ends_exist
 from supple.cases.joints import Joint
+from supple.cases.laws import tables_suit_the_run
 from supple.cases.loads import Load
 from supple.cases.output import Output
 from supple.cases.simulation import Simulation
+from supple.cases.spin import SpinTable
 from supple.cases.springs import Spring
 from supple.errors import ModelError
 from supple.importers.text_file import is_file
@@ -27,7 +29,7 @@ class CaseTables(CheckedTable):
     """A whole case file."""
 
     title: str = Field(description="one line for tables and pictures")
-    gravity: Vector = Field(ZERO, description="global axes, m/s2")
+    gravity: Vector = Field(ZERO, description="acceleration, global axes")
     units: dict[str, str] = Field(
         default_factory=dict,
         description='such as { length = "mm", mass = "t", time = "s" }; nothing is converted',
@@ -37,6 +39,7 @@ class CaseTables(CheckedTable):
     load: Annotated[tuple[Load, ...], Field(strict=False)] = ()
     spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
     simulation: Simulation
+    spin: SpinTable | None = None
     output: Output = Field(default_factory=lambda: Output.model_validate({}))
 
 
@@ -56,6 +59,7 @@ RULES: tuple[Rule, ...] = (
     *loads.RULES,
     *springs.RULES,
     *simulation.RULES,
+    *spin.RULES,
     *output.RULES,
     _units_are_one_set,
     ends_exist,
@@ -71,7 +75,8 @@ def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
     raw : mapping    the case as the TOML reader returns it
     folder : Path    where the case file lies: its file names are relative to it
     """
-    return [mistake for rule in RULES for mistake in rule(raw)] + list(_files_exist(raw, folder))
+    broken = [mistake for rule in RULES for mistake in rule(raw)]
+    return [*broken, *_files_exist(raw, folder), *tables_suit_the_run(raw, folder)]
 
 
 def _files_exist(raw: Raw, folder: Path) -> Mistakes:

@@ -59,8 +59,8 @@ class Rayleigh(Made):
     makes = RayleighDamping
 
     kind: Literal["rayleigh"]
-    alpha: NonNegative = Field(description="1/s")
-    beta: NonNegative = Field(description="s")
+    alpha: NonNegative = Field(description="per time")
+    beta: NonNegative = Field(description="a time")
 
 
 class LinearRayleigh(Made):
@@ -69,17 +69,22 @@ class LinearRayleigh(Made):
     makes = LinearRayleighDamping
 
     kind: Literal["linear-rayleigh"]
-    alpha: NonNegative = Field(description="1/s")
-    beta: NonNegative = Field(description="s")
+    alpha: NonNegative = Field(description="per time")
+    beta: NonNegative = Field(description="a time")
 
 
 class Modal(Made):
-    """The same damping ratio on every mode of the reduced body."""
+    """The same damping ratio on the modes of the body in its frame: all of a reduced body, or the lowest."""
 
     makes = ModalDamping
 
     kind: Literal["modal"]
     ratio: NonNegative = Field(description="damping ratio, 0.02 for 2 %")
+    modes: int | None = Field(
+        None,
+        ge=1,
+        description="number of modes damped, from the lowest up; a body that is not reduced needs it",
+    )
 
 
 Damping = Annotated[
@@ -95,9 +100,10 @@ def _damped_modes_differ(path: KeyPath, body: Raw) -> Mistakes:
         yield (*path, "damping", "modes"), message
 
 
-def is_modal(body: Raw) -> bool:
-    """True of a body whose damping needs the modes of a reduction."""
-    return table(body, "damping").get("kind") == "modal"
+def damps_all_modes(body: Raw) -> bool:
+    """True of a body whose damping needs the modes of a reduction of fixed size."""
+    given = table(body, "damping")
+    return given.get("kind") == "modal" and "modes" not in given
 
 
 RULES_OF_BODY = (_damped_modes_differ,)

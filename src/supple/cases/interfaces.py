@@ -27,7 +27,7 @@ class Interface(CheckedTable):
     )
     kind: Literal["rigid", "averaging"] = Field("rigid", description="rigid (RBE2) or averaging (RBE3)")
     position: Vector | None = Field(
-        None, description="body axes, m; elastic bodies: the set's centroid if left out"
+        None, description="point in body axes; elastic bodies: the set's centroid if left out"
     )
 
     def build(

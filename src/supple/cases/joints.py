@@ -57,7 +57,9 @@ class Joint(CheckedTable):
         None, description="direction at the start, global axes; its length does not matter"
     )
     second_axis: Vector | None = Field(None, description="universal: the other cross-pin axis, global axes")
-    law: Law | None = Field(None, description="prescribed joints: angle in rad, or path in m, against time")
+    law: Law | None = Field(
+        None, description="prescribed joints: angle in rad, or path (a length), against time"
+    )
 
     def build(self, folder: Path) -> machine.Joint:
         """The joint.

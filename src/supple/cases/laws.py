@@ -10,9 +10,10 @@ from pydantic import Field
 
 from supple import machine
 from supple.cases.table import Made
-from supple.errors import ImportFormatError
+from supple.errors import ImportFormatError, ModelError
+from supple.importers.text_file import is_file
 from supple.importers.time_table import read_time_table
-from supple.importers.toml import CheckedTable, Positive
+from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, table, tables
 from supple.machine import TimeLaw
 
 
@@ -32,7 +33,7 @@ class Ramp(Made):
 
     kind: Literal["ramp"]
     value: float
-    duration: Positive = Field(description="s")
+    duration: Positive = Field(description="a time")
 
 
 class Sine(Made):
@@ -42,7 +43,7 @@ class Sine(Made):
 
     kind: Literal["sine"]
     amplitude: float
-    frequency_hz: Positive = Field(description="Hz")
+    frequency_hz: Positive = Field(description="periods per time")
 
 
 class SpinUp(Made):
@@ -51,8 +52,8 @@ class SpinUp(Made):
     makes = machine.SpinUp
 
     kind: Literal["spin-up"]
-    speed: float = Field(description="rate after the spin-up, rad/s or m/s")
-    duration: Positive = Field(description="s")
+    speed: float = Field(description="rate after the spin-up: rad or length, per time")
+    duration: Positive = Field(description="a time")
 
 
 LARGEST_EXCURSION = 0.01
@@ -87,6 +88,36 @@ class TableLaw(CheckedTable):
     def build_of_load(self, folder: Path) -> TimeLaw:
         """Straight lines: a spline swings where a load jumps."""
         return machine.Table(*read_time_table(folder / self.file))
+
+
+def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
+    """The rule that a table can be read, as what it is used for, and lasts as long as the run."""
+    duration = table(raw, "simulation").get("duration")
+    for section in ("joint", "load"):
+        for path, item in tables(raw, section):
+            file = table(item, "law").get("file")
+            if table(item, "law").get("kind") != "table" or not isinstance(file, str):
+                continue
+            if not is_file(folder / file):
+                continue  # said of all files
+            law = TableLaw(kind="table", file=file)
+            place = (*path, "law", "file")
+            try:
+                made = law.build_of_load(folder) if section == "load" else law.build(folder)
+            except (ImportFormatError, ModelError) as error:
+                yield place, str(error)
+                continue
+            if made.begin > 0.0:
+                yield (
+                    place,
+                    f"the table begins at t = {made.begin:g}, after the run does; extend it backwards",
+                )
+            if isinstance(duration, int | float) and made.end < duration * (1.0 - 1e-12):
+                yield (
+                    place,
+                    f"the table ends at t = {made.end:g}, before the run does (t = {duration:g}); extend the "
+                    "table or shorten the run",
+                )
 
 
 Law = Annotated[Constant | Ramp | Sine | SpinUp | TableLaw, Field(discriminator="kind")]

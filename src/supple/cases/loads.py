@@ -27,7 +27,7 @@ class Load(CheckedTable):
 
     kind: Literal["force", "torque"]
     at: str = Field(description="BODY.INTERFACE; or BODY.NODE_SET, whose nodes share a force evenly")
-    vector: Vector = Field(description="N or N m, along global axes (at the start, if it follows)")
+    vector: Vector = Field(description="a force or moment, along global axes (at the start, if it follows)")
     follower: bool = Field(False, description="true turns the load with its interface")
     law: Law = Field(
         default=Constant(kind="constant", value=1.0), description="factor on vector against time"

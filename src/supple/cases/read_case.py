@@ -16,6 +16,8 @@ from supple.errors import CaseError
 from supple.importers.plain_number import LARGEST_INTEGER
 from supple.importers.toml import KeyPath, checked, index_lines, listed_mistakes
 
+LARGEST = 1e60
+"""Of any number: powers and products of a few such numbers still are numbers."""
 DEEPEST = 20
 """Tables and lists within each other; those of a case nest six deep."""
 
@@ -93,10 +95,12 @@ def _depth(raw: dict[str, Any]) -> int:
 
 
 def _values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
-    """Whole numbers beyond the 64 bits that TOML promises."""
+    """Whole numbers beyond the 64 bits that TOML promises, and others whose squares and products overflow."""
     if isinstance(value, dict | list):
         for key, item in value.items() if isinstance(value, dict) else enumerate(value):
             yield from _values_beyond_any_use(item, (*path, key))
     elif isinstance(value, int) and not -LARGEST_INTEGER - 1 <= value <= LARGEST_INTEGER:
         digits = f"{value:.6g}" if abs(value) < 10**300 else "one of over 300 digits"
         yield path, f"a whole number has at most 64 bits, got {digits}; write it with a point, or correct it"
+    elif isinstance(value, float) and LARGEST < abs(value) < float("inf"):
+        yield path, f"{value:g} is beyond the {LARGEST:g} that can be computed with; correct it"

@@ -11,7 +11,7 @@ from pydantic import Field
 from supple import reduction
 from supple.body import FlexibleBody
 from supple.cases.body_kinds import is_elastic, kind_of
-from supple.cases.damping import is_modal
+from supple.cases.damping import damps_all_modes
 from supple.cases.table import Made
 from supple.correction import ReductionStart, SelfCorrection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, names, table
@@ -84,9 +84,9 @@ class Accuracy(CheckedTable):
         None,
         description="largest RMS error of the nodes over their largest displacement from the first interface",
     )
-    absolute: Positive | None = Field(None, description="largest RMS error of the nodes, m")
+    absolute: Positive | None = Field(None, description="largest RMS error of the nodes, a length")
     instants: int = Field(50, ge=1, description="output times at which a run's residual is evaluated")
-    directions: int = Field(3, ge=1, description="columns added a round")
+    directions: int = Field(4, ge=1, description="columns added a round")
     largest_size: int = Field(60, ge=1, description="coordinates")
     max_rounds: int = Field(8, ge=1, description="enrichments before giving up")
 
@@ -112,7 +112,7 @@ class Sized(CheckedTable):
     steady: bool = Field(
         True,
         description="false leaves out of a fixed size the static answers to steady motion: "
-        "up to nine columns besides the modes",
+        "up to twelve columns besides the modes",
     )
 
     @property
@@ -308,7 +308,7 @@ def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
         return
     accuracy = given.get("accuracy")
     if {"relative", "absolute"} <= table(given, "accuracy").keys():
-        message = "give the error either as relative or as absolute (m), not both"
+        message = "give the error either as relative or as absolute (a length), not both"
         yield (*path, "reduction", "accuracy", "absolute"), message
     sized = "modes" in given or given.get("basis") == "guyan"
     if "derivatives" in given and not sized and accuracy is None:
@@ -317,11 +317,11 @@ def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
             "a basis of fixed size needs modes too; add modes = 10, or accuracy = {relative = 1e-3} "
             "to start with these derivatives and correct itself",
         )
-    if is_modal(body) and (accuracy is not None or not sized):
+    if damps_all_modes(body) and (accuracy is not None or not sized):
         yield (
             (*path, "damping", "kind"),
-            "a reduction that corrects itself takes rayleigh or rayleigh-ratio damping; or fix its size "
-            "with modes = 10 and derivatives = {..}",
+            "a reduction that corrects itself takes rayleigh or rayleigh-ratio damping, or modal damping of "
+            "modes = 10; or fix its size with modes = 10 and derivatives = {..}",
         )
 
 
@@ -331,8 +331,11 @@ def _nonlinear_options_have_strains(path: KeyPath, body: Raw) -> Mistakes:
     linear = body.get("linear") is True or (kind is not None and kind.is_elastic and not kind.has_elements)
     if linear and table(given, "derivatives").get("kind") in ("compressed", "picked"):
         yield (*path, "reduction", "derivatives"), "a linear body has no modal derivatives; remove the key"
-    if is_modal(body) and given.get("basis") == "none":
-        message = "a body that is not reduced takes rayleigh or rayleigh-ratio damping"
+    if damps_all_modes(body) and given.get("basis") == "none":
+        message = (
+            "a body that is not reduced takes rayleigh or rayleigh-ratio damping, or modal damping of "
+            "modes = 10"
+        )
         yield (*path, "damping", "kind"), message
 
 

@@ -10,12 +10,17 @@ from supple.errors import ResultFileError
 from supple.storage import read_header
 from supple.storage.result_file import check_same_run
 
-__all__ = ["check_remains", "kept_so_far", "result_path"]
+__all__ = ["check_remains", "kept_so_far", "report_path", "result_path"]
 
 
 def result_path(case: Path, folder: Path) -> Path:
     """The file of the motion of the case in a file."""
     return folder / f"{case.stem}.h5"
+
+
+def report_path(case: Case, folder: Path) -> Path:
+    """The file of the numbers of a run."""
+    return folder / f"{case.path.stem}.json"
 
 
 def kept_so_far(case: Path, folder: Path) -> str:

@@ -10,7 +10,8 @@ from typing import Any
 from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import Progress, silent
-from supple.cases.remains import check_remains, result_path
+from supple.cases.outputs import check_outputs
+from supple.cases.remains import check_remains, report_path, result_path
 from supple.correction import Round, SelfCorrectionError, correct_recorded, correction_numbers
 from supple.errors import CaseError
 from supple.integrate import Solution, Validity
@@ -69,6 +70,7 @@ def run_case(
     """
     if resume and force:
         raise CaseError("--resume goes on with a result and --force replaces it: give one of them")
+    check_outputs(case, folder)
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     with ExclusiveLock(folder):
@@ -87,6 +89,9 @@ def _run_case(
     for body in reduced_bodies(case.system, case.flexible):
         warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body, case.units)
     rounds: list[Round] = []
+    if not resume:
+        # Were this run stopped, the numbers of the one before would stand beside its motion.
+        report_path(case, folder).unlink(missing_ok=True)
     try:
         system, solution = _simulated(
             case,
@@ -106,7 +111,8 @@ def _run_case(
         _write_report(case, folder, correction_numbers(rounds), {})
         raise
     warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
-    tracked = tracked_places(system, solution, {name: case.place(name) for name in case.parts.output.track})
+    places = {name: case.place(name) for name in case.parts.output.track}
+    tracked = tracked_places(system, solution, places, case.bases)
     numbers = summarize(system, solution, tracked, units=case.units)
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_report(case, folder, result.rounds, result.numbers)
@@ -148,7 +154,7 @@ def _write_report(
 ) -> None:
     """Write the numbers of a run; draw the rounds, if there are any and the case asks for pictures."""
     report = {"title": case.title, "self_correction": rounds, **numbers}
-    write_json(folder / f"{case.path.stem}.json", report)
+    write_json(report_path(case, folder), report)
     if rounds and case.tables.output.pictures:
         # Imported here: a run without pictures does not wait for the drawing library.
         from supple.viz import plot_rounds
@@ -166,12 +172,13 @@ def _draw(case: Case, result: CaseResult, folder: Path, progress: Progress) -> N
     elements = case.elements if output.colour == "von-mises" else None
     if output.pictures:
         case.notify("drawing pictures")
-        draw_run(folder, *run, tracked=result.tracked, elements=elements, units=case.units)
+        draw_run(folder, *run, tracked=result.tracked, elements=elements, bases=case.bases, units=case.units)
     if output.animation:
         animate_run(
             folder / "motion.gif",
             *run,
             elements=elements,
+            bases=case.bases,
             units=case.units,
             progress=lambda share: progress("drawing the animation", share),
         )

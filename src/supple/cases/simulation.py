@@ -14,8 +14,8 @@ class Adaptive(Made):
 
     makes = AdaptiveStep
 
-    first: Positive = Field(description="first step, s")
-    largest: Positive = Field(description="largest step, s")
+    first: Positive = Field(description="first step, a time")
+    largest: Positive = Field(description="largest step, a time")
     tolerance: Positive = Field(
         1e-6, description="local error allowed per step, relative to the system's size"
     )
@@ -24,9 +24,9 @@ class Adaptive(Made):
 class Simulation(CheckedTable):
     """Span of time and method."""
 
-    duration: Positive = Field(description="s")
-    output_step: Positive = Field(description="time between stored states, s")
-    step: Positive | None = Field(None, description="fixed time step, s")
+    duration: Positive = Field(description="a time")
+    output_step: Positive = Field(description="time between stored states")
+    step: Positive | None = Field(None, description="fixed time step")
     adaptive: Adaptive | None = None
     rho_inf: float = Field(
         0.8, ge=0.0, le=1.0, description="spectral radius at infinity of generalized-alpha"
@@ -42,7 +42,7 @@ def _steps_are_given_once(raw: Raw) -> Mistakes:
     given = raw.get("simulation")
     if isinstance(given, dict) and ("step" in given) == ("adaptive" in given):
         path = ("simulation", "step") if "step" in given else ("simulation",)
-        yield path, "give either step = SECONDS or adaptive = {first = .., largest = ..}, not both or none"
+        yield path, "give either step = TIME or adaptive = {first = .., largest = ..}, not both or none"
 
 
 def _first_step_is_not_too_long(raw: Raw) -> Mistakes:
@@ -50,7 +50,7 @@ def _first_step_is_not_too_long(raw: Raw) -> Mistakes:
     first, largest = given.get("first"), given.get("largest")
     if isinstance(first, int | float) and isinstance(largest, int | float) and first > largest:
         path = ("simulation", "adaptive", "first")
-        yield path, f"the first step, {first} s, exceeds the largest, {largest} s"
+        yield path, f"the first step, {first}, exceeds the largest, {largest}"
 
 
 def _output_steps_fill_the_duration(raw: Raw) -> Mistakes:
@@ -63,15 +63,14 @@ def _output_steps_fill_the_duration(raw: Raw) -> Mistakes:
     if not intervals <= MOST_OUTPUT_TIMES:  # also of a duration that is no number
         yield (
             path,
-            f"{duration} s in steps of {output_step} s are more than the {MOST_OUTPUT_TIMES} output times "
-            "that are "
-            "stored; give a longer one (step may stay)",
+            f"a duration of {duration} in steps of {output_step} gives more than the {MOST_OUTPUT_TIMES} "
+            "output times that are stored; give a longer one (step may stay)",
         )
     elif intervals < 1:
-        yield path, f"{output_step} s is longer than the duration, {duration} s"
+        yield path, f"{output_step} is longer than the duration, {duration}"
     elif abs(intervals - round(intervals)) > 1e-6:
         better = duration / round(intervals)
-        yield path, f"the duration, {duration} s, is not a multiple of {output_step} s; try {better:.6g}"
+        yield path, f"the duration, {duration}, is not a multiple of {output_step}; try {better:.6g}"
 
 
 RULES = (_steps_are_given_once, _first_step_is_not_too_long, _output_steps_fill_the_duration)

@@ -20,6 +20,7 @@ from supple.cases.loads import Load
 from supple.cases.split import SplitSource
 from supple.cases.springs import Spring
 from supple.errors import ModelError, SuppleWarning
+from supple.machine import At
 from supple.machine.split_body import SplitBody, cut_name, part_name
 
 IntArray = NDArray[np.int64]
@@ -82,6 +83,18 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
         "output": tables.output.model_copy(update={"track": tuple(track)}),
     }
     return tables.model_copy(update=changed)
+
+
+def base_of(body: Body, source: SplitSource) -> At | None:
+    """Where the first interface of a split body is now; None if it has none.
+
+    Raises
+    ------
+    ModelError   an interface whose nodes lie in several parts
+    """
+    for name, part in _split_table(body, source).holders.items():
+        return At(part_name(body.name, part), name)
+    return None
 
 
 def with_damping(body: Body, whole: FlexibleBody) -> Body:

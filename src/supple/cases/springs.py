@@ -18,9 +18,11 @@ class StraightSpring(CheckedTable):
     kind: Literal["straight"]
     first: str = Field(description="BODY.INTERFACE")
     second: str = Field(description="BODY.INTERFACE")
-    stiffness: NonNegative = Field(description="N/m")
-    damping: NonNegative = Field(0.0, description="N s/m")
-    free_length: NonNegative | None = Field(None, description="m; the distance at the start if left out")
+    stiffness: NonNegative = Field(description="force per length")
+    damping: NonNegative = Field(0.0, description="force per velocity")
+    free_length: NonNegative | None = Field(
+        None, description="a length; the distance at the start if left out"
+    )
 
     def build(self, system: System) -> SpringDamper:
         """The spring between bodies of a system."""
@@ -44,9 +46,9 @@ class TorsionSpring(CheckedTable):
     first: str = Field(description="ground or BODY.INTERFACE")
     second: str = Field(description="BODY.INTERFACE")
     axis: Vector = Field(description="direction at the start, global axes; its length does not matter")
-    stiffness: NonNegative = Field(description="N m/rad")
-    damping: NonNegative = Field(0.0, description="N m s/rad")
-    free_angle: float = Field(0.0, description="rad")
+    stiffness: NonNegative = Field(description="moment per angle in rad")
+    damping: NonNegative = Field(0.0, description="moment per angular velocity in rad per time")
+    free_angle: float = Field(0.0, description="angle, rad")
 
     def build(self, _system: System) -> TorsionSpringDamper:
         """The spring between bodies of a system."""

@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from supple.cases import Case, read_case
+from supple.cases.outputs import check_not_an_input
 from supple.errors import CaseError, did_you_mean
 from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
 from supple.terminal import console, print_rows, worded
+from supple.units import headed, measured
 
 
 def export_case(path: Path, target: Path, *, body: str | None, time: float | None, abaqus: bool) -> None:
@@ -27,6 +29,7 @@ def export_case(path: Path, target: Path, *, body: str | None, time: float | Non
     """
     with console.status("reading") as status:
         case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
+        check_not_an_input(case, [target])
         name = _chosen(case, body)
         flexible, model = case.flexible[name], case.elements[name]
         table = next(one for one in case.tables.body if one.name == name)
@@ -59,9 +62,9 @@ def export_case(path: Path, target: Path, *, body: str | None, time: float | Non
         [
             ("nodes, elements", f"{model.mesh.n_nodes}, {sum(map(len, model.mesh.cells.values()))}"),
             ("clamped", ", ".join(interfaces)),
-            ("loads at", f"{instant:g} s"),
-            ("sum of forces, N", _numbers(total[:3])),
-            ("moment about the mesh's origin, N m", _numbers(total[3:])),
+            ("loads at", measured(f"t = {instant:g}", case.units.time)),
+            (headed("sum of forces", case.units.force), _numbers(total[:3])),
+            (headed("moment about the mesh's origin", case.units.moment), _numbers(total[3:])),
         ],
     )
     console.print(f"written to {target} for {program.name}", highlight=False)

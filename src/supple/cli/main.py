@@ -91,6 +91,48 @@ def reduce(
 
 
 @app.command()
+def static(
+    case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
+    ] = None,
+    time: Annotated[float, typer.Option(help="Instant of loads and laws, in the case's unit of time.")] = 0.0,
+    debug: Debug = False,
+) -> None:
+    """Find where the machine of a case file rests, or how it turns steadily if the file has a [spin]."""
+    from supple.algebra.jax_settings import keep_compiled_programs
+    from supple.cli.static_case import static_case
+
+    with reported_errors(debug=debug), reported_warnings():
+        keep_compiled_programs()
+        static_case(case, output or Path("results") / case.stem, time=time)
+
+
+@app.command()
+def modes(
+    case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
+    ] = None,
+    number: Annotated[int, typer.Option("-n", "--number", min=1, help="How many, the slowest first.")] = 6,
+    time: Annotated[float, typer.Option(help="Instant of loads and laws, in the case's unit of time.")] = 0.0,
+    rates: Annotated[
+        str | None,
+        typer.Option(help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's [spin], rad/s."),
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Find the modes of the machine of a case file about its equilibrium; draw and animate them."""
+    from supple.algebra.jax_settings import keep_compiled_programs
+    from supple.cli.modes_case import modes_case
+
+    with reported_errors(debug=debug), reported_warnings():
+        keep_compiled_programs()
+        folder = output or Path("results") / case.stem
+        modes_case(case, folder, n_modes=number, time=time, rates=rates)
+
+
+@app.command()
 def export(
     case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
     output: Annotated[Path, typer.Option("-o", "--output", help="Deck to write, FILE.inp.")],

@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple.cases import read_case
+from supple.cases.outputs import check_not_an_input
 from supple.errors import CaseError
 from supple.results import body_numbers, unit_names
 from supple.results.descriptions import describe_reduction
 from supple.results.run_tables import body_table
 from supple.simulation import keep_body, reduced_bodies
+from supple.simulation.kept_bodies import kept_path
 from supple.terminal import console, print_rows, print_table, say, worded, words
 
 
@@ -24,6 +26,7 @@ def reduce_case(path: Path, folder: Path) -> None:
     """
     with console.status("reducing") as status:
         case = read_case(path, lambda step, detail="": status.update(words(worded(step, detail))))
+        check_not_an_input(case, [kept_path(folder, name) for name in case.made_here])
         bodies = reduced_bodies(case.system, case.made_here)
     if not bodies:
         raise CaseError(

@@ -40,7 +40,8 @@ class SelfCorrection:
     relative : float        the same over the largest displacement of a node, seen from the body's first
                             interface (in its floating frame where it has none)
     instants : int          output times of a run at which its residual is evaluated, evenly spread
-    directions : int        columns added a round
+    directions : int        columns added a round; fewer save a column here and there, but one stiff
+                            direction left out locks the others, and costs a round
     largest_size : int      of the basis returned; the run that measures its error has a richer one
     max_rounds : int        enrichments before giving up
     Raises ModelError when both or none of absolute and relative are given, or a number is not positive.
@@ -49,7 +50,7 @@ class SelfCorrection:
     absolute: float | None = None
     relative: float | None = None
     instants: int = 50
-    directions: int = 3
+    directions: int = 4
     largest_size: int = 60
     max_rounds: int = 8
 

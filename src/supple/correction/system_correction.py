@@ -94,6 +94,7 @@ class _Model:
 
     @property
     def label(self) -> str:
+        """What reports call it."""
         sizes = " + ".join(str(body.r) for body in self.bodies.values())
         return f"round {self.number}, {sizes} coordinates"
 

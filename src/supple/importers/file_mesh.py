@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from supple.errors import CellError, ImportFormatError, MeshError
 from supple.mesh import CellType, Mesh
+from supple.mesh.mesh import no_ids
 
 IntArray = NDArray[np.int64]
 
@@ -63,7 +64,7 @@ class FileMesh:
                 chosen.cells,
                 chosen.node_sets,
                 chosen.cell_sets,
-                chosen.node_ids,  # type: ignore[arg-type]  # None for numbers
+                no_ids() if chosen.node_ids is None else chosen.node_ids,
                 chosen.cell_ids,
             )
         except MeshError as error:

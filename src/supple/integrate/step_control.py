@@ -35,15 +35,13 @@ class FixedStep:
     """
 
     size: float
-    smallest: float = None  # type: ignore[assignment]
+    smallest: float | None = None
     """Below it the run ends; a millionth of the size when omitted."""
 
     def __post_init__(self) -> None:
-        if self.smallest is None:
-            object.__setattr__(self, "smallest", SMALLEST * self.size)
         check_fields(self)
-        _check_positive(size=self.size, smallest=self.smallest)
-        _check_smallest(self.smallest, self.size)
+        _check_positive(size=self.size, smallest=self.least)
+        _check_smallest(self.least, self.size)
 
     @property
     def first(self) -> float:
@@ -54,6 +52,11 @@ class FixedStep:
     def largest(self) -> float:
         """The step never to exceed."""
         return self.size
+
+    @property
+    def least(self) -> float:
+        """The step below which the run ends."""
+        return SMALLEST * self.size if self.smallest is None else self.smallest
 
     @property
     def tolerance(self) -> float:
@@ -72,19 +75,20 @@ class AdaptiveStep:
     first: float = 1e-6
     largest: float = 1e-2
     tolerance: float = 1e-6
-    smallest: float = None  # type: ignore[assignment]
+    smallest: float | None = None
     """Below it the run ends; a millionth of the first when omitted."""
 
     def __post_init__(self) -> None:
-        if self.smallest is None:
-            object.__setattr__(self, "smallest", SMALLEST * self.first)
         check_fields(self)
-        _check_positive(
-            first=self.first, largest=self.largest, tolerance=self.tolerance, smallest=self.smallest
-        )
+        _check_positive(first=self.first, largest=self.largest, tolerance=self.tolerance, smallest=self.least)
         if self.first > self.largest:
             raise ValueError(f"the first step ({self.first}) exceeds the largest ({self.largest})")
-        _check_smallest(self.smallest, self.first)
+        _check_smallest(self.least, self.first)
+
+    @property
+    def least(self) -> float:
+        """The step below which the run ends."""
+        return SMALLEST * self.first if self.smallest is None else self.smallest
 
 
 StepControl = FixedStep | AdaptiveStep

@@ -65,6 +65,7 @@ from supple.machine.nodal_loads import (
     NodalLoad,
 )
 from supple.machine.pose import Pose, Wrench
+from supple.machine.spin import Spin
 from supple.machine.split_body import (
     SplitBody,
     split_body,
@@ -99,6 +100,7 @@ __all__ = [
     "Revolute",
     "Scaled",
     "Sine",
+    "Spin",
     "SpinUp",
     "Spline",
     "SplitBody",

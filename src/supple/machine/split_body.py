@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,11 +30,13 @@ class SplitBody:
     name  : of the whole
     mesh  : DividedMesh    which nodes and cells each part has
     parts : FlexibleBody   named NAME-1, NAME-2, ..., all in the axes of the whole mesh
+    base  : At             where the first interface of the whole is now; None if it had none
     """
 
     name: str
     mesh: DividedMesh
     parts: tuple[FlexibleBody, ...]
+    base: At | None = None
 
     @property
     def joints(self) -> tuple[Fixed, ...]:
@@ -47,6 +49,11 @@ class SplitBody:
             )
             for number, cut in enumerate(self.mesh.cuts)
         )
+
+    @property
+    def bases(self) -> Mapping[str, At]:
+        """From where the deflections of each part are seen, by its name: the first interface of the whole."""
+        return {} if self.base is None else {part.name: self.base for part in self.parts}
 
     def frequencies(self, count: int) -> NDArray[np.float64]:
         """The lowest elastic frequencies of the tied parts, free and undeformed, rad/s.
@@ -101,6 +108,7 @@ def split_body(
     """
     mesh = divided(model.mesh, division)
     own: list[list[Interface]] = [[] for _ in mesh.parts]
+    base = None
     for interface in interfaces:
         given = interface.nodes
         nodes = model.mesh.nodes_of(given) if isinstance(given, str) else np.atleast_1d(np.asarray(given))
@@ -111,6 +119,7 @@ def split_body(
                 f"{len(mesh.parts)} parts; move the cut away from it"
             )
         own[part].append(replace(interface, nodes=mesh.parts[part].numbers(nodes)))
+        base = base or At(part_name(name, part), interface.name)
     for number, cut in enumerate(mesh.cuts):
         centre = model.mesh.nodes[cut.nodes].mean(axis=0)
         for part in (cut.first, cut.second):
@@ -120,7 +129,7 @@ def split_body(
         flexible_body(part_name(name, i), part_of_model(model, part), own[i])
         for i, part in enumerate(mesh.parts)
     )
-    return SplitBody(name, mesh, bodies)
+    return SplitBody(name, mesh, bodies, base)
 
 
 def part_name(name: str, part: int) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +21,7 @@ from supple.machine.laws.time_law import check_law_shape
 from supple.machine.nodal_loads import BaseAcceleration, NodalLoad
 from supple.reduction import ReducedBody
 
-__all__ = ["Body", "Placed", "System"]
+__all__ = ["Assembly", "Body", "Placed", "System"]
 
 Body = RigidBody | ReducedBody | FullBody
 _Form = TypeVar("_Form", RigidBody, ReducedBody, FullBody)
@@ -40,6 +40,15 @@ def _vector(name: str, value: object) -> np.ndarray:
     return array
 
 
+class Assembly(NamedTuple):
+    """Where a body's frame stood, undeformed, when the machine was put together."""
+
+    position: np.ndarray
+    """(3,) global"""
+    rotation: np.ndarray
+    """(3, 3) body to global"""
+
+
 @dataclass(frozen=True, eq=False)
 class Placed:
     """A body with the initial position and velocity of its floating frame.
@@ -49,6 +58,8 @@ class Placed:
     velocity : (3,)           of the frame origin, global
     angular_velocity : (3,)   body components, rad/s
     coordinates, coordinate_rates : (r,) deformation at the start; zero unless given
+    assembled : Assembly      where it stood when joints and forces were put on, which fixes their points and
+        axes; where it starts unless given. An `equilibrium` starts elsewhere, in the same machine.
     Raises ModelError for a vector of the wrong size, a matrix that is no rotation, or a FlexibleBody, which
         must first be reduced or stand in full.
     """
@@ -60,6 +71,7 @@ class Placed:
     angular_velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
     coordinates: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coordinate_rates: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    assembled: Assembly | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.body, FlexibleBody):  # which has a message of its own
@@ -96,6 +108,11 @@ class Placed:
                 )
             array.setflags(write=False)
             object.__setattr__(self, item, array)
+
+    @property
+    def assembly(self) -> Assembly:
+        """Where it stood when joints and forces were put on."""
+        return self.assembled or Assembly(self.position, self.rotation)
 
     def positions(self, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
         """Positions `R + A (x + u)` (k, 3) in space of some of its nodes, or all, deformed as it starts."""
@@ -196,9 +213,10 @@ class System:
         check_law_shape(load.label, load.law, *load.value_shapes)
 
     def initial_point(self, end: At) -> np.ndarray:
-        """Global position of an interface at the start, bodies undeformed, (3,)."""
+        """Global position of an interface when the machine was put together, bodies undeformed, (3,)."""
         placed = self.bodies[self.body_index(end.body)]
-        return placed.position + placed.rotation @ placed.body.interface(end.interface).position
+        position, rotation = placed.assembly
+        return position + rotation @ placed.body.interface(end.interface).position
 
     def bodies_of(self, form: type[_Form]) -> dict[str, _Form]:
         """The bodies of one form, by name, in the system's order: `system.bodies_of(FullBody)`."""

@@ -18,6 +18,11 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
 
+def no_ids() -> IntArray:
+    """In place of ids, where nodes are called by their numbers."""
+    return np.zeros(0, dtype=np.int64)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh:
     """Nodes, cells by type and named sets; connected, free of unused nodes and of inverted or flat cells.
@@ -45,7 +50,7 @@ class Mesh:
     cells: Mapping[CellType, IntArray]
     node_sets: Mapping[str, IntArray] = field(default_factory=dict)
     cell_sets: Mapping[str, Mapping[CellType, IntArray]] = field(default_factory=dict)
-    node_ids: IntArray = field(default=None)  # type: ignore[assignment]  # numbers, once it is built
+    node_ids: IntArray = field(default_factory=no_ids)
     cell_ids: Mapping[CellType, IntArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -66,8 +71,7 @@ class Mesh:
             )
             for name, members in self.cell_sets.items()
         }
-        node_ids = np.arange(len(nodes)) if self.node_ids is None else self.node_ids
-        node_ids = _numbers(node_ids, "node ids")
+        node_ids = _numbers(self.node_ids if len(self.node_ids) else np.arange(len(nodes)), "node ids")
         cell_ids = {
             kind: _numbers(self.cell_ids.get(kind, np.arange(len(array))), f"ids of cells {kind.name}")
             for kind, array in cells.items()

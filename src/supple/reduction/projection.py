@@ -71,7 +71,8 @@ def project(
         damping_cubic=None if material is None else time * material.cubic,
         damping_quartic=None if material is None else time * material.quartic,
         interfaces=tuple(
-            ReducedInterface(i.name, i.position, i.motion @ V, i.cubic_turn) for i in body.interfaces
+            ReducedInterface(i.name, i.position, i.motion @ V, i.cubic_turn, i.tied_nodes)
+            for i in body.interfaces
         ),
         nodes=body.nodes,
         nodal_basis=nodal_basis,

@@ -33,12 +33,14 @@ class ReducedInterface:
     position : (3,) array      in the body's frame, undeformed
     motion : (6, r) array      rows ux uy uz rx ry rz
     cubic_turn : float         as of BodyInterface
+    tied_nodes : (k,) array    likewise
     """
 
     name: str
     position: np.ndarray
     motion: np.ndarray
     cubic_turn: float = 0.0
+    tied_nodes: np.ndarray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     def __post_init__(self):
         _set_read_only(self)
@@ -208,7 +210,8 @@ def _set_read_only(record) -> None:
     for item in dataclasses.fields(record):
         value = getattr(record, item.name)
         if isinstance(value, np.ndarray):
-            object.__setattr__(record, item.name, read_only(value))
+            kind = np.int64 if value.dtype.kind in "iu" else np.float64
+            object.__setattr__(record, item.name, read_only(value, kind))
 
 
 def _check_shapes(body: ReducedBody) -> None:

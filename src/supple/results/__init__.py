@@ -36,8 +36,11 @@ from supple.results.stress_modes import (
     stress_modes,
 )
 from supple.results.tracked_motion import (
+    Observer,
     TrackedMotion,
     deflections,
+    observer,
+    observer_of,
     tracked_motion,
     tracked_places,
 )
@@ -45,6 +48,7 @@ from supple.results.tracked_motion import (
 __all__ = [
     "MotionError",
     "NodeMotion",
+    "Observer",
     "StrainModes",
     "StressModes",
     "TrackedMotion",
@@ -57,6 +61,8 @@ __all__ = [
     "node_displacements",
     "node_motion",
     "node_positions",
+    "observer",
+    "observer_of",
     "relative_error",
     "rms_error",
     "strain_modes",

@@ -19,6 +19,7 @@ from supple.fem import (
 )
 from supple.reduction import ReducedBody
 from supple.results.stress_modes import strain_modes, stress_modes
+from supple.results.tied_recovery import tied_recovery, with_virtual_freedoms
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,8 @@ def von_mises_history(
     """Von Mises stress (t, N), Pa, the largest over the layers, of coordinates (t, r).
 
     A reduced body goes through its stress modes; the reference, a full body, is recovered one vector at a
-    time. A linear body has the stress of its linear strain.
+    time. Elements beside rigid interfaces have the strain that their ties leave them. A linear body has the
+    stress of its linear strain.
 
     Parameters
     ----------
@@ -70,5 +72,12 @@ def _of_full_body(
     chosen = slice(None) if nodes is None else node_numbers(nodes, len(body.nodes))
     if body.is_linear:
         recovery = recovery.linearized()
-    nodal = (body.body.expansion @ q for q in np.asarray(coordinates))
+    flexible, interfaces = body.body, body.interfaces
+    recovery = tied_recovery(recovery, flexible.nodes, flexible.dofs_per_node, interfaces)
+    nodal = (
+        with_virtual_freedoms(
+            flexible.expansion @ q, [i.motion @ q for i in interfaces], interfaces, flexible.dofs_per_node
+        )
+        for q in np.asarray(coordinates)
+    )
     return np.array([measure(recovery.at_nodes(u)[chosen]).max(axis=1) for u in nodal])

@@ -14,6 +14,7 @@ from supple.errors import ModelError
 from supple.fem import QuadraticStrain, StressRecovery
 from supple.fem.stress import SectionStress
 from supple.reduction import ReducedBody
+from supple.results.tied_recovery import tied_recovery, with_virtual_freedoms
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -110,7 +111,8 @@ def tensor_modes(body: ReducedBody, recovery: StressRecovery, nodes: ArrayLike |
         eps = e gamma + 1/2 sum_jk N(a_j, a_k) gamma_j gamma_k
 
     without remainder, and stress and its mean at the nodes are linear in it. The motion z that the body's
-    tensors let follow its columns adds B z to it, as it does to the energy.
+    tensors let follow its columns adds B z to it, as it does to the energy; z turns no interface.
+    Elements beside rigid interfaces see their second-order ties (`tied_recovery`).
 
     Raises
     ------
@@ -121,7 +123,12 @@ def tensor_modes(body: ReducedBody, recovery: StressRecovery, nodes: ArrayLike |
     rows = (chosen[:, None] * n_layers + np.arange(n_layers)).ravel()
     follows = body.condensed
     amplitudes = np.zeros((0, r * (r + 1) // 2)) if follows is None else follows.amplitudes
-    fields = body.nodal_basis if follows is None else np.hstack([body.nodal_basis, follows.fields])
+    interfaces, d = body.interfaces, body.dofs_per_node
+    recovery = tied_recovery(recovery, body.nodes, d, interfaces)
+    fields = with_virtual_freedoms(body.nodal_basis, [i.motion for i in interfaces], interfaces, d)
+    if follows is not None:
+        behind = np.zeros((len(fields) - len(follows.fields), follows.fields.shape[1]))
+        fields = np.hstack([fields, np.vstack([follows.fields, behind])])
     linear = np.zeros((len(rows), 6, fields.shape[1]))
     quadratic = None if body.is_linear else np.zeros((len(rows), 6, r * (r + 1) // 2))
     for section, averaging in zip(recovery.sections, recovery.averaging, strict=True):
@@ -179,11 +186,14 @@ def _parts(section: SectionStress, shares: csr_array, r: int) -> Iterator[_Part]
 def _pair_strains(form: Array, gradients: Array) -> Iterator[tuple[slice, Array]]:
     """Quadratic strain of the pairs (j, k >= j), one j at a time: where they stand, and (E, g, s, r - j).
 
-    gradients : (E, g, d, r)
+    form : (s, d, d), or (E, g, s, d, d);  gradients : (E, g, d, r)
     """
     r, start = gradients.shape[-1], 0
+    one_form = form.ndim == 3
     for j in range(r):
-        strains = np.tensordot(gradients[..., j], form, axes=(2, 1)) @ gradients[..., j:]
+        first = gradients[..., j]
+        along = np.tensordot(first, form, axes=(2, 1)) if one_form else first[:, :, None, None] @ form
+        strains = along.reshape(*first.shape[:2], -1, first.shape[2]) @ gradients[..., j:]
         strains[..., 0] *= 0.5
         yield slice(start, start + r - j), strains
         start += r - j

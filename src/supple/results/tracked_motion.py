@@ -1,9 +1,11 @@
-"""Motion of a place of a body, in space and against the body's first interface."""
+"""Motion of a place of a body, in space and against the body's first interface, or another's."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,8 +13,59 @@ from scipy.spatial.transform import Rotation
 
 from supple.body import BodyForm, in_space, node_displacements
 from supple.integrate import FloatingMotion, Solution
-from supple.machine import System
+from supple.machine import At, System
 from supple.results.recovery import displacement_from_axes, node_positions
+
+
+class Observer(NamedTuple):
+    """An interface over time, from which deflections are seen, its axes turning with it.
+
+    name : str
+    rest : (3,)         its place in the undeformed body
+    origin : (t, 3)     its position in space
+    axes : (t, 3, 3)    as columns, in space
+    """
+
+    name: str
+    rest: np.ndarray
+    origin: np.ndarray
+    axes: np.ndarray
+
+
+def observer(body: BodyForm, motion: FloatingMotion, interface: str) -> Observer:
+    """An interface of a body as an observer; ModelError for one that the body does not have."""
+    base = body.interface(interface)
+    moved = motion.coordinates @ base.motion.T
+    theta = moved[:, 3:]
+    turned = Rotation.from_rotvec(theta * (1 + base.cubic_turn * np.sum(theta**2, axis=1, keepdims=True)))
+    origin = _in_space(motion, base.position + moved[:, :3])
+    return Observer(interface, base.position, origin, motion.rotation @ turned.as_matrix())
+
+
+def observer_of(
+    system: System,
+    solution: Solution,
+    body: str,
+    bases: Mapping[str, At] = MappingProxyType({}),
+    rows: slice | np.ndarray = slice(None),
+) -> Observer | None:
+    """Who sees the deflections of a body: its first interface, or the one that `bases` names for it.
+
+    A part of a split body is seen from the first interface of the whole, which another part may have.
+
+    bases : interfaces, by the names of the bodies seen from there; undeformed they share their axes
+    rows : output times
+    Returns None when the body has no interface, and none is named.
+    """
+    base = bases.get(body)
+    if base is None:
+        own = system.bodies[system.body_index(body)].body
+        return (
+            observer(own, solution.bodies[body].at(rows), own.interfaces[0].name) if own.interfaces else None
+        )
+    there = system.bodies[system.body_index(base.body)].body
+    seen = observer(there, solution.bodies[base.body].at(rows), base.interface)
+    return seen if base.body == body else seen._replace(name=f"{base.body}.{base.interface}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +73,8 @@ class TrackedMotion:
     """A place of a body over time.
 
     position : (t, 3)        in global axes, unit of length
-    seen_from : str          the body's first interface, or "" when the body has none to look from
+    seen_from : str          the body's first interface, `BODY.INTERFACE` where it is another body's, or ""
+                             when there is none to look from
     deflection : (t, 3)      displacement as seen from there, in the mesh axes that turn with it;
                              zero of a rigid body
     is_elastic : bool        whether the body deforms
@@ -32,7 +86,9 @@ class TrackedMotion:
     is_elastic: bool = True
 
 
-def tracked_motion(body: BodyForm, motion: FloatingMotion, at: str | ArrayLike) -> TrackedMotion:
+def tracked_motion(
+    body: BodyForm, motion: FloatingMotion, at: str | ArrayLike, seen_from: Observer | None = None
+) -> TrackedMotion:
     """Motion of one place, `r = R + A (x + u)`, and its deflection `A_p^T (r - r_p) - (x - x_p)`.
 
     p is the body's first interface, with its own axes A_p: what is seen from there does not depend on the
@@ -42,6 +98,7 @@ def tracked_motion(body: BodyForm, motion: FloatingMotion, at: str | ArrayLike) 
     ----------
     motion : FloatingMotion     of the body, at t times
     at : name of an interface, or node numbers (k,), whose mean is taken
+    seen_from : another p, of this or another body, at the same times
 
     Raises
     ------
@@ -55,39 +112,46 @@ def tracked_motion(body: BodyForm, motion: FloatingMotion, at: str | ArrayLike) 
         rest = body.nodes[nodes].mean(axis=0)
         displacement = node_displacements(body, motion.coordinates, nodes).mean(axis=1)
     position = _in_space(motion, rest + displacement)
-    if not (body.n_coordinates and body.interfaces):
+    if seen_from is None and body.interfaces:
+        seen_from = observer(body, motion, body.interfaces[0].name)
+    if seen_from is None or not body.n_coordinates:
         return TrackedMotion(position, "", displacement, body.n_coordinates > 0)
-    origin, axes = _base_axes(body, motion)
-    base = body.interfaces[0]
-    deflection = displacement_from_axes(position, origin, axes, rest - base.position)
-    return TrackedMotion(position, base.name, deflection)
+    deflection = displacement_from_axes(position, seen_from.origin, seen_from.axes, rest - seen_from.rest)
+    return TrackedMotion(position, seen_from.name, deflection)
 
 
 def tracked_places(
-    system: System, solution: Solution, places: Mapping[str, tuple[str, str | ArrayLike]]
+    system: System,
+    solution: Solution,
+    places: Mapping[str, tuple[str, str | ArrayLike]],
+    bases: Mapping[str, At] = MappingProxyType({}),
 ) -> dict[str, TrackedMotion]:
-    """`tracked_motion` of places by their names; of each the name of its body, and where on the body."""
+    """`tracked_motion` of places by their names; of each the name of its body, and where on the body.
+
+    bases : as of `observer_of`
+    """
     return {
-        place: tracked_motion(system.bodies[system.body_index(name)].body, solution.bodies[name], at)
+        place: tracked_motion(
+            system.bodies[system.body_index(name)].body,
+            solution.bodies[name],
+            at,
+            observer_of(system, solution, name, bases),
+        )
         for place, (name, at) in places.items()
     }
 
 
-def deflections(body: BodyForm, motion: FloatingMotion) -> np.ndarray:
-    """Displacements (t, N, 3) of all nodes seen from the body's first interface, or else from its frame."""
-    if not body.interfaces:
-        return node_displacements(body, motion.coordinates)
-    origin, axes = _base_axes(body, motion)
-    seen = np.einsum("tji,tnj->tni", axes, node_positions(body, motion) - origin[:, None])
-    return seen - (body.nodes - body.interfaces[0].position)
+def deflections(body: BodyForm, motion: FloatingMotion, seen_from: Observer | None = None) -> np.ndarray:
+    """Displacements (t, N, 3) of all nodes, seen from the body's first interface, or else from its frame.
 
-
-def _base_axes(body: BodyForm, motion: FloatingMotion) -> tuple[np.ndarray, np.ndarray]:
-    """Position (t, 3) and axes (t, 3, 3) in space of the first interface."""
-    base = body.interfaces[0]
-    base_motion = motion.coordinates @ base.motion.T
-    origin = _in_space(motion, base.position + base_motion[:, :3])
-    return origin, motion.rotation @ Rotation.from_rotvec(base_motion[:, 3:]).as_matrix()
+    seen_from : another interface, of this or another body, at the same times
+    """
+    if seen_from is None:
+        if not body.interfaces:
+            return node_displacements(body, motion.coordinates)
+        seen_from = observer(body, motion, body.interfaces[0].name)
+    apart = node_positions(body, motion) - seen_from.origin[:, None]
+    return np.einsum("tji,tnj->tni", seen_from.axes, apart) - (body.nodes - seen_from.rest)
 
 
 def _in_space(motion: FloatingMotion, local: np.ndarray) -> np.ndarray:

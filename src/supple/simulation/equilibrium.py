@@ -1,58 +1,71 @@
-"""Static equilibrium of a machine: where it rests under its loads at one time."""
+"""Equilibrium of a machine: where it rests, or how it turns steadily, under its loads at one time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from supple.body import FullBody
-from supple.machine import Placed, System
+from supple.integrate import Solution, Statistics
+from supple.machine import Placed, Spin, System
 from supple.multibody import CompiledStatics, FullStatics
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import Configuration
-from supple.multibody.equations.consistent_start import consistent_start
+from supple.multibody.equations.consistent_start import consistent_start, placed_velocity
 from supple.multibody.equations.floating_solution import body_motions, joint_multipliers
 from supple.multibody.equations.joint_wrench import joint_wrenches
+from supple.multibody.equations.model import Model
 from supple.multibody.equations.static_search import StaticSearch, StaticState, search_equilibrium
+from supple.multibody.equations.steady_motion import Turning
 from supple.multibody.full.full_system import FullSystem
 
-__all__ = ["Equilibrium", "equilibrium"]
+__all__ = ["Equilibrium", "RestingState", "equilibrium", "placed_at_rest", "resting_state"]
 
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """A machine at rest.
+    """A machine at rest, or turning steadily.
 
-    system       : System       its bodies placed and deformed as they rest: `simulate` starts there
-    joint_forces : {name: (6,)} force and moment on each joint's second end, as in a `Solution`
-    iterations   : int          that the search took
+    system     : System     its bodies placed, moving and deformed as they are: `simulate` starts there
+    solution   : Solution   the same as a motion of one instant, for what reads motions
+    iterations : int        that the search took
     """
 
     system: System
-    joint_forces: Mapping[str, np.ndarray]
+    solution: Solution
     iterations: int
+
+    @property
+    def joint_forces(self) -> Mapping[str, np.ndarray]:
+        """Force and moment (6,) on each joint's second end, as in a `Solution`."""
+        return {name: forces[0] for name, forces in self.solution.joint_forces.items()}
 
 
 def equilibrium(
     system: System,
     *,
     time: float = 0.0,
+    spin: Spin | None = None,
     search: StaticSearch | None = None,
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> Equilibrium:
-    """Where a machine rests under gravity, its loads and its joints' laws at one time.
+    """Where a machine rests, or turns steadily, under gravity, its loads and its joints' laws at one time.
 
-        f(q) + G(q)^T lambda = Q(t, q),     g(q, t) = 0
+        I(q, w) + f(q) + G(q)^T lambda = Q(t, q),     g(q, t) = 0
 
-    The search goes downhill from where the bodies are placed, so that it ends in a stable equilibrium nearby.
-    Velocities that the bodies were given do not matter; those of the equilibrium are zero.
+    with the inertia force `I` of the `spin`, zero without one. The search goes downhill from where the bodies
+    are placed, so that it ends in a stable equilibrium nearby. Velocities that the bodies were given do not
+    matter; those of the equilibrium are the spin's. Loads and gravity that do not turn along are taken as
+    they are at that instant.
 
     Parameters
     ----------
     time : of the loads and laws
+    spin : Spin       of the machine, or of the bodies that it names; the others stand
     search : StaticSearch       accuracy and step
     progress : hears of each iteration and its largest relative residual
 
@@ -62,35 +75,66 @@ def equilibrium(
     ConvergenceError    no equilibrium was found
     Source: Kelley & Keyes (1998) for the search.
     """
+    found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
+    return Equilibrium(placed_at_rest(found), _one_instant(found, time), found.iterations)
+
+
+class RestingState(NamedTuple):
+    """An equilibrium as arrays."""
+
+    system: System
+    """As it was placed"""
+    model: Model
+    turning: Turning
+    state: StaticState
+    iterations: int
+
+
+def resting_state(
+    system: System,
+    *,
+    time: float,
+    spin: Spin | None,
+    search: StaticSearch | None = None,
+    progress: Callable[[int, float], None] = lambda *_: None,
+) -> RestingState:
+    """The arrays behind an `equilibrium`, with its arguments and errors."""
     search = StaticSearch() if search is None else search
+    turning = Turning(np.zeros((len(system.bodies), 3)), np.zeros(3))
+    if spin is not None:
+        turning = Turning(spin.angular_velocities(system), spin.point)
     still = replace(system, bodies=tuple(_at_rest(placed) for placed in system.bodies))
     if system.bodies_of(FullBody):
         machine, configuration, *_ = consistent_start(FullSystem(still), time)
-        statics, model = FullStatics(machine), machine.model
+        statics, model = FullStatics(machine, turning if spin else None), machine.model
         frames = tuple(np.zeros(6) for _ in machine.interiors)
     else:
         compiled, configuration, *_ = consistent_start(CompiledMachine(still, build_model(still)), time)
-        statics, model, frames = CompiledStatics(compiled), compiled.model, ()
+        statics, model, frames = CompiledStatics(compiled, turning if spin else None), compiled.model, ()
     start = StaticState(configuration, np.zeros(len(model.active)), frames)
-    found, iterations = search_equilibrium(statics, start, time, search, progress)
-    multipliers = joint_multipliers(still, model.active, np.asarray(found.multipliers))
-    return Equilibrium(_placed(still, found), _joint_forces(still, found, time, multipliers), iterations)
+    state, iterations = search_equilibrium(statics, start, time, search, progress)
+    return RestingState(still, model, turning, state, iterations)
 
 
-def _joint_forces(
-    system: System, state: StaticState, time: float, multipliers: Mapping[str, np.ndarray]
-) -> dict[str, np.ndarray]:
-    """`joint_wrenches` of one instant at rest."""
+def _one_instant(found: RestingState, time: float) -> Solution:
+    """The equilibrium as a motion of one instant."""
+    system, state = placed_at_rest(found), found.state
     sizes = np.array([6 + placed.body.n_coordinates for placed in system.bodies])
     slices = tuple(
         slice(int(end - size), int(end)) for end, size in zip(np.cumsum(sizes), sizes, strict=True)
     )
-    still = np.zeros((1, int(sizes.sum())))
     configuration = Configuration(*(np.asarray(part)[None] for part in state.configuration))
-    motions = body_motions(system, slices, configuration, still, still)
-    of_instant = {name: own[None] for name, own in multipliers.items()}
-    forces = joint_wrenches(system, np.array([time]), motions, of_instant)
-    return {name: force[0] for name, force in forces.items()}
+    moving = placed_velocity(system)[None]
+    bodies = body_motions(system, slices, configuration, moving, np.zeros_like(moving))
+    multipliers = joint_multipliers(system, found.model.active, np.asarray(state.multipliers))
+    times, of_instant = np.array([time]), {name: own[None] for name, own in multipliers.items()}
+    return Solution(
+        times=times,
+        bodies=bodies,
+        joint_forces=joint_wrenches(system, times, bodies, of_instant),
+        statistics=Statistics(steps=0, iterations=found.iterations, rejected_steps=0, seconds=0.0),
+        multipliers=of_instant,
+    )
 
 
 def _at_rest(placed: Placed) -> Placed:
@@ -98,17 +142,22 @@ def _at_rest(placed: Placed) -> Placed:
     return replace(placed, velocity=none, angular_velocity=none, coordinate_rates=np.zeros(0))
 
 
-def _placed(system: System, state: StaticState) -> System:
-    """The system with its bodies where the state says."""
+def placed_at_rest(found: RestingState) -> System:
+    """The system with its bodies where the state says, turning steadily."""
     bodies, first = [], 0
+    system, (velocities, point), state = found.system, found.turning, found.state
     for index, placed in enumerate(system.bodies):
         after = first + placed.body.n_coordinates
-        rotation = np.asarray(state.configuration.rotations[index])
+        left, _, right = np.linalg.svd(np.asarray(state.configuration.rotations[index]))
+        rotation, position = left @ right, np.asarray(state.configuration.origins[index])
         bodies.append(
             replace(
                 placed,
-                position=state.configuration.origins[index],
-                rotation=np.linalg.svd(rotation)[0] @ np.linalg.svd(rotation)[2],
+                position=position,
+                rotation=rotation,
+                assembled=placed.assembly,
+                velocity=np.cross(velocities[index], position - point),
+                angular_velocity=velocities[index] @ rotation,
                 coordinates=state.configuration.coordinates[first:after],
             )
         )

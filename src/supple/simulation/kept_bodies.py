@@ -18,7 +18,7 @@ def reduced_bodies(system: System, names: Collection[str]) -> list[ReducedBody]:
 
 def keep_body(body: ReducedBody, folder: Path) -> Path:
     """Write a reduced body where a run looks for it; the path of its file."""
-    return write_reduced_body(_kept_path(folder, body.name), body)
+    return write_reduced_body(kept_path(folder, body.name), body)
 
 
 def keep_bodies(system: System, names: Collection[str], folder: Path) -> None:
@@ -35,7 +35,7 @@ def with_kept_bodies(system: System, names: Collection[str], folder: Path) -> Sy
     kept = {
         body.name: read_reduced_body(path)
         for body in reduced_bodies(system, names)
-        if (path := _kept_path(folder, body.name)).exists()
+        if (path := kept_path(folder, body.name)).exists()
     }
     keep_bodies(system, set(names) - kept.keys(), folder)
 
@@ -46,5 +46,6 @@ def with_kept_bodies(system: System, names: Collection[str], folder: Path) -> Sy
     return replace(system, bodies=tuple(bodies))
 
 
-def _kept_path(folder: Path, name: str) -> Path:
+def kept_path(folder: Path, name: str) -> Path:
+    """The file of a reduced body in the folder of a run."""
     return folder / f"{file_name(name)}-reduced.h5"

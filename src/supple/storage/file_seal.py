@@ -27,6 +27,13 @@ def unsealed(path: Path) -> bytes:
     return content
 
 
+def has_seal(path: Path) -> bool:
+    """Whether a file ends in a seal, be it whole or broken."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - _LENGTH))
+        return file.read().startswith(_MARK)
+
+
 def is_seal_broken(path: Path) -> bool:
     """Whether a file has a seal that is not that of its content; False where it has none."""
     with path.open("rb") as file:

@@ -15,11 +15,14 @@ Format "supple-reduced-body", version 1 (any HDF5 reader opens it):
     report              the fields of ReductionReport, as in hdf5_record
 
 Numbers are stored as they are, so that reading gives back the very bits. Arrays carry a checksum, and the
-file as a whole a seal behind its last byte (file_seal); a file without one is read as well.
+file as a whole a seal behind its last byte (file_seal). A file without one, as another program leaves it, is
+copied first (copied_hdf5).
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -28,12 +31,13 @@ import numpy as np
 
 from supple.arguments import checked_arguments
 from supple.body import Frame, MeanAxisFrame, NodalFixedFrame
+from supple.copied_hdf5 import open_copied
 from supple.errors import ModelError, ResultFileError
 from supple.reduction import CondensedMotion, ReducedBody, ReductionReport
 from supple.reduction.reduced_body import ReducedInterface
 from supple.storage.atomic_write import replacing
 from supple.storage.file_errors import DAMAGE, file_errors
-from supple.storage.file_seal import is_seal_broken, sealed
+from supple.storage.file_seal import has_seal, is_seal_broken, sealed
 from supple.storage.hdf5_record import (
     read_array,
     read_group,
@@ -98,42 +102,32 @@ def read_reduced_body(path: Path | str) -> ReducedBody:
     ------
     ResultFileError     no such file, no reduced body, of a newer version, damaged
     """
-    path = Path(path)
-    with _open(path) as file:
-        try:
-            return ReducedBody(
-                name=_text(file.attrs["name"]),
-                frame=_frame(file.attrs),
-                gram=_finite(file, "gram"),
-                stiffness=_finite(file, "stiffness"),
-                cubic=_array_or_none(file, "cubic"),
-                quartic=_array_or_none(file, "quartic"),
-                damping=_finite(file, "damping"),
-                damping_cubic=_array_or_none(file, "damping_cubic"),
-                damping_quartic=_array_or_none(file, "damping_quartic"),
-                interfaces=tuple(_interface(group) for group in _interface_groups(file)),
-                nodes=_finite(file, "nodes"),
-                nodal_basis=_finite(file, "nodal_basis"),
-                rotation_basis=_array_or_none(file, "rotation_basis"),
-                rotation_limit=read_number(file, "rotation_limit"),
-                frequencies=_finite(file, "frequencies"),
-                report=read_record(read_group(file, "report"), ReductionReport),
-                condensed=_condensed_or_none(file),
-            )
-        # A checksum that does not agree is an OSError of HDF5, a missing part a KeyError, and parts that do
-        # not fit each other, or are not finite, the ModelError of the body itself.
-        except DAMAGE as error:
-            raise _damaged(path, error) from error
+    with _open(Path(path)) as file:
+        return ReducedBody(
+            name=_text(file.attrs["name"]),
+            frame=_frame(file.attrs),
+            gram=_finite(file, "gram"),
+            stiffness=_finite(file, "stiffness"),
+            cubic=_array_or_none(file, "cubic"),
+            quartic=_array_or_none(file, "quartic"),
+            damping=_finite(file, "damping"),
+            damping_cubic=_array_or_none(file, "damping_cubic"),
+            damping_quartic=_array_or_none(file, "damping_quartic"),
+            interfaces=tuple(_interface(group) for group in _interface_groups(file)),
+            nodes=_finite(file, "nodes"),
+            nodal_basis=_finite(file, "nodal_basis"),
+            rotation_basis=_array_or_none(file, "rotation_basis"),
+            rotation_limit=read_number(file, "rotation_limit"),
+            frequencies=_finite(file, "frequencies"),
+            report=read_record(read_group(file, "report"), ReductionReport),
+            condensed=_condensed_or_none(file),
+        )
 
 
 def read_interface_names(path: Path | str) -> tuple[str, ...]:
     """Names of the interfaces of the reduced body in a file; ResultFileError as for read_reduced_body."""
-    path = Path(path)
-    with _open(path) as file:
-        try:
-            return tuple(_text(group.attrs["name"]) for group in _interface_groups(file))
-        except DAMAGE as error:
-            raise _damaged(path, error) from error
+    with _open(Path(path), ("interfaces",)) as file:
+        return tuple(_text(group.attrs["name"]) for group in _interface_groups(file))
 
 
 def holds_reduced_body(path: Path | str) -> bool:
@@ -144,30 +138,42 @@ def holds_reduced_body(path: Path | str) -> bool:
     try:
         if is_seal_broken(path):
             return True  # only such files have a seal; read_reduced_body says what became of it
-        with h5py.File(path, "r", locking=False) as file:
+        with _content(path, ()) as file:
             return file.attrs.get("format") == FORMAT
     except DAMAGE:
         return False
 
 
-def _open(path: Path) -> h5py.File:
-    """The file, once its format and version are known to be ours; ResultFileError otherwise."""
+@contextmanager
+def _open(path: Path, parts: Collection[str] | None = None) -> Iterator[h5py.File]:
+    """The file, or those parts of it, once its format and version are known to be ours.
+
+    ResultFileError otherwise, and where anything is found wrong while it is open.
+    """
     with file_errors("read", path):
         if not path.is_file():
             raise ResultFileError(f"cannot read {path}: no such file; check the path")
     if not h5py.is_hdf5(path):
         raise ResultFileError(f"cannot read {path}: not an HDF5 file, so no reduced body; check the path")
     with file_errors("read", path, note="; if it was copied, copy it again"):
-        # HDF5 itself may hang over a broken header.
-        if is_seal_broken(path):
-            raise _damaged(path, ValueError("its bytes are not those that were written"))
-        file = h5py.File(path, "r")
+        is_damaged = is_seal_broken(path)
     try:
-        _check_format(path, file.attrs)
+        if is_damaged:
+            raise ValueError("its bytes are not those that were written")
+        with _content(path, parts) as file:
+            _check_format(path, file.attrs)
+            yield file
+    except ResultFileError:
+        raise
+    # A checksum that does not agree is an OSError of HDF5, a missing part a KeyError, and parts that do not
+    # fit each other, or are not finite, the ModelError of the body itself.
     except DAMAGE as error:
-        file.close()
-        raise error if isinstance(error, ResultFileError) else _damaged(path, error) from error
-    return file
+        raise _damaged(path, error) from error
+
+
+def _content(path: Path, parts: Collection[str] | None) -> AbstractContextManager[h5py.File]:
+    """What a file with a whole seal, or with none, holds: HDF5 itself may hang over one that is damaged."""
+    return h5py.File(path, "r", locking=False) if has_seal(path) else open_copied(path, parts)
 
 
 def _check_format(path: Path, attributes: h5py.AttributeManager) -> None:

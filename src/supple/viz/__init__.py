@@ -2,6 +2,7 @@
 
 from supple.viz.animation import animate
 from supple.viz.camera import Camera
+from supple.viz.campbell_plot import plot_campbell
 from supple.viz.contour import plot_contour, stress_field
 from supple.viz.eigenvalue_error import plot_eigenvalue_error
 from supple.viz.glyphs import Glyphs, glyphs_of
@@ -11,7 +12,7 @@ from supple.viz.mesh_skin import Skin, skin_of
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
 from supple.viz.response_errors import Response, plot_response_errors
 from supple.viz.rms_error import plot_error_over_parameter, plot_rms_error
-from supple.viz.run_pictures import animate_run, draw_run
+from supple.viz.run_pictures import animate_run, draw_machine, draw_run
 from supple.viz.scene import Actor, Scene, scene_of
 from supple.viz.self_correction import RoundErrors, plot_rounds, plot_self_correction
 from supple.viz.style import PUBLISHED, REFERENCE, SOLID, Stroke
@@ -35,9 +36,11 @@ __all__ = [
     "animate",
     "animate_run",
     "displacement_magnitude",
+    "draw_machine",
     "draw_run",
     "glyphs_of",
     "mode_titles",
+    "plot_campbell",
     "plot_contour",
     "plot_eigenvalue_error",
     "plot_error_over_parameter",

@@ -11,7 +11,7 @@ import numpy as np
 from supple.body import FullBody
 from supple.fem import FiniteElementModel
 from supple.integrate import FloatingMotion, Solution
-from supple.machine import System
+from supple.machine import At, System
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody, clamped_modes
 from supple.results import (
@@ -19,6 +19,7 @@ from supple.results import (
     deflections,
     joint_loads,
     node_positions,
+    observer_of,
     von_mises_history,
     without_noise,
 )
@@ -56,6 +57,7 @@ def draw_run(
     *,
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
     elements: Elements | None = None,
+    bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> list[Path]:
     """Draw everything but the animation: mesh, modes and deformation of the bodies, what is tracked, joints.
@@ -66,6 +68,7 @@ def draw_run(
     meshes : of the elastic bodies to draw, by name; each has faces
     tracked : motions of places, by their names
     elements : of these bodies, by name, to draw their von Mises stress too; see `von_mises_history`
+    bases : interfaces that deflections are seen from, by body, where it is not its own first one
     units : of the model; without names no unit is written
 
     Returns
@@ -85,11 +88,11 @@ def draw_run(
         )
         if body.name in reduced:
             pictures.append(_draw_modes(path("modes"), reduced[body.name], surface, units))
-        pictures.append(_draw_deformed(path("deformed"), body, solution, surface, units))
+        pictures.append(_draw_deformed(path("deformed"), body, (system, solution), bases, surface, units))
         if elements is not None:
             model = elements[body.name]
             pictures.append(_draw_stress(path("stress"), body, model, mesh, solution, units))
-    machine = _draw_machine(folder / "machine.png", system, solution, meshes, units)
+    machine = draw_machine(folder / "machine.png", system, solution, meshes, units=units)
     if machine is not None:
         pictures.append(machine)
     if tracked:
@@ -111,6 +114,7 @@ def animate_run(
     meshes: Mapping[str, Mesh],
     *,
     elements: Elements | None = None,
+    bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
     progress: Callable[[float], None] | None = None,
 ) -> Path | None:
@@ -123,7 +127,8 @@ def animate_run(
     actors, traced, n_nodes = [], [], 0
     for body, mesh in _drawn(system, meshes):
         motion = solution.bodies[body.name].at(chosen)
-        deflection = np.linalg.norm(deflections(body, motion), axis=2)
+        seen_from = observer_of(system, solution, body.name, bases, chosen)
+        deflection = np.linalg.norm(deflections(body, motion, seen_from), axis=2)
         values = deflection
         if elements is not None:
             values = stress_factor * von_mises_history(body, elements[body.name], motion.coordinates)
@@ -156,10 +161,19 @@ def animate_run(
     )
 
 
-def _draw_machine(
-    path: Path, system: System, solution: Solution, meshes: Mapping[str, Mesh], units: UnitSystem
+def draw_machine(
+    path: Path,
+    system: System,
+    solution: Solution,
+    meshes: Mapping[str, Mesh],
+    *,
+    title: str | None = None,
+    units: UnitSystem = UNNAMED,
 ) -> Path | None:
-    """The whole machine where it starts; None where it has neither rigid bodies nor joints."""
+    """Draw the whole machine where it starts; None where it has neither rigid bodies nor joints.
+
+    title : the instant unless given. Other parameters as for `draw_run`.
+    """
     start = np.array([0])
     glyphs = glyphs_of(system, solution, start)
     if glyphs.is_empty:
@@ -171,9 +185,9 @@ def _draw_machine(
     scene = scene_of(actors) if actors else None
     nodes = np.empty((0, 3)) if scene is None else scene.positions[0]
     camera = _upright_camera(np.concatenate([nodes[None], glyphs.points], axis=1), system.gravity)
-    title = measured(f"t = {solution.times[0]:.4g}", units.time)
+    instant = measured(f"t = {solution.times[0]:.4g}", units.time)
     skin = None if scene is None else scene.skin
-    return plot_machine(path, nodes, skin, glyphs, camera=camera, title=title, units=units)
+    return plot_machine(path, nodes, skin, glyphs, camera=camera, title=title or instant, units=units)
 
 
 def _upright_camera(positions: np.ndarray, gravity: np.ndarray) -> Camera | None:
@@ -198,18 +212,37 @@ def _draw_modes(path: Path, body: ReducedBody, surface: Skin, units: UnitSystem)
     if body.interfaces:
         modes = clamped_modes(body, body.interfaces[0].name, n_modes=N_MODES)
         titles = mode_titles(modes.frequencies / (2 * np.pi), units)
-        return plot_mode_shapes(path, body.nodes, surface, modes.shapes, titles)
+        return plot_mode_shapes(path, body.nodes, surface, _of_one_sign(modes.shapes), titles)
     values, vectors = np.linalg.eigh(body.stiffness)
     titles = mode_titles(np.sqrt(values[:N_MODES]) / (2 * np.pi), units)
-    return plot_mode_shapes(path, body.nodes, surface, body.expand(vectors[:, :N_MODES].T), titles)
+    shapes = _of_one_sign(body.expand(vectors[:, :N_MODES].T))
+    return plot_mode_shapes(path, body.nodes, surface, shapes, titles)
+
+
+def _of_one_sign(shapes: np.ndarray) -> np.ndarray:
+    """Modes (m, N, 3), which have no sign, with their largest component positive.
+
+    Of several that are as large the first one counts, so that rounding does not turn a picture over.
+    """
+    components = shapes.reshape(len(shapes), -1)
+    size = np.abs(components)
+    first = np.argmax(size >= 0.999 * size.max(axis=1, keepdims=True), axis=1)
+    signs = np.where(components[np.arange(len(shapes)), first] < 0.0, -1.0, 1.0)
+    return shapes * signs[:, None, None]
 
 
 def _draw_deformed(
-    path: Path, body: ElasticBody, solution: Solution, surface: Skin, units: UnitSystem
+    path: Path,
+    body: ElasticBody,
+    run: tuple[System, Solution],
+    bases: Mapping[str, At],
+    surface: Skin,
+    units: UnitSystem,
 ) -> Path:
     """The body when it is bent most, enlarged if that were too little to see."""
+    system, solution = run
     instants, motion = _sampled(body, solution)
-    displaced = deflections(body, motion)
+    displaced = deflections(body, motion, observer_of(system, solution, body.name, bases, instants))
     size = np.linalg.norm(displaced, axis=2).max(axis=1)
     worst = int(np.argmax(size))
     scale, enlarged = _enlargement(body, displaced[worst])

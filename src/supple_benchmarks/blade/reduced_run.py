@@ -24,8 +24,8 @@ from supple.reduction import (
 )
 from supple.results import MotionError, motion_error
 from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
-from supple_benchmarks.as_published import reduce_as_published
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES, FullRun
+from supple_benchmarks.compared_tensors import reduce_to_compare
 from supple_benchmarks.nrel5mw_blade import BODY, FRAMES, Blade, BladeCase, TipMotion, tip_motion
 from supple_benchmarks.progress import Progress
 
@@ -41,13 +41,17 @@ class FixedBasis:
     name: str
     derivatives: DerivativeChoice
     derivatives_name: str
+    tensors: str
     n_linear: int
     n_added: int
 
     @property
     def label(self) -> str:
         """For tables and legends."""
-        return f"{self.name} {self.n_linear}+{self.n_added} {self.derivatives_name}".replace("+0 none", "")
+        if not self.n_added:
+            return f"{self.name} {self.n_linear}"
+        plain = ", plain" if self.tensors == "plain" else ""
+        return f"{self.name} {self.n_linear}+{self.n_added} {self.derivatives_name}{plain}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +74,8 @@ def bases_of(
 ) -> tuple[FixedBasis, ...]:
     """10 + 15 with derivatives picked and compressed, n linear columns; and 8 + 2 static responses + 15.
 
+    Plain tensors are those of [Wu2019].
+
     Derivatives are weighted by the loads the blade is to bear: the wind's mean, and in the last basis, whose
     columns hold its response, the centrifugal load.
     """
@@ -82,13 +88,15 @@ def bases_of(
 
     name = "CB" if frame == "nodal-fixed" else "Rubin"
     corrected = StaticCorrection(linear(8), loads)
+    picked = PickedDerivatives(15, criterion=wind)
+    compressed = CompressedDerivatives(15, weights=wind)
+    beyond = PickedDerivatives(15, criterion=both)
     return (
-        FixedBasis(frame, linear(10), name, PickedDerivatives(15, criterion=wind), "picked", 10, 15),
-        FixedBasis(frame, linear(10), name, CompressedDerivatives(15, weights=wind), "compressed", 10, 15),
-        FixedBasis(frame, linear(n_linear), name, NoDerivatives(), "none", n_linear, 0),
-        FixedBasis(
-            frame, corrected, f"{name}+static", PickedDerivatives(15, criterion=both), "picked", 10, 15
-        ),
+        FixedBasis(frame, linear(10), name, picked, "picked", "condensed", 10, 15),
+        FixedBasis(frame, linear(10), name, compressed, "compressed", "condensed", 10, 15),
+        FixedBasis(frame, linear(10), name, picked, "picked", "plain", 10, 15),
+        FixedBasis(frame, linear(n_linear), name, NoDerivatives(), "none", "plain", n_linear, 0),
+        FixedBasis(frame, corrected, f"{name}+static", beyond, "picked", "condensed", 10, 15),
     )
 
 
@@ -97,8 +105,13 @@ def reduce_blade(
 ) -> tuple[ReducedBody, float]:
     """The reduced blade and the seconds it took."""
     began = perf_counter()
-    reduced = reduce_as_published(
-        body, FRAMES[basis.frame], basis.recipe, derivatives=basis.derivatives, damping=damping
+    reduced = reduce_to_compare(
+        body,
+        FRAMES[basis.frame],
+        basis.recipe,
+        derivatives=basis.derivatives,
+        tensors=basis.tensors,
+        damping=damping,
     )
     return reduced, perf_counter() - began
 

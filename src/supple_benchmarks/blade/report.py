@@ -96,6 +96,7 @@ def _reduced_numbers(run: BladeRun, rom: ReducedRun) -> dict[str, Any]:
         "frame": rom.basis.frame,
         "basis": rom.basis.name,
         "derivatives": rom.basis.derivatives_name,
+        "tensors": rom.basis.tensors,
         "size": rom.body.r,
         "omega": rom.case.speed,
         "max_rms": None if rom.error is None else rom.error.max_rms,

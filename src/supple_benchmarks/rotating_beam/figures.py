@@ -60,8 +60,9 @@ def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
 
 
 def animation(run: BeamRun, path: Path, progress: Progress) -> Path:
-    """The spin-up as a GIF, from the last enriched reduced model of the first speed."""
-    rom = [one for one in run.reduced if one.n_added and one.full.omega == run.problem.speeds[0]][-1]
+    """The spin-up as a GIF, from the last enriched and condensed reduced model of the first speed."""
+    first = [one for one in run.reduced if one.full.omega == run.problem.speeds[0]]
+    rom = [one for one in first if one.n_added and one.tensors == "condensed"][-1]
     motion = rom.solution.bodies[rom.body.name]
     every = max(1, round(_ANIMATION_STEP / run.problem.output_step))
     rows = slice(0, int(np.searchsorted(rom.solution.times, _ANIMATION_END)), every)

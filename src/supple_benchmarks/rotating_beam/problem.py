@@ -53,8 +53,8 @@ class RotatingBeam:
 
     speeds: tuple[float, ...] = (6.0, 8.0, 10.0, 12.0)
     kinematics: tuple[str, ...] = ("green-lagrange", "von-karman")
-    n_length: int = 20
-    n_width: int = 4
+    n_length: int = 64
+    n_width: int = 2
     width: float = 1.0
     step: float = 0.01
     output_step: float = 0.02

@@ -115,6 +115,7 @@ def _reduced_numbers(rom: ReducedRun, exact: ExactTip) -> dict[str, Any]:
         "frame": rom.full.frame,
         "basis": rom.basis,
         "derivatives": rom.derivatives,
+        "tensors": rom.tensors,
         "kinematics": rom.full.kinematics,
         "linear": rom.n_linear,
         "added": rom.n_added,

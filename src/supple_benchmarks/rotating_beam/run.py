@@ -32,7 +32,7 @@ from supple.results.error_measures import MotionError, motion_error
 from supple.results.recovery import displacement_from_axes, node_positions
 from supple.simulation import simulate
 from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
-from supple_benchmarks.as_published import reduce_as_published
+from supple_benchmarks.compared_tensors import reduce_to_compare
 from supple_benchmarks.progress import Announce, Progress
 from supple_benchmarks.rotating_beam.exact_beam import ExactTip, exact_tip
 from supple_benchmarks.rotating_beam.problem import BODY, FRAMES, KINEMATICS, ROOT, RotatingBeam, spin_up_load
@@ -67,6 +67,7 @@ class ReducedRun:
     full: FullRun
     basis: str
     derivatives: str
+    tensors: str
     body: ReducedBody
     n_linear: int
     n_added: int
@@ -80,7 +81,9 @@ class ReducedRun:
     def columns(self) -> str:
         """The columns of the basis, in words."""
         if self.n_added:
-            return f"{self.n_linear}+{self.n_added} {self.derivatives}"
+            return f"{self.n_linear}+{self.n_added} {self.derivatives}" + (
+                ", plain" if self.tensors == "plain" else ""
+            )
         return f"{self.n_linear} linear"
 
 
@@ -112,7 +115,7 @@ def run_rotating_beam(problem: RotatingBeam, announce: Announce) -> Iterator[Bea
                 full.append(reference)
                 yield BeamRun(problem, exact, tuple(full), tuple(reduced))
                 for choice in _choices(body, frame, with_linear=speed == problem.speeds[0]):
-                    name = f"{choice.n_linear} + {choice.n_added} {choice.derivatives_name}"
+                    name = f"{choice.n_linear} + {choice.n_added} {choice.derivatives_name}, {choice.tensors}"
                     reduced.append(
                         _run_reduced(problem, spin, body, reference, choice, announce(f"{name}, {label}"))
                     )
@@ -121,18 +124,19 @@ def run_rotating_beam(problem: RotatingBeam, announce: Announce) -> Iterator[Bea
 
 @dataclass(frozen=True)
 class _Choice:
-    """A basis: recipe, derivatives and their names and numbers in the report."""
+    """A basis: recipe, derivatives, tensors, and their names and numbers in the report."""
 
     recipe: LinearBasisRecipe
     basis_name: str
     derivatives: DerivativeChoice
     derivatives_name: str
+    tensors: str
     n_linear: int
     n_added: int
 
 
 def _choices(body: FlexibleBody, frame: str, *, with_linear: bool) -> list[_Choice]:
-    """The bases of [Wu2019] Table 1, with picked and with compressed derivatives."""
+    """The bases of [Wu2019] Table 1, derivatives picked or compressed; plain tensors are theirs."""
     load = AmplitudeProduct(StaticLoad(spin_up_load(body)))
 
     def linear(n_columns: int) -> tuple[LinearBasisRecipe, str]:
@@ -140,13 +144,15 @@ def _choices(body: FlexibleBody, frame: str, *, with_linear: bool) -> list[_Choi
             return CraigBampton(n_modes=n_columns), "craig-bampton"
         return Rubin(n_columns=n_columns), "rubin"
 
-    enriched: list[tuple[DerivativeChoice, str]] = [
-        (PickedDerivatives(10, criterion=load), "picked"),
-        (CompressedDerivatives(10, weights=load), "compressed"),
+    picked = PickedDerivatives(10, criterion=load)
+    enriched: list[tuple[DerivativeChoice, str, str]] = [
+        (picked, "picked", "condensed"),
+        (CompressedDerivatives(10, weights=load), "compressed", "condensed"),
+        (picked, "picked", "plain"),
     ]
-    choices = [_Choice(*linear(10), choice, name, 10, 10) for choice, name in enriched]
+    choices = [_Choice(*linear(10), *choice, 10, 10) for choice in enriched]
     if with_linear:
-        choices.append(_Choice(*linear(50), NoDerivatives(), "none", 50, 0))
+        choices.append(_Choice(*linear(50), NoDerivatives(), "none", "plain", 50, 0))
     return choices
 
 
@@ -201,7 +207,9 @@ def _run_reduced(
     progress: Progress,
 ) -> ReducedRun:
     began = perf_counter()
-    reduced = reduce_as_published(body, FRAMES[full.frame], choice.recipe, derivatives=choice.derivatives)
+    reduced = reduce_to_compare(
+        body, FRAMES[full.frame], choice.recipe, derivatives=choice.derivatives, tensors=choice.tensors
+    )
     offline = perf_counter() - began
     solution, failed_at = as_far_as_it_goes(
         _system(reduced, spin),
@@ -213,6 +221,7 @@ def _run_reduced(
         full=full,
         basis=choice.basis_name,
         derivatives=choice.derivatives_name,
+        tensors=choice.tensors,
         body=reduced,
         n_linear=choice.n_linear,
         n_added=choice.n_added,

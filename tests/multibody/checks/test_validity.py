@@ -48,7 +48,7 @@ def test_linear_body_that_spins_near_its_lowest_frequency(linear):
     lowest = linear.frequencies[0]
     (message,) = messages(linear, still(linear, spin=0.4 * lowest))
     assert message.startswith(
-        f"body 'blade' is linear and spins at {0.4 * lowest:.4g} rad/s (t = 1), "
+        f"body 'blade' is linear and spins at {0.4 * lowest:.4g} rad per unit of time (t = 1), "
         "0.40 times its lowest frequency"
     )
     assert messages(linear, still(linear, spin=0.2 * lowest)) == []
@@ -109,7 +109,7 @@ def test_otherwise_a_warning_at_the_end(linear):
 def test_a_run_watches_from_its_first_instant(linear):
     """The initial state alone breaks the limit; strict, so nothing is simulated."""
     fast = System((Placed(linear, angular_velocity=[0, 0, 50.0]),))
-    with pytest.raises(ValidityError, match=r"spins at 50 rad/s \(t = 0\)"):
+    with pytest.raises(ValidityError, match=r"spins at 50 rad per unit of time \(t = 0\)"):
         simulate(fast, Run(duration=1.0, output_step=0.1, validity=Validity(strict=True)))
 
 

@@ -37,10 +37,6 @@ def spun_up(body):
     return System((Placed(body),), (hinge,))
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="with quadratic curvature it takes 16 and 19 coordinates where 14 and 18 did: not yet mended",
-)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "frame", [NodalFixedFrame("root"), MeanAxisFrame()], ids=["nodal-fixed", "mean-axis"]

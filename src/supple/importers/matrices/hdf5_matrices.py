@@ -5,11 +5,13 @@
 /freedoms              (n, 2) int       node id and component (1 to 6) of each row
 /stiffness, /mass      groups with data, indices, indptr of a compressed sparse column matrix (n, n)
 /node_sets/NAME        (k,) int         node ids; optional
+
+Other programs write it, so it is copied before it is read: see `copied_hdf5`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -18,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from supple.copied_hdf5 import open_copied
 from supple.errors import ImportFormatError
 from supple.importers.matrices.labelled_matrix import SINGLE_PRECISION, LabelledMatrix, MatrixRole
 from supple.importers.node_table import NodeTable
@@ -34,7 +37,7 @@ def read_hdf5_nodes(path: str | Path) -> NodeTable:
                         twice; sets that name nodes the file lacks
     """
     path = Path(path)
-    with _opened(path) as file:
+    with _opened(path, ("nodes", "node_ids", "node_sets")) as file:
         positions = _array(file, path, "nodes", np.float64)
         if positions.ndim != 2 or positions.shape[1] != 3 or not np.isfinite(positions).all():
             raise ImportFormatError(
@@ -72,7 +75,7 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
     """
     path = Path(path)
     source = f"{path}, /{role.label}"
-    with _opened(path) as file:
+    with _opened(path, ("freedoms", role.label)) as file:
         freedoms = _array(file, path, "freedoms", np.int64)
         if freedoms.ndim != 2 or freedoms.shape[1] != 2:
             raise ImportFormatError(
@@ -111,12 +114,12 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[h5py.File]:
-    """The file; whatever HDF5 finds broken in it while it is open is an ImportFormatError."""
+def _opened(path: Path, parts: Collection[str]) -> Iterator[h5py.File]:
+    """A copy of those parts of the file; whatever HDF5 finds broken in it is an ImportFormatError."""
     if not is_file(path):
         raise ImportFormatError(f"{path}: no such file; check its name and folder")
     try:
-        with h5py.File(path, "r") as file:
+        with open_copied(path, parts) as file:
             yield file
     except ImportFormatError:
         raise

@@ -57,6 +57,7 @@ class _Scanner:
         self._array_lengths: dict[KeyPath, int] = {}
 
     def document(self) -> Iterator[tuple[KeyPath, int]]:
+        """Every key, table and item of an array, with its line."""
         table: KeyPath = ()
         self._skip(_BLANK)
         while self._at < len(self._text):

@@ -40,17 +40,22 @@ def tilt(first: Pose, second: Pose) -> jax.Array:
 def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
     """Right-handed unit axes, as columns, the third `axis`, the first as near `hint` as can be."""
     check_numbers("the axis of a joint", axis)
-    direction = np.asarray(axis, dtype=float)
-    length = np.linalg.norm(direction)
-    if direction.shape != (3,) or not np.isfinite(direction).all() or length == 0:
-        raise ModelError(f"a joint axis must be three finite numbers, not all zero; got {axis}")
-    direction = direction / length
-    near = np.eye(3)[np.argmin(abs(direction))] if hint is None else np.asarray(hint, dtype=float)
+    direction = _unit(axis)
+    near = np.eye(3)[np.argmin(abs(direction))] if hint is None else _unit(hint)
     first = near - (near @ direction) * direction
     if np.linalg.norm(first) < 1e-8 * np.linalg.norm(near):
         raise ModelError(f"the two axes of a joint must not be parallel, got {axis} and {hint}")
     first = first / np.linalg.norm(first)
     return np.column_stack([first, np.cross(direction, first), direction])
+
+
+def _unit(axis: Any) -> np.ndarray:
+    """The direction of an axis of any length, also one whose square is no number any more."""
+    direction = np.asarray(axis, dtype=float)
+    if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
+        raise ModelError(f"a joint axis must be three finite numbers, not all zero; got {axis}")
+    direction = direction / np.abs(direction).max()
+    return direction / np.linalg.norm(direction)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -74,6 +74,7 @@ class _Arrays(NamedTuple):
 
     @classmethod
     def of(cls, group: BodyGroup) -> _Arrays:
+        """The arrays of a group of bodies."""
         return cls(group.gram, group.stiffness, group.cubic, group.quartic)
 
 

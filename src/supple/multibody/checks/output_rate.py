@@ -107,9 +107,10 @@ def report_output_rate(system: System, run: Run, solution: Solution) -> None:
     control = run.step_control
     also = ", and a step no longer," if isinstance(control, FixedStep) and control.size > needed else ""
     message = (
-        f"the output step of {step:.3g} s is too long to show the motion of body '{name}': {what} at "
-        f"{frequency / (2 * np.pi):.3g} Hz, and outputs show {1 / (2 * step):.3g} Hz at most, so that curves "
-        f"and pictures show a slower one instead. An output step of {needed:.2g} s{also} shows it"
+        f"the output step of {step:.3g} is too long to show the motion of body '{name}': {what} "
+        f"{frequency / (2 * np.pi):.3g} times per unit of time, and outputs show {1 / (2 * step):.3g} at "
+        "most, so that curves and pictures show a slower one instead. An output step of "
+        f"{needed:.2g}{also} shows it"
     )
     warnings.warn(message, ResolutionWarning, stacklevel=3)
 

@@ -36,7 +36,7 @@ def report_start(change: StartChange, validity: Validity) -> None:
         joints = ", ".join(f"'{each.joint}' ({each.row})" for each in change.against[:MOST_NAMES])
         message = (
             f"the joints do not allow the initial velocities, which were changed: the kinetic energy is "
-            f"{after:.4g} J instead of {before:.4g} J ({100 * (after / before - 1):+.3g} %); {bodies}; "
+            f"{after:.4g} instead of {before:.4g} ({100 * (after / before - 1):+.3g} %); {bodies}; "
             f"against {joints}. Give velocities that the joints allow, or none to a body that joints drive"
         )
         say(message, StartWarning, validity)
@@ -52,8 +52,8 @@ def _others(joints: Sequence[Open]) -> str:
 def _slowed(body: Slowed) -> str:
     (speed, new_speed), (spin, new_spin) = body.speeds, body.spins
     changes = [
-        f"{new:.4g} {unit} instead of {old:.4g}"
-        for old, new, unit in ((speed, new_speed, "m/s"), (spin, new_spin, "rad/s"))
+        f"a {what} of {new:.4g} instead of {old:.4g}"
+        for old, new, what in ((speed, new_speed, "speed"), (spin, new_spin, "spin"))
         if abs(new - old) > ROUNDING * (speed + new_speed + spin + new_spin)
     ]
     return f"body '{body.body}' starts with {' and '.join(changes) or 'another direction of motion'}"

@@ -28,7 +28,7 @@ def report_step_length(statistics: Statistics, run: Run) -> None:
         shorter = min(shorter, LARGEST_TURN / statistics.largest_turn)
     if found:
         message = (
-            f"the fixed step of {step.size:.3g} s is too long for this motion: {' and '.join(found)}. Take "
-            f"{step.size * shorter:.1g} s or less, or adaptive steps"
+            f"the fixed step of {step.size:.3g} is too long for this motion: {' and '.join(found)}. Take "
+            f"{step.size * shorter:.1g} or less, or adaptive steps"
         )
         say(message, ResolutionWarning, run.validity)

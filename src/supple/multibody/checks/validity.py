@@ -89,10 +89,10 @@ class Watch:
                 found.append(
                     Excess(
                         own.name,
-                        f"body '{own.name}' is linear and spins at {peak.spin:.4g} rad/s "
+                        f"body '{own.name}' is linear and spins at {peak.spin:.4g} rad per unit of time "
                         f"(t = {peak.spin_time:.4g}), "
                         f"{peak.spin / own.lowest_frequency:.2f} times its lowest frequency "
-                        f"{own.lowest_frequency:.4g} rad/s: without geometric stiffness its deflections "
+                        f"{own.lowest_frequency:.4g}: without geometric stiffness its deflections "
                         "are too large or diverge. Reduce it with modal derivatives, from a model with "
                         "quadratic strains",
                     )

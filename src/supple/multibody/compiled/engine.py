@@ -40,7 +40,7 @@ def controls(run: Run) -> Controls:
         coefficients=run.method.coefficients,
         first=float(step.first),
         largest=float(step.largest),
-        smallest=float(step.smallest),
+        smallest=float(step.least),
         error_tolerance=float(step.tolerance),
         residual_tolerance=float(run.tolerances.residual),
         max_iterations=run.tolerances.max_iterations,

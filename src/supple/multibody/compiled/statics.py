@@ -1,4 +1,4 @@
-"""Machines of rigid and reduced bodies at rest."""
+"""Machines of rigid and reduced bodies at rest, or turning steadily."""
 
 from __future__ import annotations
 
@@ -9,18 +9,29 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.integrate import StepFactors
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.compiled.elimination import solve_bordering_column
 from supple.multibody.compiled.time_step import kinds_of_rows, position_scale
-from supple.multibody.equations.balance import Balance, balance, tangent
+from supple.multibody.equations.balance import Balance, balance
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.static_search import StaticCorrection, StaticState, Unbalance
+from supple.multibody.equations.steady_motion import (
+    Turning,
+    in_turning_axes,
+    linear_equations,
+    steady_motion,
+    step_matrix,
+)
 
-__all__ = ["CompiledStatics"]
+__all__ = ["CompiledStatics", "balanced"]
+
+
+_ROUND_OFF = 1e-4
+"""Where all terms of a kind vanish, as the moments of a hanging rod do, rounding of the others is left: what
+residuals are compared with is no less than this part of the largest kind, both as work in a large motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,30 +39,44 @@ class CompiledStatics:
     """A `StaticMachine` whose steps are compiled."""
 
     machine: CompiledMachine
+    turning: Turning | None = None
+    """None for machines at rest"""
 
     def unbalance(self, state: StaticState, time: float) -> Unbalance:
         """The residuals at rest."""
         model = self.machine.model
-        terms = _balance(model, jnp.asarray(float(time)), state.configuration, jnp.asarray(state.multipliers))
-        columns = (terms.internal, terms.applied, terms.joint, terms.residual)
-        norms = np.sqrt(kinds_of_rows(model) @ np.stack(columns, axis=1) ** 2)
-        scale = norms[:, :3].max(axis=1)
-        relative = norms[:, 3] / np.where(scale > 0, scale, 1.0)
+        terms = balanced(model, self._motion(state, time))
+        columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
+        works = self.position_scale[:, None] * np.stack(columns, axis=1)
+        norms = np.sqrt(kinds_of_rows(model) @ works**2)
+        scale = norms[:, 1:].max(axis=1)
+        scale = np.maximum(scale, _ROUND_OFF * scale.max())
+        relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
         gap = float(np.max(abs(np.asarray(terms.constraint_residual)), initial=0.0)) / float(model.length)
         return Unbalance(relative, gap, terms)
 
     def correction(self, state: StaticState, time: float, unbalance: Unbalance, k: float) -> StaticCorrection:
         """One implicit step of length k."""
-        change = _correction(
-            self.machine.model,
-            jnp.asarray(float(time)),
-            state.configuration,
-            jnp.asarray(state.multipliers),
-            unbalance.terms,
-            jnp.asarray(k),
+        model, terms = self.machine.model, unbalance.terms
+        motion = self._motion(state, time)
+        if self.turning is None:
+            matrix = step_matrix(model, motion, terms, k, 0.0)
+        else:
+            steady = linear_equations(model, self.turning, motion, terms)
+            axes = in_turning_axes(model, state.configuration)
+            matrix = axes @ (steady.mass + k * steady.stiffness) @ axes.T
+        rows = np.asarray(constraint_rows(model, terms.linearization.joints))
+        n, m = len(matrix), len(rows)
+        # Rows of one size: multipliers in parts of what the matrix holds.
+        size = float(np.max(abs(np.diag(matrix))))
+        bordered = np.block(
+            [
+                [matrix, size * rows.T, np.asarray(terms.residual)[:, None]],
+                [size * rows, np.zeros((m, m)), (size / k * np.asarray(terms.constraint_residual))[:, None]],
+            ]
         )
-        increment, multipliers = (np.asarray(part) for part in change)
-        return StaticCorrection(increment, multipliers)
+        change = -np.asarray(_solved(jnp.asarray(bordered)))
+        return StaticCorrection(k * change[:n], size * change[n:])
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment (n,)."""
@@ -62,40 +87,16 @@ class CompiledStatics:
         """What counts as a large change of each freedom, (n,)."""
         return np.asarray(position_scale(self.machine.model))
 
-
-def _at_rest(
-    model: Model, time: jax.Array, configuration: Configuration, multipliers: jax.Array
-) -> SystemMotion:
-    none = jnp.zeros(model.n_velocities)
-    return SystemMotion(time, configuration, none, none, multipliers)
+    def _motion(self, state: StaticState, time: float) -> SystemMotion:
+        still = Turning(np.zeros((len(self.machine.model.sizes), 3)), np.zeros(3))
+        motion = self.turning or still, time, state.configuration, state.multipliers
+        return steady_motion(self.machine.model, *motion)
 
 
 @partial(jax.jit, compiler_options=STARTING)
-def _balance(model: Model, time: jax.Array, configuration: Configuration, multipliers: jax.Array) -> Balance:
-    return balance(model, _at_rest(model, time, configuration, multipliers))
+def balanced(model: Model, motion: SystemMotion) -> Balance:
+    """The terms of the equations of motion, by a program compiled quickly."""
+    return balance(model, motion)
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def _correction(
-    model: Model,
-    time: jax.Array,
-    configuration: Configuration,
-    multipliers: jax.Array,
-    terms: Balance,
-    k: jax.Array,
-) -> tuple[jax.Array, jax.Array]:
-    """Increment of the configuration (n,), change of the multipliers (m,)."""
-    motion = _at_rest(model, time, configuration, multipliers)
-    n, m = model.n_velocities, multipliers.shape[0]
-    matrix = tangent(model, motion, terms.linearization, jnp.zeros(n), StepFactors(k, jnp.zeros(())))
-    rows = constraint_rows(model, terms.linearization.joints)
-    # Rows of one size: multipliers in parts of what the matrix holds.
-    size = jnp.max(jnp.abs(jnp.diag(matrix)))
-    bordered = jnp.block(
-        [
-            [matrix, size * rows.T, terms.residual[:, None]],
-            [size * rows, jnp.zeros((m, m)), (size / k * terms.constraint_residual)[:, None]],
-        ]
-    )
-    change = -solve_bordering_column(bordered)
-    return k * change[:n], size * change[n:]
+_solved = jax.jit(solve_bordering_column, compiler_options=STARTING)

@@ -28,6 +28,7 @@ from supple.multibody.equations.places import Places
 
 __all__ = [
     "build_model",
+    "end_at",
     "initial_points",
     "is_on_full_nodes",
     "row_scales",
@@ -93,6 +94,7 @@ class _BodyPlaces:
 
     @classmethod
     def of(cls, sizes: tuple[int, ...]) -> _BodyPlaces:
+        """Of bodies with so many coordinates, one after the other."""
         ends = np.cumsum([0, *sizes])[:-1]
         return cls(sizes, tuple(int(e) + 6 * i for i, e in enumerate(ends)), tuple(int(e) for e in ends))
 
@@ -180,6 +182,7 @@ class _End:
 
     @property
     def key(self) -> Hashable:
+        """Ends of one key are computed together."""
         return self.body < 0, self.motion.shape
 
 
@@ -214,7 +217,7 @@ def _end(system: System, end: At, axes: np.ndarray, ground_point: np.ndarray) ->
     placed = system.bodies[index]
     position, motion = interface_motion(placed, end.interface)
     cubic_turn = placed.body.interface(end.interface).cubic_turn
-    return _End(index, motion, cubic_turn, offset=position, axes=placed.rotation.T @ axes)
+    return _End(index, motion, cubic_turn, offset=position, axes=placed.assembly.rotation.T @ axes)
 
 
 def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:
@@ -230,6 +233,12 @@ def _both_ends(system: System, element: Joint | ForceElement) -> tuple[_End, _En
     first, second = initial_points(system, element)
     axes = element.initial_axes
     return _end(system, element.first, axes, first), _end(system, element.second, axes, second)
+
+
+def end_at(system: System, end: At) -> Ends:
+    """One end, of global axes at assembly."""
+    places = _BodyPlaces.of(tuple(_size(placed) for placed in system.bodies))
+    return _ends(places, [_end(system, end, np.eye(3), np.zeros(3))])
 
 
 def _joint_groups(system: System, places: _BodyPlaces) -> tuple[JointGroup, ...]:
@@ -312,8 +321,9 @@ def row_scales(system: System) -> np.ndarray:
 
 def system_length(system: System) -> float:
     """Size of the system: the largest distance between interfaces, nodes and frame origins at the start."""
-    points = [placed.position[None] for placed in system.bodies]
-    points += [placed.position + placed.body.nodes @ placed.rotation.T for placed in system.bodies]
+    assemblies = [(placed.body.nodes, *placed.assembly) for placed in system.bodies]
+    points = [position[None] for _, position, _ in assemblies]
+    points += [position + nodes @ rotation.T for nodes, position, rotation in assemblies]
     extent = np.ptp(np.concatenate(points), axis=0)
     return float(np.linalg.norm(extent)) or _largest_gyration(system)
 

@@ -76,8 +76,11 @@ def _axes(system: System, joint: Joint, end: At, bodies: Mapping[str, Any]) -> n
     if end == GROUND:
         return joint.initial_axes[None]
     placed, motion = system.bodies[system.body_index(end.body)], bodies[end.body]
-    turned = (motion.coordinates @ placed.body.interface(end.interface).motion.T)[:, 3:]
-    return motion.rotation @ Rotation.from_rotvec(turned).as_matrix() @ placed.rotation.T @ joint.initial_axes
+    interface = placed.body.interface(end.interface)
+    theta = (motion.coordinates @ interface.motion.T)[:, 3:]
+    turned = (1 + interface.cubic_turn * (theta**2).sum(axis=1, keepdims=True)) * theta
+    own = placed.assembly.rotation.T @ joint.initial_axes
+    return motion.rotation @ Rotation.from_rotvec(turned).as_matrix() @ own
 
 
 def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:

@@ -32,7 +32,7 @@ def stepping_instants(systems: Sequence[System], run: Run) -> np.ndarray:
     laws = {id(law): law for system in systems for _, law in laws_of(system)}
     found = [instants_of(law, float(times[0]), float(times[-1])) for law in laws.values()]
     instants = np.unique(np.concatenate([np.zeros(0), *found]))
-    nearest = max(control.smallest, min(control.first, _NEAREST * run.duration))
+    nearest = max(control.least, min(control.first, _NEAREST * run.duration))
     after = np.clip(np.searchsorted(times, instants), 1, len(times) - 1)
     apart = np.minimum(np.abs(instants - times[after - 1]), np.abs(times[after] - instants))
     return _spaced(instants[apart > nearest], nearest)

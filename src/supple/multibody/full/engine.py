@@ -135,7 +135,7 @@ class FullEngine:
                 )
             else:
                 march = march._replace(rejected_steps=march.rejected_steps + 1)
-                if march.step < control.smallest:
+                if march.step < control.least:
                     return march, residual
         return march, None
 

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from supple.algebra.cross import cross_matrices, cross_matrix
+from supple.algebra.low_rank_update import LowRankUpdate
 from supple.algebra.rotation import rotation_right_jacobian
 from supple.algebra.sparse_factor import SparseFactor, factorize_general
 from supple.body.full_body import FullBody
@@ -22,6 +23,7 @@ from supple.multibody.equations.nodal_load import (
     nodal_forces,
     prepared,
 )
+from supple.multibody.full.full_damping import FullDamping, full_damping
 from supple.multibody.full.full_inertia import FullInertia, FullMotion
 
 __all__ = ["FullInterior", "InteriorForces", "InteriorState", "prepare_interior"]
@@ -99,7 +101,7 @@ class Elimination(NamedTuple):
 class _Factored(NamedTuple):
     """A factored tangent, what it was factored for, and its responses to interface forces and multipliers."""
 
-    factor: SparseFactor
+    factor: SparseFactor | LowRankUpdate
     factors: StepFactors
     angular_velocity: np.ndarray
     angular_acceleration: np.ndarray
@@ -158,10 +160,7 @@ class FullInterior:
     """`B`, (6 p, n)"""
     frame_rows: np.ndarray
     """`D`, (6, n), scaled rows"""
-    damping: csc_array
-    """What of it does not change with the deformation."""
-    retardation_time: float
-    """Of the damping that follows the strain rate, s; 0 without."""
+    damping: FullDamping
     pattern: csc_array
     constant: dict[str, np.ndarray]
     """Entries on the pattern of the constant matrices: kind to (number, nnz)."""
@@ -185,13 +184,6 @@ class FullInterior:
             frame_acceleration=state.rotation.T @ state.acceleration,
         )
 
-    def _damping_force(self, state: InteriorState) -> np.ndarray:
-        constant = self.damping @ state.rates
-        if not self.retardation_time:
-            return constant
-        by_strain = self.full.body.force.strain_rate_force(state.coordinates, state.rates)
-        return constant + self.retardation_time * by_strain
-
     def _load_forces(self, state: InteriorState, place: np.ndarray) -> list[_LoadForces]:
         """Of every nodal load, where the nodes are at `place` (N, 3)."""
         forces = []
@@ -212,7 +204,7 @@ class FullInterior:
             [rotation @ terms.frame[:3], terms.frame[3:], body.expansion.T @ terms.nodal.ravel()]
         )
         elastic = body.force.internal_force(state.coordinates)
-        internal = np.concatenate([np.zeros(6), elastic + self._damping_force(state)])
+        internal = np.concatenate([np.zeros(6), elastic + self.damping.force(state.coordinates, state.rates)])
         nodal = np.zeros_like(terms.nodal)
         moment = np.zeros(3)
         place = body.nodes + self._nodal(state.coordinates)[:, :3]
@@ -237,7 +229,7 @@ class FullInterior:
         """Of the internal force and the damping by strain rate, but without the change of D(q) with q."""
         if self.full.is_linear:
             return factors.by_position * self.constant["stiffness"][0]
-        material = 1 + self.retardation_time * factors.by_velocity / factors.by_position
+        material = 1 + self.damping.retardation_time * factors.by_velocity / factors.by_position
         data = np.zeros(self.pattern.nnz)
         data[self.tangent_places] = self.full.body.assembly.tangent(coordinates, material=material).data
         return factors.by_position * data
@@ -289,7 +281,7 @@ class FullInterior:
             data = data + self._elastic_data(coordinates, factors)
         for kind, weight in FullInertia.weights(angular_velocity, angular_acceleration, factors).items():
             data = data + weight @ self.constant[kind]
-        factor = self._analysed.refactorize(self._matrix(data))
+        factor = self.damping.with_modes(self._analysed.refactorize(self._matrix(data)), factors.by_velocity)
         constant = np.column_stack([self.interface_rows.T.toarray(), self.frame_rows.T])
         return _Factored(factor, factors, angular_velocity, angular_acceleration, -factor.solve(constant))
 
@@ -391,14 +383,11 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -
     body = full.body
     inertia = FullInertia(body)
     none = csc_array(body.mass.shape)
-    retardation_time = 0.0 if full.damping is None or body.is_linear else full.damping.retardation_time
-    damping = none
-    if full.damping is not None:
-        damping = csc_array(full.damping.matrix(none if retardation_time else body.stiffness, body.mass))
+    damping = full_damping(full)
     matrices: dict[str, list[Any]] = {
         **inertia.matrices,
         "stiffness": [csc_array(body.stiffness)],
-        "damping": [damping],
+        "damping": [damping.constant],
     }
     pattern = sum((abs(matrix) for group in matrices.values() for matrix in group), start=none)
     shape = csc_array(body.mass.shape)
@@ -417,7 +406,6 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -
         interface_rows=full.interface_motions,
         frame_rows=_unit_rows(full.frame.constraint(body)),
         damping=damping,
-        retardation_time=retardation_time,
         pattern=pattern,
         constant={
             kind: np.array([_on_pattern(pattern, matrix) for matrix in group])

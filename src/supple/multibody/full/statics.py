@@ -1,4 +1,4 @@
-"""Machines with full bodies at rest."""
+"""Machines with full bodies at rest, or turning steadily."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from supple.integrate import StepFactors
 from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.static_search import StaticCorrection, StaticState, Unbalance
+from supple.multibody.equations.steady_motion import Turning
 from supple.multibody.full.full_system import FullState, FullSystem
 
 __all__ = ["FullStatics"]
@@ -16,9 +17,15 @@ __all__ = ["FullStatics"]
 
 @dataclass(frozen=True, eq=False)
 class FullStatics:
-    """A `StaticMachine` by sparse bordered steps."""
+    """A `StaticMachine` by sparse bordered steps.
+
+    How the velocities of the frames follow their places is left out of the tangent: what a frame moves while
+    the machine turns is found by iteration.
+    """
 
     machine: FullSystem
+    turning: Turning | None = None
+    """None for machines at rest"""
 
     def unbalance(self, state: StaticState, time: float) -> Unbalance:
         """The residuals at rest."""
@@ -52,7 +59,19 @@ class FullStatics:
         return self.machine.position_scale
 
     def _still(self, state: StaticState, time: float) -> FullState:
-        none = np.zeros(self.machine.n)
-        return FullState(
-            time, state.configuration, none, none, none, state.multipliers, state.frame_multipliers
-        )
+        velocity = acceleration = np.zeros(self.machine.n)
+        if self.turning is not None:
+            velocity, acceleration = self._turned(self.turning, state.configuration)
+        multipliers = state.multipliers, state.frame_multipliers
+        return FullState(time, state.configuration, velocity, acceleration, acceleration, *multipliers)
+
+    def _turned(self, turning: Turning, configuration: Configuration) -> tuple[np.ndarray, np.ndarray]:
+        """Velocities and accelerations of bodies that turn steadily, (n,) each."""
+        velocity, acceleration = np.zeros((2, self.machine.n))
+        moving = np.cross(turning.angular_velocities, configuration.origins - turning.point)
+        places = np.array([part.start for part in self.machine.slices])[:, None] + np.arange(3)
+        velocity[places] = moving
+        acceleration[places] = np.cross(turning.angular_velocities, moving)
+        in_body = np.einsum("bji,bj->bi", configuration.rotations, turning.angular_velocities)
+        velocity[places + 3] = in_body
+        return velocity, acceleration

@@ -61,8 +61,10 @@ def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearB
     """
     # Measured against the columns before projection: what the frame takes out whole leaves only round-off.
     norms = np.sqrt(np.sum(raw.vectors * (body.mass @ raw.vectors), axis=0))
-    projected = frame_projector(body, frame)(raw.vectors)
-    columns, kept, dropped = mass_orthonormalize(projected, body.mass, reference_norms=norms)
+    without_frame = frame_projector(body, frame)
+    columns, kept, dropped = mass_orthonormalize(without_frame(raw.vectors), body.mass, reference_norms=norms)
+    # Once more: in a column of which little was left, the round-off of the frame's motion has grown with it.
+    columns = mass_orthonormalize(without_frame(columns), body.mass).vectors
     if columns.shape[1] == 0:
         raise ModelError(
             f"the linear basis of body '{body.name}' is empty: the frame carries all of its "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ NAMES = (
     *(f"acceleration {axis}" for axis in "xyz"),
     *(f"angular acceleration {axis}" for axis in "xyz"),
     *(f"spin about {axis}" for axis in "xyz"),
+    *(f"spin about {first} and {second}" for first, second in combinations("xyz", 2)),
 )
 
 # A load whose answer is this much shorter than the longest does nothing: a line that spins about itself.
@@ -26,12 +28,13 @@ SMALLEST_ANSWER = 1e-9
 class SteadyLoads:
     """The columns of a recipe and, beside them, the static answers to steady motion of the frame.
 
-        K x + B^T mu = M a,   B x = 0,   a: e_i (3), e_i x x (3), and x - e_i (e_i . x) of a spin (3)
+        K x + B^T mu = M a,   B x = 0
+        a:  e_i (3),   e_i x x (3),   x - e_i (e_i . x) of a spin (3),   e_i (e_j . x) + e_j (e_i . x) (3)
 
     A disc that spins stretches in no mode that vibrates slowly, and a body that is accelerated bends in all
-    modes a little. The interface that the frame holds reacts (the first, where it holds none; the frame where
-    there is none). What other columns hold already is dropped, and reported: of a Rubin basis in a mean-axis
-    frame, all but the spins.
+    modes a little. The last three belong to the products of the components of an oblique spin. The interface
+    that the frame holds reacts (the first, where it holds none; the frame where there is none). What other
+    columns hold already is dropped, and reported: of a Rubin basis in a mean-axis frame, all but the spins.
 
     recipe : the basis to add to
     Source: modal truncation augmentation with inertia loads, [Dickens1997]
@@ -40,7 +43,7 @@ class SteadyLoads:
     recipe: LinearBasisRecipe
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """The recipe's columns, then up to nine answers; errors of the recipe."""
+        """The recipe's columns, then up to twelve answers; errors of the recipe."""
         basis = self.recipe.build(body, frame)
         held = fixed_interfaces(body, frame) or body.interfaces
         solver = body.constrained(held[0].motion) if held else basis.static_solver
@@ -57,10 +60,12 @@ class SteadyLoads:
 
 
 def _loads(body: FlexibleBody) -> NDArray[np.float64]:
-    """Inertia loads (n_nodal, 9) on the nodal freedoms, in the order of NAMES, but for their sign."""
-    spins = np.zeros((len(body.nodes), body.dofs_per_node, 3))
+    """Inertia loads (n_nodal, 12) on the nodal freedoms, in the order of NAMES, but for their sign."""
+    spins = np.zeros((len(body.nodes), body.dofs_per_node, 6))
     for axis in range(3):
         across = np.flatnonzero(np.arange(3) != axis)
         spins[:, across, axis] = body.nodes[:, across]
+    for number, (first, second) in enumerate(combinations(range(3), 2), 3):
+        spins[:, first, number], spins[:, second, number] = body.nodes[:, second], body.nodes[:, first]
     rigid = nodal_rigid_modes(body.nodes, body.dofs_per_node)
-    return body.nodal_mass @ np.hstack([rigid, spins.reshape(-1, 3)])
+    return body.nodal_mass @ np.hstack([rigid, spins.reshape(-1, 6)])

@@ -1,0 +1,38 @@
+"""Files that a case writes: none of them is one that it reads, and no two of them are the same."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+
+from supple.cases.case import Case
+from supple.cases.case_tables import files_named
+from supple.cases.remains import report_path, result_path
+from supple.errors import CaseError
+from supple.importers import files_read_with
+from supple.simulation.kept_bodies import kept_path
+
+
+def check_outputs(case: Case, folder: Path) -> None:
+    """CaseError where a run of the case in a folder would write over what it reads, or over its own files."""
+    result = result_path(case.path, folder)
+    kept = {kept_path(folder, name): name for name in case.made_here}
+    if result in kept:
+        raise CaseError(
+            f"{case.path}: the file of its motion and that of body '{kept[result]}' would both be {result}; "
+            "give the case file another name"
+        )
+    check_not_an_input(case, [result, report_path(case, folder), *kept])
+
+
+def check_not_an_input(case: Case, targets: Sequence[Path]) -> None:
+    """CaseError where one of the files to be written is the case file, or one that it names or includes."""
+    named = [case.folder / name for _, name in files_named(tomllib.loads(case.text)) if isinstance(name, str)]
+    read = {path.resolve() for each in named for path in files_read_with(each)} | {case.path.resolve()}
+    for target in targets:
+        if target.resolve() in read:
+            raise CaseError(
+                f"cannot write {target}: {case.path} reads this file, which would be lost; write to another "
+                "folder or file (-o)"
+            )

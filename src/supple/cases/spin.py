@@ -1,0 +1,45 @@
+"""The steady rotation of a case, about which its equilibrium and its modes are found."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from supple.cases.shared_rules import axes_with_length
+from supple.cases.table import Made
+from supple.importers.toml import ZERO, KeyPath, Mistakes, Raw, Vector, table, tables
+from supple.machine import Spin
+
+
+class SpinTable(Made):
+    """A steady rotation, of `supple static` and `supple modes`; a run takes no notice of it."""
+
+    makes = Spin
+
+    rate: float = Field(description="rad per unit of time")
+    axis: Vector = Field(description="global axes; its length does not matter")
+    point: Vector = Field(ZERO, description="on the axis, global")
+    bodies: Annotated[tuple[str, ...], Field(strict=False)] | None = Field(
+        None, description="names of the bodies that turn; all of them if left out"
+    )
+
+
+def _spin_has_an_axis(raw: Raw) -> Mistakes:
+    given = table(raw, "spin")
+    if given:
+        path: KeyPath = ("spin",)
+        yield from axes_with_length(path, given)
+
+
+def _spinning_bodies_exist(raw: Raw) -> Mistakes:
+    names = table(raw, "spin").get("bodies")
+    known = [body.get("name") for _, body in tables(raw, "body")]
+    if isinstance(names, list):
+        for name in names:
+            if name not in known:
+                there = ", ".join(map(str, known))
+                yield ("spin", "bodies"), f"there is no body '{name}'; there are: {there}"
+
+
+RULES = (_spin_has_an_axis, _spinning_bodies_exist)

@@ -1,0 +1,92 @@
+"""The equilibrium of a case: where it rests, or how it turns steadily."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from supple.cases.case import Case
+from supple.cases.implausible_units import warn_of_units
+from supple.cases.notify import Progress, silent
+from supple.errors import CaseError
+from supple.machine import Spin
+from supple.results import TrackedMotion, summarize, tracked_places
+from supple.simulation import Equilibrium, equilibrium
+from supple.storage import write_json
+from supple.storage.file_errors import file_errors
+
+__all__ = ["StaticResult", "spin_of", "static_case"]
+
+
+@dataclass(frozen=True, eq=False)
+class StaticResult:
+    """An equilibrium, the places that the case tracks, and its numbers as `summarize` gives them."""
+
+    found: Equilibrium
+    tracked: Mapping[str, TrackedMotion]
+    numbers: Mapping[str, Any]
+
+
+def spin_of(case: Case) -> Spin | None:
+    """The steady rotation that the case names; its bodies with their parts, where they are split."""
+    spin = case.tables.spin
+    if spin is None:
+        return None
+    made = spin.build()
+    if made.bodies is None:
+        return made
+    names = [placed.body.name for placed in case.system.bodies]
+    wanted = [name for name in names if name in made.bodies or name.rpartition(" ")[0] in made.bodies]
+    return Spin(made.rate, made.axis, made.point, wanted)
+
+
+def check_fixed_sizes(case: Case, command: str) -> None:
+    """CaseError where a body is to be reduced by a run that `command` does not make."""
+    if case.starts:
+        raise CaseError(
+            f"{case.path}: body '{next(iter(case.starts))}' is reduced to an accuracy, which takes a run: "
+            f"for `supple {command}` give it a basis of fixed size (remove accuracy)"
+        )
+
+
+def static_case(case: Case, folder: Path, *, time: float = 0.0, progress: Progress = silent) -> StaticResult:
+    """Find the equilibrium of a case, write its numbers (`CASE-static.json`) and a picture.
+
+    folder : made if it is not there
+    time : at which loads and laws are taken
+
+    Raises
+    ------
+    CaseError           a body whose size only a run can tell
+    ConvergenceError    no equilibrium
+    """
+    warn_of_units(case)
+    check_fixed_sizes(case, "static")
+
+    def searching(_: int, residual: float) -> None:
+        # Newton's method doubles the digits at the end: the bar shows how many are found.
+        progress("searching the equilibrium", float(np.clip(-np.log10(residual + 1e-300) / 9, 0.0, 1.0)))
+
+    searching(0, 1.0)
+    found = equilibrium(case.system, time=time, spin=spin_of(case), progress=searching)
+    progress("searching the equilibrium", 1.0)
+    places = {name: case.place(name) for name in case.parts.output.track}
+    tracked = tracked_places(found.system, found.solution, places)
+    numbers = {
+        "title": case.title,
+        "time": time,
+        **summarize(found.system, found.solution, tracked, units=case.units),
+    }
+    with file_errors("make the folder", folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    write_json(folder / f"{case.path.stem}-static.json", numbers)
+    if case.tables.output.pictures:
+        from supple.viz import draw_machine
+
+        picture = folder / f"{case.path.stem}-static.png"
+        draw_machine(picture, found.system, found.solution, case.drawn, units=case.units)
+    return StaticResult(found, tracked, numbers)

@@ -1,0 +1,78 @@
+"""Find the modes of the machine of a case file, and list them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from supple import cases
+from supple.errors import CaseError
+from supple.terminal import Steps, print_table, progress_bars, say
+from supple.units import headed
+
+
+def modes_case(path: Path, folder: Path, *, n_modes: int, time: float, rates: str | None) -> None:
+    """Print the modes of the case at `path`, or its frequencies over speed.
+
+    rates : "FROM:TO:NUMBER" of a Campbell diagram, rad per unit of time; modes at the case's own when None
+    Errors as for `cases.modes_case` and `cases.campbell_case`.
+    """
+    speeds = None if rates is None else _speeds(rates)
+    bars = progress_bars()
+    steps = Steps(bars)
+    case = cases.read_case(path, steps.show)
+    say(case.title, "bold")
+    if speeds is None:
+        with bars:
+            _, numbers = cases.modes_case(case, folder, n_modes=n_modes, time=time, progress=steps.share)
+            steps.finish()
+        print_table(*_mode_table(numbers))
+    else:
+        with bars:
+            diagram = cases.campbell_case(
+                case, folder, speeds.tolist(), n_modes=n_modes, progress=steps.share
+            )
+            steps.finish()
+        unit, factor = case.units.frequency_shown
+        frequencies = factor * diagram.frequencies / (2 * np.pi)
+        heads = [
+            "rad per unit of time",
+            *(headed(f"mode {i + 1}", unit) for i in range(frequencies.shape[1])),
+        ]
+        rows = [
+            [f"{rate:.5g}", *(f"{each:.5g}" for each in row)]
+            for rate, row in zip(diagram.rates, frequencies, strict=True)
+        ]
+        print_table("Frequencies over speed", heads, rows)
+    say(f"Results are in {folder}/")
+
+
+def _speeds(text: str) -> np.ndarray:
+    try:
+        first, last, number = text.split(":")
+        if not 2 <= int(number) <= 10_000:
+            raise ValueError
+        return np.linspace(float(first), float(last), int(number))
+    except ValueError as error:
+        raise CaseError(
+            f"--rates '{text}' is not FROM:TO:NUMBER, such as 0:2:9 (two speeds or more)"
+        ) from error
+
+
+def _mode_table(numbers: dict[str, Any]) -> tuple[str, list[str], list[list[str]]]:
+    unit = numbers["units"].get("frequency", "")
+    rows = []
+    for number, mode in enumerate(numbers["modes"], start=1):
+        body, share = max(mode["kinetic_share"].items(), key=lambda item: item[1])
+        rows.append(
+            [
+                str(number),
+                f"{mode['frequency']:.5g}",
+                f"{100 * mode['damping_ratio']:.3g}",
+                f"{body} ({100 * share:.0f} %)",
+                "unstable" if mode["unstable"] else "",
+            ]
+        )
+    return "Modes of the machine", ["mode", headed("frequency", unit), "damping, %", "moves most", ""], rows

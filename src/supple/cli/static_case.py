@@ -1,0 +1,29 @@
+"""Find the equilibrium of a case file, and say where it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from supple import cases
+from supple.results.run_tables import body_table, joint_table, motion_table, place_table
+from supple.terminal import Steps, print_table, progress_bars, say
+
+
+def static_case(path: Path, folder: Path, *, time: float) -> None:
+    """Print the equilibrium of the case at `path`; parameters and errors as for `cases.static_case`."""
+    bars = progress_bars()
+    steps = Steps(bars)
+    case = cases.read_case(path, steps.show)
+    say(case.title, "bold")
+    with bars:
+        result = cases.static_case(case, folder, time=time, progress=steps.share)
+        steps.finish()
+    numbers = result.numbers
+    print_table(*body_table(numbers))
+    print_table(*joint_table(numbers))
+    if numbers["tracked"]:
+        print_table(*motion_table(numbers))
+        deflections = place_table(numbers)
+        if deflections.rows:
+            print_table(*deflections)
+    say(f"Equilibrium after {result.found.iterations} iterations. Results are in {folder}/")

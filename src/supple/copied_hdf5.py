@@ -1,0 +1,142 @@
+"""HDF5 files of unknown origin, copied by a process of their own before they are read.
+
+The HDF5 library may never come back from a damaged file, take all memory, or end the process that asked. Here
+it does so to a process that only copies: what is read afterwards is a file that was written a moment ago.
+Files with a seal need none of this.
+
+The process is given 15 s on a processor, so that an answer is there within 20 s where nobody else computes,
+and 2 GiB; a large file has a second more for every 50 MB, and twenty times its size. No array may claim more
+than twenty times the size of its file.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+
+SECONDS = 15.0
+_BYTES_PER_SECOND = 50e6
+_WAITING = 4
+"""Times as long by the clock, on a busy computer."""
+MEMORY = 2 * 2**30
+_TIMES_ITS_SIZE = 20
+
+_OUT_OF_TIME = (-signal.SIGXCPU,) if hasattr(signal, "SIGXCPU") else ()
+_EXPLAINED = 3
+"""Exit code of a process that says what is wrong."""
+
+
+@contextmanager
+def open_copied(path: Path, parts: Collection[str] | None = None) -> Iterator[h5py.File]:
+    """A copy of an HDF5 file, open to read: arrays as they are, attributes of groups, no compression.
+
+    parts : names of what is copied, of all that the root holds; everything where left out. Names that are not
+        there are passed over, links are followed.
+
+    Raises
+    ------
+    OSError     HDF5 finds something wrong, does not come back in time, takes more memory than is given, or
+                crashes
+    """
+    with tempfile.TemporaryDirectory(prefix="supple-") as folder:
+        copy = Path(folder) / "copy.h5"
+        _copy_apart(path, copy, parts)
+        with h5py.File(copy, "r", locking=False) as file:
+            yield file
+
+
+def _copy_apart(path: Path, copy: Path, parts: Collection[str] | None) -> None:
+    size = path.stat().st_size
+    seconds = SECONDS + size / _BYTES_PER_SECOND
+    memory = max(MEMORY, _TIMES_ITS_SIZE * size)
+    # Without parts, the root's attributes alone; a slash stands for everything.
+    words = [path.absolute(), copy, seconds, memory, *(["/"] if parts is None else parts)]
+    code, said = _answer([str(word) for word in words], _WAITING * seconds)
+    if code == _EXPLAINED:
+        raise OSError(said)
+    if code in (None, *_OUT_OF_TIME):
+        raise OSError(f"HDF5 does not come to an end within {seconds:.0f} s, which is the limit")
+    if code:
+        raise OSError(f"HDF5 crashes over it (exit code {code})")
+
+
+def _answer(words: list[str], seconds: float) -> tuple[int | None, str]:
+    """Exit code of the process, None where it does not end by the clock, and what it says."""
+    try:
+        done = subprocess.run(
+            # A script of its own, not the caller's, which multiprocessing would run again.
+            [sys.executable, "-P", __file__, *words],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=seconds,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return None, ""
+    return done.returncode, done.stdout.decode(errors="replace").strip()
+
+
+def copy_within_limits(path: str, copy: str, seconds: str, memory: str, *parts: str) -> int:
+    """Copy those parts in this process, which is limited from now on; its exit code."""
+    _limit(float(seconds), int(memory))
+    try:
+        with h5py.File(path, "r", locking=False) as source, h5py.File(copy, "w") as target:
+            _copy_group(source, target, list(source) if parts == ("/",) else parts)
+    # Whatever it is, it goes to the process that asked.
+    except Exception as error:
+        sys.stdout.write(str(error) or type(error).__name__)
+        return _EXPLAINED
+    return 0
+
+
+def _copy_group(source: h5py.Group, target: h5py.Group, names: Collection[str]) -> None:
+    for name, value in source.attrs.items():
+        target.attrs[name] = value
+    for name in names:
+        found = source.get(name)
+        match found:
+            case h5py.Dataset():
+                _check_size(found)
+                target.create_dataset(name, data=found[()], dtype=found.dtype)
+            case h5py.Group():
+                _copy_group(found, target.create_group(name), list(found))
+
+
+def _check_size(found: h5py.Dataset) -> None:
+    claimed, limit = found.size * found.dtype.itemsize, _TIMES_ITS_SIZE * found.file.id.get_filesize()
+    if claimed > limit:
+        raise ValueError(
+            f"{found.name} claims {claimed} bytes, and {limit} are the limit for a file of its size"
+        )
+
+
+def _limit(seconds: float, memory: int) -> None:
+    try:
+        import resource  # not on Windows
+    except ImportError:
+        return
+    statm = Path("/proc/self/statm")
+    pages = int(statm.read_text(encoding="ascii").split()[0]) if statm.exists() else 0
+    for kind, most in (
+        (resource.RLIMIT_AS, pages * resource.getpagesize() + memory),
+        (resource.RLIMIT_CPU, max(1, round(seconds))),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        allowed = resource.getrlimit(kind)[1]
+        resource.setrlimit(kind, (most if allowed < 0 else min(most, allowed), allowed))
+
+
+if __name__ == "__main__":
+    status = copy_within_limits(*sys.argv[1:])
+    sys.stdout.flush()
+    # What HDF5 would still tidy up may be damaged.
+    os._exit(status)

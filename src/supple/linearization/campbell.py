@@ -1,0 +1,120 @@
+"""Campbell diagram: frequencies and damping of a machine over its speed, mode by mode."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from supple.errors import ModelError
+from supple.linearization.linear_machine import Array
+from supple.linearization.linearize import linearize
+from supple.linearization.machine_modes import MachineModes, machine_modes
+from supple.machine import Spin, System
+
+__all__ = ["CampbellDiagram", "campbell_diagram", "modal_assurance"]
+
+
+@dataclass(frozen=True, eq=False)
+class CampbellDiagram:
+    """Modes over speed, each followed by the likeness of its shape.
+
+    rates : (ns,) rad/s
+    eigenvalues : complex (ns, nm)      column by column the same mode, in axes that turn along; NaN where
+        it is no longer there
+    likeness : (ns - 1, nm)             modal assurance between neighbouring speeds; low where modes veer
+    """
+
+    rates: Array
+    eigenvalues: Any
+    likeness: Array
+
+    @property
+    def frequencies(self) -> Array:
+        """Damped angular frequencies, rad/s, (ns, nm)."""
+        return self.eigenvalues.imag
+
+    @property
+    def damping_ratios(self) -> Array:
+        """`-Re(s) / |s|`, (ns, nm)."""
+        size = abs(self.eigenvalues)
+        return np.where(size > 0, -self.eigenvalues.real / np.where(size > 0, size, 1.0), 0.0)
+
+
+def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
+    """`|a^H b|^2 / (|a|^2 |b|^2)` of the shapes of two sets of modes, in the mass norm, (n1, n2)."""
+    if len(first.shapes) != len(second.shapes):
+        raise ModelError("modal assurance compares modes of the same machine")
+    # Frames and coordinates have different units: the mass norm of the first machine weighs them.
+    a, b = first.independent, first.machine.coordinates_of(second.shapes)
+    weighted = first.machine.mass @ b
+    product = abs(a.conj().T @ weighted) ** 2
+    sizes = np.real(np.einsum("ij,ij->j", a.conj(), first.machine.mass @ a))
+    others = np.real(np.einsum("ij,ij->j", b.conj(), weighted))
+    return product / np.outer(sizes, others)
+
+
+def campbell_diagram(
+    system: System,
+    spins: Sequence[Spin],
+    *,
+    n_modes: int = 6,
+    time: float = 0.0,
+    progress: Callable[[float], None] = lambda _: None,
+) -> CampbellDiagram:
+    """Modes of a machine at a row of speeds, each in its own steady equilibrium, followed by their shapes.
+
+    Parameters
+    ----------
+    spins : Spin    in the order in which modes are followed, rates apart by little: the first may stand
+    n_modes : of the slowest at the first speed
+    time : of loads and laws
+
+    Raises
+    ------
+    ModelError          no speed; whatever `linearize` refuses
+    ConvergenceError    no equilibrium at a speed
+    """
+    if not spins:
+        raise ModelError("a Campbell diagram needs at least one speed")
+    followed: list[np.ndarray] = []
+    likeness: list[Array] = []
+    before: MachineModes | None = None
+    wanted = n_modes
+    for number, spin in enumerate(spins):
+        modes = machine_modes(linearize(system, spin=spin, time=time))
+        if before is None:
+            rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
+            wanted = len(chosen)
+        else:
+            table = modal_assurance(before, modes)
+            # Of two shapes alike, the nearer frequency.
+            apart = abs(before.eigenvalues[:, None] - modes.eigenvalues)
+            size = abs(before.eigenvalues[:, None]) + abs(modes.eigenvalues) + 1e-300
+            rows, chosen = linear_sum_assignment(apart / size - table)
+            likeness.append(_placed(len(table), rows, table[rows, chosen]))
+        eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
+        # A mode that has become two real ones, or none, is looked for by its last shape.
+        shapes = np.zeros_like(modes.independent, shape=(len(modes.independent), wanted))
+        if before is not None:
+            shapes = before.independent.copy()
+        shapes[:, rows] = modes.independent[:, chosen]
+        followed.append(eigenvalues)
+        known = np.where(np.isnan(eigenvalues), 0.0 if before is None else before.eigenvalues, eigenvalues)
+        before = replace(modes, eigenvalues=known, independent=shapes)
+        progress((number + 1) / len(spins))
+    return CampbellDiagram(
+        np.array([spin.rate for spin in spins]),
+        np.array(followed),
+        np.array(likeness).reshape(len(spins) - 1, len(followed[0])),
+    )
+
+
+def _placed(size: int, rows: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values in their rows, NaN elsewhere."""
+    every = np.full(size, np.nan, dtype=values.dtype)
+    every[rows] = values
+    return every

@@ -1,0 +1,96 @@
+"""Response of a linearised machine to harmonic and to random forces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from supple.errors import ModelError
+from supple.linearization.linear_machine import Array
+from supple.linearization.state_space import StateSpace
+
+__all__ = ["FrequencyResponse", "RandomResponse", "frequency_response", "random_response"]
+
+
+_BLOCK_BYTES = 2**27
+"""Matrices that are held at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyResponse:
+    """`H(i w)` from the inputs of a state space to its outputs.
+
+    angular_frequencies : (nf,) rad/s
+    transfer : complex (nf, no, ni)
+    """
+
+    space: StateSpace
+    angular_frequencies: Array
+    transfer: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class RandomResponse:
+    """Stationary response to forces of given spectral density.
+
+    angular_frequencies : (nf,) rad/s
+    density : complex (nf, no, no), per rad/s, one-sided
+    rms : (no,)     over the band of the frequencies
+    """
+
+    angular_frequencies: Array
+    density: np.ndarray
+    rms: Array
+
+
+def frequency_response(space: StateSpace, angular_frequencies: ArrayLike) -> FrequencyResponse:
+    """`H = C (i w - A)^-1 B + D` at each of the frequencies.
+
+    angular_frequencies : (nf,) rad/s
+    Raises ModelError for a frequency that is not finite, or at which the machine has an undamped pole.
+    """
+    w = np.atleast_1d(np.asarray(angular_frequencies, dtype=float))
+    if w.ndim != 1 or not w.size or not np.isfinite(w).all():
+        raise ModelError("a frequency response needs a list of finite angular frequencies, rad/s")
+    poles = np.linalg.eigvals(space.a)
+    near = abs(1j * w[:, None] - poles).min(axis=1) <= 1e-12 * abs(poles).max()
+    if near.any():
+        raise ModelError(
+            f"the machine has an undamped pole at {w[near][0]:.6g} rad/s, where its response is infinite: "
+            "give it damping, or leave that frequency out"
+        )
+    size = len(space.a)
+    n_blocks = -(-len(w) * size**2 * 16 // _BLOCK_BYTES)
+    blocks = [
+        space.c @ np.linalg.solve(1j * part[:, None, None] * np.eye(size) - space.a, space.b) + space.d
+        for part in np.array_split(w, n_blocks)
+    ]
+    return FrequencyResponse(space, w, np.concatenate(blocks))
+
+
+def random_response(response: FrequencyResponse, density: ArrayLike) -> RandomResponse:
+    """Stationary response to random forces.
+
+        S_z(w) = H S_u H^H,         rms^2 = integral S_z dw
+
+    density : (nf,), uncorrelated and alike at all inputs, or (nf, ni, ni)     one-sided, per rad/s
+    Raises ModelError for another shape, or a density that is negative.
+    Source: [Bendat2010] chapter 7.
+    """
+    h = response.transfer
+    given = np.asarray(density)
+    if given.shape == (len(h),):
+        given = given[:, None, None] * np.eye(h.shape[2])
+    if given.shape != (len(h), h.shape[2], h.shape[2]) or not np.isfinite(given).all():
+        raise ModelError(
+            f"the spectral density must have the shape ({len(h)},) or ({len(h)}, {h.shape[2]}, {h.shape[2]}) "
+            f"and finite values, got {np.shape(density)}"
+        )
+    if np.linalg.eigvalsh(given).min() < -1e-12 * abs(given).max():
+        raise ModelError("a spectral density must not be negative")
+    out = h @ given @ np.conj(np.swapaxes(h, 1, 2))
+    powers = np.real(np.einsum("foo->fo", out))
+    rms = np.sqrt(np.trapezoid(powers, response.angular_frequencies, axis=0))
+    return RandomResponse(response.angular_frequencies, out, rms)

@@ -1,0 +1,181 @@
+"""The linear equations of a machine about its equilibrium, without the joints' multipliers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+from scipy.spatial.transform import Rotation
+
+from supple.body import FullBody
+from supple.errors import ModelError
+from supple.linearization.linear_machine import Array, LinearMachine
+from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
+from supple.multibody import StaticSearch
+from supple.multibody.compiled.statics import balanced
+from supple.multibody.compiled.time_step import position_scale
+from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.consistent_start import placed_configuration
+from supple.multibody.equations.joint_force import constraint_rows
+from supple.multibody.equations.static_search import StaticState
+from supple.multibody.equations.steady_motion import (
+    LinearEquations,
+    linear_equations,
+    steady_motion,
+)
+from supple.simulation.equilibrium import RestingState, placed_at_rest, resting_state
+
+__all__ = ["linearize"]
+
+_CONSTANT = 1e-6
+"""Equations that change by more than this part as the machine turns on have no eigenvalues."""
+_TURNED_ON = 0.7
+"""rad, after which they are compared: no fraction of a turn that a machine is likely to repeat."""
+
+
+def linearize(
+    system: System,
+    *,
+    time: float = 0.0,
+    spin: Spin | None = None,
+    search: StaticSearch | None = None,
+    progress: Callable[[int, float], None] = lambda *_: None,
+) -> LinearMachine:
+    """Small motions of a machine about the equilibrium that is downhill from where its bodies are placed.
+
+        M p'' + C p' + K p + G^T l = 0,     G p = 0     ->     M_y y'' + C_y y' + K_y y = 0,     p = N y
+
+    Parameters
+    ----------
+    time : of the loads and laws, which are held; a driven joint between bodies that turn and bodies that
+        stand has the spin's rate, whatever its law
+    spin : Spin             of the machine, or of the bodies that it names
+    search, progress : of the `equilibrium`
+
+    Raises
+    ------
+    ModelError          a full body, which must be reduced; a machine whose equations change as it turns
+    ConvergenceError    no equilibrium
+    """
+    full = list(system.bodies_of(FullBody))
+    if full:
+        raise ModelError(
+            f"body '{full[0]}' is a FullBody, whose linear equations are too many to be solved directly: "
+            "place reduce(body, frame, basis), whose modes converge with its columns"
+        )
+    found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
+    equations = _equations(found, time)
+    basis = _free_motions(equations)
+    projected = _Projected.of(equations, basis)
+    if spin is not None and spin.rate:
+        later, left = _carried(_turned_on(found, time, spin), found, time)
+        _check_constant(projected, _equations(later, time), basis, spin, left)
+    return LinearMachine(
+        system=placed_at_rest(found),
+        spin=spin,
+        time=time,
+        mass=(projected.mass + projected.mass.T) / 2,
+        damping=projected.damping,
+        stiffness=projected.stiffness,
+        basis=basis,
+        full_mass=equations.mass,
+    )
+
+
+def _equations(found: RestingState, time: float) -> LinearEquations:
+    model, turning, state = found.model, found.turning, found.state
+    motion = steady_motion(model, turning, time, state.configuration, state.multipliers)
+    return linear_equations(model, turning, motion, balanced(model, motion))
+
+
+def _carried(system: System, found: RestingState, time: float) -> tuple[RestingState, float]:
+    """A system where it is placed, its joints carrying what is unbalanced; and what part they cannot."""
+    model = build_model(system, found.model.active)
+    configuration, none = placed_configuration(system), np.zeros(len(found.model.active))
+    terms = balanced(model, steady_motion(model, found.turning, time, configuration, none))
+    rows = np.asarray(constraint_rows(model, terms.linearization.joints))
+    weights = np.asarray(position_scale(model))
+    unbalanced = weights * np.asarray(terms.residual)
+    carried = weights[:, None] * rows.T
+    multipliers = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
+    largest = max(
+        float(np.linalg.norm(weights * part)) for part in (terms.inertia, terms.internal, terms.applied)
+    )
+    left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / (largest or 1.0)
+    return found._replace(model=model, state=StaticState(configuration, multipliers)), left
+
+
+class _Projected(NamedTuple):
+    """Equations in independent coordinates."""
+
+    mass: Array
+    damping: Array
+    stiffness: Array
+
+    @classmethod
+    def of(cls, equations: LinearEquations, basis: Array) -> _Projected:
+        parts = equations.mass, equations.damping, equations.stiffness
+        return cls(*(basis.T @ part @ basis for part in parts))
+
+
+def _free_motions(equations: LinearEquations) -> Array:
+    """`N` (n, k), the null space of `G`; its columns of the size of unit kinetic energy."""
+    size = 1 / np.sqrt(np.diag(equations.mass))
+    return size[:, None] * scipy.linalg.null_space(equations.jacobian * size)
+
+
+def _turned_on(found: RestingState, time: float, spin: Spin) -> System:
+    """The machine later in its turn, its driven joints with it."""
+    turn = Rotation.from_rotvec(_TURNED_ON * spin.axis).as_matrix()
+    turning = found.turning.angular_velocities @ spin.axis != 0
+    system = placed_at_rest(found)
+    bodies = [
+        replace(
+            placed,
+            position=spin.point + turn @ (placed.position - spin.point),
+            rotation=turn @ placed.rotation,
+        )
+        if moves
+        else placed
+        for placed, moves in zip(system.bodies, turning, strict=True)
+    ]
+
+    def driven_on(joint: Joint) -> Joint:
+        if not isinstance(joint, PrescribedRotation):
+            return joint
+        first, second = (
+            end != GROUND and bool(turning[system.body_index(end.body)])
+            for end in (joint.first, joint.second)
+        )
+        sense = np.sign(np.dot(joint.axis, spin.axis)) * (float(second) - float(first))
+        return replace(joint, angle=float(joint.law(time)) + sense * _TURNED_ON)
+
+    return replace(system, bodies=tuple(bodies), joints=tuple(map(driven_on, system.joints)))
+
+
+def _check_constant(
+    projected: _Projected, later: LinearEquations, basis: Array, spin: Spin, unbalanced: float
+) -> None:
+    """ModelError where the equations, or what is in balance, change as the machine turns."""
+    size = np.sqrt(np.abs(np.diag(projected.stiffness)) + spin.rate**2 * np.diag(projected.mass))
+    again = _Projected.of(later, basis)
+    changes = {
+        "mass": (again.mass - projected.mass) * spin.rate**2,
+        "damping": (again.damping - projected.damping) * spin.rate,
+        "stiffness": again.stiffness - projected.stiffness,
+    }
+    largest = {what: float(np.max(abs(change) / np.outer(size, size))) for what, change in changes.items()}
+    opened = float(np.max(abs(later.jacobian @ basis) @ np.ones(basis.shape[1]), initial=0.0))
+    largest["joints"] = opened / float(np.max(abs(later.jacobian) @ abs(basis).sum(axis=1), initial=1e-300))
+    largest["balance"] = unbalanced
+    what = max(largest, key=lambda name: largest[name])
+    if largest[what] > _CONSTANT:
+        raise ModelError(
+            f"the linear equations change as the machine turns by {_TURNED_ON:g} rad (the {what} by "
+            f"{largest[what]:.2g} of its size), so that it has no eigenvalues: gravity or loads across the "
+            "axis, and joints or springs between turning and standing parts that are not alike in all "
+            "directions, must be left out; or name the bodies that turn, Spin(bodies=..)"
+        )

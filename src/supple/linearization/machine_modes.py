@@ -1,0 +1,99 @@
+"""Eigenvalues and mode shapes of a machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from supple.errors import ModelError
+from supple.linearization.linear_machine import LinearMachine
+
+__all__ = ["MachineModes", "machine_modes"]
+
+
+@dataclass(frozen=True, eq=False)
+class MachineModes:
+    """Free motions `p(t) = Re( shape exp(eigenvalue t) )` of a linearised machine, slowest first.
+
+    eigenvalues : complex (k,)      1/s, of a conjugate pair the one above the real axis, of both zeros of a
+        free rigid motion one; others that are real, alone
+    shapes : complex (n, k)         of frames and deformation coordinates, in the frames' own axes, of unit
+        kinetic energy norm `shape^H M shape = 1`, the largest independent coordinate real
+    independent : complex (m, k)    the same in the coordinates of the `LinearMachine`
+    """
+
+    machine: LinearMachine
+    eigenvalues: Any
+    independent: Any
+
+    @property
+    def shapes(self) -> np.ndarray:
+        """Of frames and deformation coordinates, (n, k)."""
+        return self.machine.basis @ self.independent
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """Damped angular frequencies, rad/s, (k,); zero for motions that do not oscillate."""
+        return self.eigenvalues.imag
+
+    @property
+    def damping_ratios(self) -> np.ndarray:
+        """`-Re(s) / |s|`, (k,): negative for unstable modes, 0 for rigid motions."""
+        size = abs(self.eigenvalues)
+        return np.where(size > 0, -self.eigenvalues.real / np.where(size > 0, size, 1.0), 0.0)
+
+    @property
+    def kinetic_shares(self) -> np.ndarray:
+        """Each body's part of the kinetic energy, in axes that turn along, (nb, k); columns add up to 1."""
+        machine, shapes = self.machine, self.shapes
+        weighted = np.real(shapes.conj() * (machine.full_mass @ shapes))
+        sizes = [6 + placed.body.n_coordinates for placed in machine.system.bodies]
+        starts = np.cumsum([0, *sizes[:-1]])
+        energies = np.add.reduceat(weighted, starts, axis=0)
+        return energies / energies.sum(axis=0)
+
+    @property
+    def unstable(self) -> np.ndarray:
+        """Which modes grow by more than round-off explains, (k,)."""
+        largest = float(np.max(abs(self.eigenvalues), initial=0.0))
+        return self.eigenvalues.real > 1e-7 * largest
+
+
+def machine_modes(machine: LinearMachine, n_modes: int | None = None) -> MachineModes:
+    """The slowest modes of a linearised machine, all of them unless told how many.
+
+        ( s^2 M + s C + K ) y = 0
+
+    Two poles of a machine that moves freely lie at s = 0, exactly only to round-off: those within
+    `sqrt(1e-13)` of the largest are said to be 0.
+
+    Raises ModelError for a number that is not positive.
+    """
+    if n_modes is not None and n_modes < 1:
+        raise ModelError(f"number of modes must be at least 1, got {n_modes}")
+    k = machine.size
+    lower = np.linalg.cholesky(machine.mass)
+    damping, stiffness = (
+        scipy.linalg.solve_triangular(
+            lower, scipy.linalg.solve_triangular(lower, part.T, lower=True).T, lower=True
+        )
+        for part in (machine.damping, machine.stiffness)
+    )
+    # Velocities in units of a typical frequency, so that both halves of the state are of one size.
+    unit = np.sqrt(np.linalg.norm(stiffness)) or 1.0
+    state = np.block([[np.zeros((k, k)), unit * np.eye(k)], [-stiffness / unit, -damping]])
+    values: Any
+    values, vectors = np.linalg.eig(state)
+    values = np.where(abs(values) < 3e-7 * unit / np.sqrt(k), 0.0, values)
+    kept = values.imag >= 0
+    # Each free rigid motion has two poles at zero, its place and its rate: they count as one mode.
+    kept[np.flatnonzero(values == 0)[1::2]] = False
+    values, vectors = values[kept], vectors[:k, kept]
+    order = np.lexsort((values.real, abs(values)))[:n_modes]
+    y = scipy.linalg.solve_triangular(lower.T, vectors[:, order])
+    sizes = np.sqrt(np.real(np.einsum("ij,ij->j", y.conj(), machine.mass @ y)))
+    largest = np.take_along_axis(y, np.argmax(abs(y), axis=0)[None], axis=0)[0]
+    return MachineModes(machine, values[order], y * (abs(largest) / largest) / sizes)

@@ -1,0 +1,129 @@
+"""Where a linearised machine is pushed and watched: points of its bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Protocol
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.rotation import unskew
+from supple.errors import ModelError
+from supple.linearization.linear_machine import Array, LinearMachine
+from supple.machine import GROUND, At, as_end
+from supple.multibody.equations.build_model import build_model, end_at
+from supple.multibody.equations.compiler_options import STARTING
+from supple.multibody.equations.configuration import Configuration, advance
+from supple.multibody.equations.consistent_start import placed_configuration
+from supple.multibody.equations.ends import markers
+from supple.multibody.equations.marker import orientation, point
+from supple.multibody.equations.model import Ends, Model
+from supple.multibody.equations.steady_motion import in_turning_axes
+
+__all__ = ["Port", "RotationPort", "TranslationPort"]
+
+
+class Port(Protocol):
+    """One scalar motion of a machine and the force that does work on it."""
+
+    @property
+    def label(self) -> str:
+        """Its name in tables and files."""
+        ...
+
+    def row(self, machine: LinearMachine) -> Array:
+        """`b` (k,): the motion is `b y`, its force enters as `b^T f`."""
+        ...
+
+
+@dataclass(frozen=True)
+class TranslationPort:
+    """Displacement of an interface along a direction; a force along it, as input.
+
+    at : At | "BODY.INTERFACE"
+    direction : (3,)    global in the equilibrium; of a body that turns, it turns along. Made of unit length.
+    """
+
+    at: At | Any
+    direction: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        _check(self, "direction")
+
+    @property
+    def label(self) -> str:
+        """Of the interface and the direction."""
+        return f"{self.at} along {_direction(self.direction)}"
+
+    def row(self, machine: LinearMachine) -> Array:
+        """`b` (k,), `b y` in units of length."""
+        return np.asarray(self.direction) @ _motions(machine, self.at)[0]
+
+
+@dataclass(frozen=True)
+class RotationPort:
+    """Rotation of an interface about an axis; a moment about it, as input.
+
+    at : At | "BODY.INTERFACE"
+    axis : (3,)     global in the equilibrium; of a body that turns, it turns along. Made of unit length.
+    """
+
+    at: At | Any
+    axis: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        _check(self, "axis")
+
+    @property
+    def label(self) -> str:
+        """Of the interface and the axis."""
+        return f"{self.at} about {_direction(self.axis)}"
+
+    def row(self, machine: LinearMachine) -> Array:
+        """`b` (k,), `b y` in rad."""
+        return np.asarray(self.axis) @ _motions(machine, self.at)[1]
+
+
+def _check(port: Any, name: str) -> None:
+    at, given = as_end(port.at), getattr(port, name)
+    if at == GROUND:
+        raise ModelError("a port on the ground does not move: name an interface of a body")
+    vector = np.array(given, dtype=float)
+    if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
+        raise ModelError(f"{name} of the port at '{at}' must be three numbers, not all zero, got {given}")
+    object.__setattr__(port, "at", at)
+    object.__setattr__(port, name, tuple(float(part) for part in vector / np.linalg.norm(vector)))
+
+
+def _direction(vector: tuple[float, float, float]) -> str:
+    for name, axis in zip("xyz", np.eye(3), strict=True):
+        for sign in ("", "-"):
+            if np.allclose(vector, -axis if sign else axis):
+                return sign + name
+    return "(" + ", ".join(f"{part:.4g}" for part in vector) + ")"
+
+
+def _motions(machine: LinearMachine, at: At) -> tuple[Array, Array]:
+    """Displacement and rotation of an interface by independent coordinates, (3, k) each, global."""
+    system = machine.system
+    found = system.bodies[system.body_index(at.body, "port")].body
+    found.interface(at.interface)
+    model = build_model(system)
+    configuration = placed_configuration(system)
+    free = in_turning_axes(model, configuration) @ machine.basis
+    displacement, rotation = _by_increment(model, end_at(system, at), configuration)
+    return np.asarray(displacement) @ free, np.asarray(rotation) @ free
+
+
+@partial(jax.jit, compiler_options=STARTING)
+def _by_increment(model: Model, end: Ends, configuration: Configuration) -> tuple[jax.Array, jax.Array]:
+    def placed(increment: jax.Array) -> tuple[jax.Array, jax.Array]:
+        marker = jax.tree.map(lambda part: part[0], markers(end, advance(model, configuration, increment)))
+        return point(marker), orientation(marker)
+
+    none = jnp.zeros(model.n_velocities)
+    _, axes = placed(none)
+    return jax.jacfwd(lambda step: (placed(step)[0], unskew(placed(step)[1] @ axes.T)))(none)

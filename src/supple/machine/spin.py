@@ -1,0 +1,65 @@
+"""A machine that turns steadily: which of its bodies, about which axis, how fast."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from supple.arguments import check_number, check_sequence
+from supple.errors import ModelError
+from supple.machine.system import System
+
+__all__ = ["Spin"]
+
+
+@dataclass(frozen=True, eq=False)
+class Spin:
+    """A steady rotation about an axis that stands in space.
+
+        dR/dt = w x (R - p),        w = rate * axis
+
+    Parameters
+    ----------
+    rate : float    rad/s, of either sign
+    axis : (3,)     global; of any length
+    point : (3,)    p, any point on the axis
+    bodies : names of the bodies that turn; all of them unless given
+
+    Raises ModelError for a rate that is not finite, or an axis without a direction.
+    """
+
+    rate: float
+    axis: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    point: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    bodies: Sequence[str] | None = None
+
+    def __post_init__(self) -> None:
+        check_number("Spin, rate", self.rate)
+        if not np.isfinite(self.rate):
+            raise ModelError(f"the rate of a spin is {self.rate}: give a finite one, in rad/s")
+        for name in ("axis", "point"):
+            value = np.array(getattr(self, name), dtype=float)
+            if value.shape != (3,) or not np.isfinite(value).all():
+                raise ModelError(f"{name} of a spin must be three finite numbers, got {getattr(self, name)}")
+            object.__setattr__(self, name, value)
+        length = float(np.linalg.norm(self.axis))
+        if not length > 0:
+            raise ModelError("the axis of a spin is (0, 0, 0): give a direction")
+        object.__setattr__(self, "axis", self.axis / length)
+        for name in ("axis", "point"):
+            getattr(self, name).setflags(write=False)
+        if self.bodies is not None:
+            check_sequence("Spin, bodies", self.bodies, "a list of names, also of a single one")
+            object.__setattr__(self, "bodies", tuple(self.bodies))
+
+    def angular_velocities(self, system: System) -> np.ndarray:
+        """Angular velocity of every body, (nb, 3), global; zero for those that stand.
+
+        Raises ModelError for a name that no body has.
+        """
+        names = [placed.body.name for placed in system.bodies] if self.bodies is None else self.bodies
+        velocities = np.zeros((len(system.bodies), 3))
+        velocities[[system.body_index(name, "spin") for name in names]] = self.rate * self.axis
+        return velocities

@@ -1,0 +1,125 @@
+"""Machines that turn steadily: their motion at one instant, and their equations seen in axes that turn along.
+
+A body that turns about an axis fixed in space has constant velocities in its own axes. Small motions about
+that state are measured there as well: `p = (A^T dR, psi, e)`, with the velocities and accelerations
+
+    V = dp/dt + S p,        a = dV/dt + S_R V,
+
+`S` holding `w x` for the translation and the rotation of each frame, `S_R` for the translation alone; `w` in
+the body's axes. Linear equations `M a + C V + K p` then have constant coefficients,
+
+    M p'' + [ C + M (S + S_R) ] p' + [ K + C S + M S_R S ] p.
+
+The last bracket is also the derivative of the unbalanced force of a steady state for its configuration.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.cross import cross_matrices
+from supple.integrate import StepFactors
+from supple.multibody.equations.balance import Balance, Linearization, tangent
+from supple.multibody.equations.compiler_options import STARTING
+from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion
+from supple.multibody.equations.joint_force import constraint_rows
+from supple.multibody.equations.model import Model
+
+__all__ = [
+    "LinearEquations",
+    "Turning",
+    "in_turning_axes",
+    "linear_equations",
+    "steady_motion",
+    "step_matrix",
+]
+
+
+class Turning(NamedTuple):
+    """How every body turns."""
+
+    angular_velocities: AnyArray
+    """(nb, 3), global"""
+    point: AnyArray
+    """(3,), on the axis"""
+
+
+class LinearEquations(NamedTuple):
+    """`M p'' + C p' + K p + G^T l = B u`, `G p = 0`, in axes that turn with the bodies."""
+
+    mass: AnyArray
+    """(n, n)"""
+    damping: AnyArray
+    """(n, n), with the gyroscopic terms"""
+    stiffness: AnyArray
+    """(n, n), with the centrifugal terms and those of the forces that are carried"""
+    jacobian: AnyArray
+    """(m, n)"""
+
+
+def steady_motion(
+    model: Model, turning: Turning, time: float, configuration: Configuration, multipliers: AnyArray
+) -> SystemMotion:
+    """The motion of bodies that turn without any other change of what they see."""
+    w = turning.angular_velocities
+    velocity, acceleration = np.zeros((2, model.n_velocities))
+    places = np.array(model.frames.starts)[:, None] + np.arange(3)
+    moving = np.cross(w, configuration.origins - turning.point)
+    velocity[places] = moving
+    velocity[places + 3] = np.einsum("bji,bj->bi", configuration.rotations, w)
+    acceleration[places] = np.cross(w, moving)
+    return SystemMotion(jnp.asarray(float(time)), configuration, velocity, acceleration, multipliers)
+
+
+def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms: Balance) -> LinearEquations:
+    """The equations of motion, linearised about a steady motion, at which `terms` were evaluated."""
+    mass = step_matrix(model, motion, terms, 0.0, 0.0)
+    damping = step_matrix(model, motion, terms, 0.0, 1.0) - mass
+    stiffness = step_matrix(model, motion, terms, 1.0, 0.0) - mass
+    axes = in_turning_axes(model, motion.configuration)
+    mass, damping, stiffness = (axes.T @ each @ axes for each in (mass, damping, stiffness))
+    frames, translations = _spins(model, turning, motion.configuration)
+    return LinearEquations(
+        mass=mass,
+        damping=damping + mass @ (frames + translations),
+        stiffness=stiffness + damping @ frames + mass @ translations @ frames,
+        jacobian=np.asarray(constraint_rows(model, terms.linearization.joints)) @ axes,
+    )
+
+
+def step_matrix(
+    model: Model, motion: SystemMotion, terms: Balance, by_position: float, by_velocity: float
+) -> np.ndarray:
+    """`M + by_velocity C + by_position K` (n, n), by one compiled program whatever the factors are."""
+    factors = StepFactors(jnp.asarray(by_position), jnp.asarray(by_velocity))
+    return np.asarray(_tangent(model, motion, terms.linearization, factors))
+
+
+@partial(jax.jit, compiler_options=STARTING)
+def _tangent(
+    model: Model, motion: SystemMotion, linearization: Linearization, factors: StepFactors
+) -> jax.Array:
+    return tangent(model, motion, linearization, jnp.zeros(model.n_velocities), factors)
+
+
+def in_turning_axes(model: Model, configuration: Configuration) -> np.ndarray:
+    """Matrix (n, n) from small motions in the bodies' axes to increments of the configuration."""
+    axes = np.eye(model.n_velocities)
+    for start, rotation in zip(model.frames.starts, np.asarray(configuration.rotations), strict=True):
+        axes[start : start + 3, start : start + 3] = rotation
+    return axes
+
+
+def _spins(model: Model, turning: Turning, configuration: Configuration) -> tuple[np.ndarray, np.ndarray]:
+    """`S` and `S_R`, (n, n)."""
+    frames, translations = np.zeros((2, model.n_velocities, model.n_velocities))
+    in_body = np.einsum("bji,bj->bi", configuration.rotations, turning.angular_velocities)
+    for start, spin in zip(model.frames.starts, cross_matrices(in_body), strict=True):
+        first, second = slice(start, start + 3), slice(start + 3, start + 6)
+        translations[first, first] = frames[first, first] = frames[second, second] = spin
+    return frames, translations

@@ -1,0 +1,68 @@
+"""Stress beside rigid interfaces: recovery from the strains that their second-order ties leave the elements.
+
+Nodes tied linearly move apart by theta^2 / 2 where their interface turns by theta against the frame. The
+elements that touch them do not feel it (`second_order_tie`), so what is recovered there must not either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body.second_order_tie import tied_parts
+from supple.fem import StressRecovery
+
+__all__ = ["Tied", "tied_recovery", "with_virtual_freedoms"]
+
+Array = NDArray[np.float64]
+
+
+class Tied(Protocol):
+    """What the recovery needs of an interface, full or reduced."""
+
+    @property
+    def position(self) -> np.ndarray:
+        """(3,) undeformed."""
+        ...
+
+    @property
+    def tied_nodes(self) -> np.ndarray:
+        """Numbers of the nodes that move rigidly with it to second order."""
+        ...
+
+
+def tied_recovery(
+    recovery: StressRecovery, nodes: Array, dofs_per_node: int, interfaces: Sequence[Tied]
+) -> StressRecovery:
+    """The recovery for freedoms of the nodes and, behind them, of the virtual nodes that tie some of them.
+
+    Elements that touch no tied node stay as they are; the others see the rotation of the virtual node too.
+    """
+    sets = [(each.tied_nodes, each.position) for each in interfaces if each.tied_nodes.size]
+    if not sets:
+        return recovery
+    sections = tuple(
+        replace(section, nodes=section.nodes[cells], arrays=arrays, of_strain=section.of_strain[cells])
+        for section in recovery.sections
+        for cells, arrays in tied_parts(section.arrays, nodes, dofs_per_node, sets)
+    )
+    return replace(recovery, sections=sections)
+
+
+def with_virtual_freedoms(
+    nodal: Array, motions: Sequence[Array], interfaces: Sequence[Tied], dofs_per_node: int
+) -> Array:
+    """Nodal freedoms (n_nodal, m), and below them those of the virtual nodes that tie some of the nodes.
+
+    motions : (6, m) of each interface, of which nodes without rotations have the last three alone
+    """
+    own = [
+        motion[6 - dofs_per_node :]
+        for motion, interface in zip(motions, interfaces, strict=True)
+        if interface.tied_nodes.size
+    ]
+    return np.concatenate([nodal, *own])

@@ -1,0 +1,235 @@
+"""Modes of machines against closed forms: springs and pendulums, rotating beams, rotors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
+from supple.errors import ModelError
+from supple.fem import BeamSection, HomogeneousSection, Isotropic, shell_model
+from supple.linearization import campbell_diagram, linearize, machine_modes
+from supple.machine import (
+    GROUND,
+    At,
+    Ball,
+    Cylindrical,
+    Fixed,
+    Placed,
+    PrescribedRotation,
+    Revolute,
+    Spin,
+    SpringDamper,
+    System,
+)
+from supple.mesh import CellType, Mesh, strip
+from supple.reduction import CraigBampton, Rubin, reduce
+
+E, LENGTH, WIDTH, THICKNESS, DENSITY = 2.1e11, 1.0, 0.1, 5e-3, 7850.0
+UNIT = np.sqrt(E * WIDTH * THICKNESS**3 / 12 / (DENSITY * WIDTH * THICKNESS)) / LENGTH**2
+"""rad/s: frequencies of a beam, and its speed of rotation, are told in this."""
+
+
+def rod(name, mass=2.0, length=1.0):
+    inertia = np.diag([1e-6, 1.0, 1.0]) * mass * length**2 / 12
+    points = {"start": (-length / 2, 0, 0), "end": (length / 2, 0, 0)}
+    return RigidBody(name=name, mass=mass, inertia=inertia, centre=np.zeros(3), points=points)
+
+
+def test_a_double_pendulum_has_two_frequencies_and_no_other():
+    """Uniform rods: `3 g / 2 l (...)`, the eigenvalues of [[4/3, 1/2], [1/2, 1/3]] and g/l diag(3/2, 1/2)."""
+    turned = (0, np.pi / 2, 0)  # along -z
+    bodies = [Placed(rod(f"rod {i}"), position=(0, 0, -0.5 - i), rotation=turned) for i in range(2)]
+    joints = [
+        Revolute(first=GROUND, second=At("rod 0", "start"), axis=(0, 1, 0)),
+        Revolute(first=At("rod 0", "end"), second=At("rod 1", "start"), axis=(0, 1, 0)),
+    ]
+    modes = machine_modes(linearize(System(bodies, joints, gravity=(0, 0, -9.81))))
+    expected = eigh(9.81 * np.diag([1.5, 0.5]), [[4 / 3, 1 / 2], [1 / 2, 1 / 3]], eigvals_only=True)
+    assert modes.eigenvalues.imag == pytest.approx(np.sqrt(expected), rel=1e-9)
+    assert abs(modes.eigenvalues.real).max() < 1e-9
+
+
+def test_a_damped_mass_has_the_damping_ratio_of_its_formula():
+    mass, stiffness, damping = 3.0, 400.0, 8.0
+    stone = RigidBody(
+        name="stone", mass=mass, inertia=np.eye(3), centre=np.zeros(3), points={"top": (0, 0, 0)}
+    )
+    springs = [
+        SpringDamper(
+            first=GROUND,
+            second=At("stone", "top"),
+            anchor=tuple(5.0 * axis),
+            stiffness=stiffness,
+            damping=damping,
+            rest_length=5.0,
+        )
+        for axis in np.eye(3)
+    ]
+    modes = machine_modes(linearize(System((Placed(stone),), (), springs)))
+    natural = np.sqrt(stiffness / mass)
+    ratio = damping / (2 * mass * natural)
+    moving = modes.frequencies > 0
+    assert moving.sum() == 3  # and three rotations that nothing holds
+    assert modes.damping_ratios[moving] == pytest.approx(np.full(3, ratio), rel=1e-9)
+    assert modes.frequencies[moving] == pytest.approx(np.full(3, natural * np.sqrt(1 - ratio**2)), rel=1e-9)
+    assert not modes.unstable.any()
+
+
+def test_a_body_that_turns_about_its_middle_axis_is_unstable():
+    """Euler's equations: growth `W sqrt((I2 - I1)(I3 - I2) / I1 I3)`."""
+    first, second, third = 1.0, 2.0, 2.5
+    racket = RigidBody(name="racket", mass=1.0, inertia=np.diag([first, second, third]), centre=np.zeros(3))
+    modes = machine_modes(linearize(System((Placed(racket),)), spin=Spin(5.0, (0, 1, 0))))
+    growth = 5.0 * np.sqrt((second - first) * (third - second) / (first * third))
+    assert modes.unstable.any()
+    assert modes.eigenvalues.real.max() == pytest.approx(growth, rel=1e-9)
+
+
+def test_a_conical_pendulum_nutates_at_the_frequency_of_its_formula():
+    """A point mass circling at `cos a = g / l w^2` nods at `w sqrt(1 + 3 cos^2 a)`."""
+    bob = RigidBody(
+        name="bob", mass=2.0, inertia=1e-4 * np.eye(3), centre=np.zeros(3), points={"top": (0, 0, 1.0)}
+    )
+    placed = Placed(bob, position=(np.sin(0.3), 0, -np.cos(0.3)), rotation=(0, -0.3, 0))
+    machine = System((placed,), (Ball(first=GROUND, second=At("bob", "top")),), gravity=(0, 0, -9.81))
+    rate = 4.0
+    modes = machine_modes(linearize(machine, spin=Spin(rate, (0, 0, 1))))
+    cosine = 9.81 / rate**2
+    # The others: turning about the axis, free, and the bob about its own rod, which the spin carries along.
+    assert np.min(abs(modes.frequencies - rate * np.sqrt(1 + 3 * cosine**2))) < 1e-4 * rate
+
+
+def exact_flap(rate, n_terms=14):
+    """Flap frequencies of a clamped beam that turns, in UNIT: Ritz, `w''` of Legendre polynomials.
+
+    int w''^2 dx + rate^2 int (1 - x^2) / 2 w'^2 dx = omega^2 int w^2 dx
+    """
+    places, weights = np.polynomial.legendre.leggauss(40)
+    x = (places + 1) / 2
+    curvatures = [np.polynomial.Legendre.basis(j, domain=[0, 1]) for j in range(n_terms)]
+    slopes = [each.integ(lbnd=0) for each in curvatures]
+    bent, turned, moved = (
+        np.array([each(x) for each in of])
+        for of in (curvatures, slopes, [each.integ(lbnd=0) for each in slopes])
+    )
+
+    def gram(fields, weight):
+        return (fields * weight * weights / 2) @ fields.T
+
+    stiffness = gram(bent, 1.0) + rate**2 * gram(turned, (1 - x**2) / 2)
+    return np.sqrt(eigh(stiffness, gram(moved, 1.0), eigvals_only=True))
+
+
+@pytest.fixture(scope="module")
+def flat_strip():
+    model = shell_model(
+        strip(LENGTH, WIDTH, 40, 2), HomogeneousSection(Isotropic(E, 0.0, DENSITY), THICKNESS)
+    )
+    return flexible_body("strip", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
+
+
+def spun(body):
+    hub = PrescribedRotation(name="hub", first=GROUND, second=At("strip", "root"), axis=(0, 0, 1), angle=0.0)
+    return System((Placed(body),), (hub,))
+
+
+def test_the_reference_is_the_published_one():
+    """[Wright1982] Table 1: 3.5160, 22.0345, 61.6972 at rest; 13.1702, 37.6031, 79.6145 at 12."""
+    assert exact_flap(0.0)[:3] == pytest.approx([3.5160, 22.0345, 61.6972], abs=1e-4)
+    assert exact_flap(12.0)[:3] == pytest.approx([13.1702, 37.6031, 79.6145], abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("frame", "basis"),
+    [(NodalFixedFrame("root"), CraigBampton(10)), (MeanAxisFrame(), Rubin(10))],
+    ids=["nf", "ma"],
+)
+def test_a_rotating_beam_stiffens_as_southwell_says(flat_strip, frame, basis):
+    """First three flap modes at 0 ... 12: within 0.5 % of the exact beam."""
+    machine = spun(reduce(flat_strip, frame, basis))
+    for rate in (0.0, 3.0, 6.0, 12.0):
+        modes = machine_modes(linearize(machine, spin=Spin(rate * UNIT, (0, 0, 1))))
+        found = modes.frequencies / UNIT
+        for exact in exact_flap(rate)[:3]:
+            assert np.min(abs(found / exact - 1)) < 5e-3
+        assert abs(modes.eigenvalues.real).max() < 1e-8 * modes.frequencies.max()
+
+
+@pytest.fixture(scope="module")
+def rotor():
+    """A rigid disc amid a light round shaft along x, clamped but for its turning."""
+    radius, span, n = 0.01, 1.0, 8
+    second = np.pi * radius**4 / 4
+    section = BeamSection(
+        Isotropic(E, 0.3, 1.0),
+        area=np.pi * radius**2,
+        I1=second,
+        I2=second,
+        J=2 * second,
+        K1=1e6,
+        K2=1e6,
+        orientation=(0.0, 1.0, 0.0),
+    )
+    nodes = np.linspace(0, span, n + 1)[:, None] * [1.0, 0.0, 0.0]
+    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
+    sets = {"left": np.array([0]), "middle": np.array([n // 2]), "right": np.array([n])}
+    mesh = Mesh(nodes, {CellType.LINE2: cells}, node_sets=sets)
+    names = ("left", "middle", "right")
+    shaft = flexible_body("shaft", shell_model(mesh, section), [RigidInterface(name, name) for name in names])
+    mass, polar, transverse = 10.0, 0.2, 0.11
+    disc = RigidBody(
+        name="disc",
+        mass=mass,
+        inertia=np.diag([polar, transverse, transverse]),
+        centre=np.zeros(3),
+        points={"hub": (0, 0, 0)},
+    )
+    reduced = reduce(shaft, NodalFixedFrame("left"), CraigBampton(4))
+    joints = (
+        Revolute(name="bearing", first=GROUND, second=At("shaft", "left"), axis=(1, 0, 0)),
+        Cylindrical(name="far bearing", first=GROUND, second=At("shaft", "right"), axis=(1, 0, 0)),
+        Fixed(name="shrink fit", first=At("shaft", "middle"), second=At("disc", "hub")),
+    )
+    machine = System((Placed(reduced), Placed(disc, position=(span / 2, 0, 0))), joints)
+    bending = E * second
+    return machine, mass, polar, transverse, 192 * bending / span**3, 16 * bending / span
+
+
+@pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
+def test_a_rotor_whirls_forward_and_backward(rotor):
+    """Jeffcott's rotor: translation at `sqrt(k/m)`, tilt at the roots of `I w^2 - I_p W w - k_t = 0`.
+
+    Seen in the turning axes: forward whirl at `w - W`, backward at `|w| + W`.
+    """
+    machine, mass, polar, transverse, lateral, tilting = rotor
+    rate = 150.0
+    modes = machine_modes(linearize(machine, spin=Spin(rate, (1, 0, 0))))
+    centre = np.sqrt(lateral / mass)
+    roots = np.roots([transverse, -polar * rate, -tilting])
+    expected = [abs(centre - rate), centre + rate, *(abs(root - rate) for root in roots)]
+    for each in expected:
+        assert np.min(abs(modes.frequencies - each)) < 1e-4 * max(centre, rate)
+
+
+@pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
+def test_modes_are_followed_over_speed(rotor):
+    machine, *_ = rotor
+    rates = np.linspace(0.0, 60.0, 4)
+    diagram = campbell_diagram(machine, [Spin(rate, (1, 0, 0)) for rate in rates], n_modes=5)
+    assert diagram.eigenvalues.shape == (4, 5)
+    assert diagram.likeness.shape == (3, 5)
+    steps = abs(np.diff(diagram.frequencies, axis=0))
+    assert steps.max() < 2.5 * rates[1]
+
+
+def test_what_has_no_constant_equations_is_refused(flat_strip):
+    machine = spun(reduce(flat_strip, NodalFixedFrame("root"), CraigBampton(4)))
+    heavy = System(machine.bodies, machine.joints, gravity=(9.81, 0.0, 0.0))
+    with pytest.raises(ModelError, match="change as the machine turns"):
+        linearize(heavy, spin=Spin(3.0, (0, 0, 1)))
+    with pytest.raises(ModelError, match="FullBody"):
+        linearize(spun(FullBody(flat_strip, NodalFixedFrame("root"))))
+    with pytest.raises(ModelError, match="there is no body 'stirp'"):
+        linearize(machine, spin=Spin(3.0, (0, 0, 1), bodies=["stirp"]))
