@@ -30,13 +30,8 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.correction import ReductionStart as ReductionStart
     from supple.correction import SelfCorrection as SelfCorrection
     from supple.correction import self_correct as self_correct
-    from supple.explicit import Contact as Contact
-    from supple.explicit import ExplicitSystem as ExplicitSystem
-    from supple.explicit import Part as Part
-    from supple.explicit import Tie as Tie
     from supple.explicit import explicit_subdomain as explicit_subdomain
     from supple.explicit import modal_subdomain as modal_subdomain
-    from supple.explicit import simulate_explicit as simulate_explicit
     from supple.fem import HomogeneousSection as HomogeneousSection
     from supple.fem import Isotropic as Isotropic
     from supple.fem import shell_model as shell_model
@@ -128,7 +123,7 @@ _NAMES = {
         "Table Spline Ramp Sine SpinUp Turning"
     ),
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
-    "supple.explicit": "modal_subdomain explicit_subdomain simulate_explicit ExplicitSystem Part Tie Contact",
+    "supple.explicit": "modal_subdomain explicit_subdomain",
     "supple.simulation": "simulate simulate_batch",
     "supple.correction": "self_correct SelfCorrection ReductionStart",
     "supple.results": "node_positions rms_error stress_modes",

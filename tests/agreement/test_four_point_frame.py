@@ -1,5 +1,4 @@
 """The four-point frame against the floating frame: same body and modes, other coordinates and steps."""
-steps."""
 
 import numpy as np
 import pytest
