@@ -45,6 +45,9 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.integrate import GeneralizedAlpha as GeneralizedAlpha
     from supple.integrate import Run as Run
     from supple.integrate import Tolerances as Tolerances
+    from supple.linearization import campbell_diagram as campbell_diagram
+    from supple.linearization import linearize as linearize
+    from supple.linearization import machine_modes as machine_modes
     from supple.machine import GROUND as GROUND
     from supple.machine import At as At
     from supple.machine import Ball as Ball
@@ -63,6 +66,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.machine import Ramp as Ramp
     from supple.machine import Revolute as Revolute
     from supple.machine import Sine as Sine
+    from supple.machine import Spin as Spin
     from supple.machine import SpinUp as SpinUp
     from supple.machine import Spline as Spline
     from supple.machine import SpringDamper as SpringDamper
@@ -89,6 +93,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.results import node_positions as node_positions
     from supple.results import rms_error as rms_error
     from supple.results import stress_modes as stress_modes
+    from supple.simulation import equilibrium as equilibrium
     from supple.simulation import simulate as simulate
     from supple.simulation import simulate_batch as simulate_batch
     from supple.storage import read_reduced_body as read_reduced_body
@@ -120,11 +125,12 @@ _NAMES = {
         "Fixed Ball Revolute Universal Cylindrical Prismatic PrescribedRotation PrescribedTranslation "
         "SpringDamper TorsionSpringDamper DeadForce DeadTorque FollowerForce FollowerTorque "
         "FollowerPressure BaseAcceleration split_body "
-        "Table Spline Ramp Sine SpinUp Turning"
+        "Table Spline Ramp Sine SpinUp Turning Spin"
     ),
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
     "supple.explicit": "modal_subdomain explicit_subdomain",
-    "supple.simulation": "simulate simulate_batch",
+    "supple.simulation": "simulate simulate_batch equilibrium",
+    "supple.linearization": "linearize machine_modes campbell_diagram",
     "supple.correction": "self_correct SelfCorrection ReductionStart",
     "supple.results": "node_positions rms_error stress_modes",
     "supple.cases": "read_case",
