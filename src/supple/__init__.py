@@ -32,6 +32,8 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.correction import SelfCorrection as SelfCorrection
     from supple.correction import self_correct as self_correct
     from supple.correction import state_errors as state_errors
+    from supple.explicit import explicit_subdomain as explicit_subdomain
+    from supple.explicit import modal_subdomain as modal_subdomain
     from supple.fem import HomogeneousSection as HomogeneousSection
     from supple.fem import Isotropic as Isotropic
     from supple.fem import shell_model as shell_model
@@ -130,6 +132,7 @@ _NAMES = {
     ),
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
     "supple.intrinsic": "condense LoadPath",
+    "supple.explicit": "modal_subdomain explicit_subdomain",
     "supple.simulation": "simulate simulate_batch equilibrium",
     "supple.linearization": "linearize machine_modes",
     "supple.correction": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",

@@ -1,5 +1,6 @@
 """Bodies and machines for other codes, one format per file."""
 
+from supple.export.dmig_punch import write_dmig_punch
 from supple.export.exudyn import (
     exudyn_arrays,
     interface_nodes,
@@ -16,6 +17,7 @@ __all__ = [
     "interface_nodes",
     "resultant",
     "static_load",
+    "write_dmig_punch",
     "write_exudyn",
     "write_static_deck",
 ]

@@ -1,0 +1,63 @@
+"""Explicit march: modal sub-domains on four-point frames beside nonlinear finite elements."""
+
+from supple.explicit.engine import ENERGIES, OBSTACLES, STEPS, ExplicitEngine, ExplicitOptions
+from supple.explicit.explicit_subdomain import ExplicitSubdomain, explicit_subdomain
+from supple.explicit.explicit_system import Contact, ExplicitSystem, NodalForce, Part, Support, Tie
+from supple.explicit.march.model import Energies
+from supple.explicit.materials import (
+    J2Plasticity,
+    LinearHardening,
+    NeoHookean,
+    PowerHardening,
+    StVenantKirchhoff,
+)
+from supple.explicit.modal_subdomain import ModalSubdomain, modal_subdomain
+from supple.explicit.motions import FourPointMotion, NodalMotion
+from supple.explicit.obstacles import RigidCylinder, RigidPlane, RigidSphere
+from supple.explicit.positions import part_positions
+from supple.explicit.projected_difference import ProjectedDifference
+from supple.explicit.published_scheme import (
+    ExactLinks,
+    LaggedGyroscopicForce,
+    NoGyroscopicForce,
+    PredictedLinks,
+    PublishedScheme,
+)
+from supple.explicit.simulate_explicit import simulate_explicit
+
+__all__ = [
+    "ENERGIES",
+    "OBSTACLES",
+    "STEPS",
+    "Contact",
+    "Energies",
+    "ExactLinks",
+    "ExplicitEngine",
+    "ExplicitOptions",
+    "ExplicitSubdomain",
+    "ExplicitSystem",
+    "FourPointMotion",
+    "J2Plasticity",
+    "LaggedGyroscopicForce",
+    "LinearHardening",
+    "ModalSubdomain",
+    "NeoHookean",
+    "NoGyroscopicForce",
+    "NodalForce",
+    "NodalMotion",
+    "Part",
+    "PowerHardening",
+    "PredictedLinks",
+    "ProjectedDifference",
+    "PublishedScheme",
+    "RigidCylinder",
+    "RigidPlane",
+    "RigidSphere",
+    "StVenantKirchhoff",
+    "Support",
+    "Tie",
+    "explicit_subdomain",
+    "modal_subdomain",
+    "part_positions",
+    "simulate_explicit",
+]

@@ -1,0 +1,38 @@
+"""Element forces summed at nodes by gathering: each node reads the few element corners that meet there.
+
+A scatter with repeated addresses is several times slower on a processor, and its order of summation is not
+fixed on an accelerator; this one is, so that a resumed run repeats every digit.
+"""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from numpy.typing import NDArray
+
+__all__ = ["gathered", "incidence"]
+
+
+def incidence(nodes: NDArray[np.int64], n_nodes: int) -> NDArray[np.int64]:
+    """Where each node stands among the corners: (most, N) places in `nodes.ravel()`, its size if none.
+
+    nodes : (k, E)
+    """
+    flat = nodes.ravel()
+    count = np.bincount(flat, minlength=n_nodes)
+    order = np.argsort(flat, kind="stable")
+    rank = np.arange(flat.size) - np.repeat(np.concatenate([[0], np.cumsum(count)[:-1]]), count)
+    table = np.full((count.max(initial=0), n_nodes), flat.size)
+    table[rank, flat[order]] = order
+    return table
+
+
+def gathered(values: Array, table: Array) -> Array:
+    """Sums (c, N) at the nodes of corner values (c, k, E)."""
+    flat = values.reshape(len(values), -1)
+    padded = jnp.concatenate([flat, jnp.zeros((len(values), 1))], axis=1)
+    total = padded[:, table[0]]
+    for row in range(1, len(table)):  # a handful, at trace time
+        total = total + padded[:, table[row]]
+    return total

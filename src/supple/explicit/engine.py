@@ -1,0 +1,221 @@
+"""The explicit engine: an `Engine` under the same run as the others."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.jax_settings import check_not_forked
+from supple.errors import ModelError
+from supple.explicit.explicit_system import ExplicitSystem
+from supple.explicit.march.build import Built, built
+from supple.explicit.march.interval import Recorded, chosen_steps, march_to, recorded
+from supple.explicit.march.march_step import kinetic
+from supple.explicit.march.model import Energies, MarchState
+from supple.explicit.motions import FourPointMotion, NodalMotion
+from supple.explicit.projected_difference import ProjectedDifference
+from supple.explicit.published_scheme import PublishedScheme
+from supple.explicit.series_motion import SeriesMotion
+from supple.integrate import Leg, Run, Solution, Statistics
+
+__all__ = ["ENERGIES", "OBSTACLES", "STEPS", "ExplicitEngine", "ExplicitOptions"]
+
+ENERGIES = "energies"
+"""Name of the motion that holds the energy balance of a run."""
+STEPS = "steps"
+"""Name of the motion that holds the steps of a run."""
+OBSTACLES = "obstacles"
+"""Name of the motion that holds the obstacles of a run."""
+
+
+@dataclass(frozen=True)
+class ExplicitOptions:
+    """How an explicit run steps.
+
+    scheme : of the four-point frames: ProjectedDifference() or PublishedScheme(..)
+    safety : part of the step limit that is used
+    step : of the explicit nodes, s, kept throughout; None: what is stable, chosen at every output time
+    largest_ratio : explicit steps in one step of the frames; 1: one step for all
+    """
+
+    scheme: ProjectedDifference | PublishedScheme = field(default_factory=ProjectedDifference)
+    safety: float = 0.9
+    step: float | None = None
+    largest_ratio: int = 50
+
+    def __post_init__(self) -> None:
+        if not 0 < self.safety <= 1:
+            raise ModelError(f"the safety of the step must lie in (0, 1], got {self.safety}")
+        if self.step is not None and not self.step > 0:
+            raise ModelError(f"the step must be positive, got {self.step}")
+        if self.largest_ratio < 1:
+            raise ModelError(f"the largest ratio must be at least 1, got {self.largest_ratio}")
+
+
+class _Reached(NamedTuple):
+    rows: Any
+    last: MarchState
+
+
+class ExplicitEngine:
+    """An `Engine`; `MarchState` is its state."""
+
+    def __init__(self, system: ExplicitSystem, run: Run, options: ExplicitOptions | None = None) -> None:
+        check_not_forked()
+        self._options = options or ExplicitOptions()
+        self._system, self._run = system, run
+        self._built = built(system, self._options.scheme, self._options.safety, self._options.largest_ratio)
+        self._check_step()
+
+    @property
+    def built(self) -> Built:
+        """The system as it marches."""
+        return self._built
+
+    def steps(self) -> tuple[float, int]:
+        """Step of the explicit nodes at the start, s, and explicit steps in one of the frames."""
+        span = jnp.asarray(self._run.output_step)
+        h, ratio, _ = chosen_steps(
+            self._built.model,
+            self._built.methods,
+            self._built.start,
+            jnp.asarray(self._options.step or 0.0),
+            span,
+        )
+        return float(h), int(ratio)
+
+    def start(self, time: float) -> MarchState:
+        """The parts as they are placed."""
+        state = self._built.start._replace(time=jnp.asarray(time))
+        return state._replace(initial=kinetic(self._built.model, state))
+
+    def resumed(self, last: Solution) -> MarchState:
+        """The state at the end of a recorded part, exact to the last bit."""
+        like = self._built.start
+        leaves, structure = jax.tree.flatten(like)
+        known = last.engine_state
+        if len(known) != len(leaves):
+            raise ModelError("this run was recorded by another engine, or of another system")
+        kept = [
+            jnp.asarray(np.asarray(known[f"state {number}"]), dtype=leaf.dtype).reshape(leaf.shape)
+            for number, leaf in enumerate(leaves)
+        ]
+        return jax.tree.unflatten(structure, kept)
+
+    def march(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
+        """On to each of the output times."""
+        began = clock.perf_counter()
+        own = self._built
+        ahead = times[times > float(state.time)]
+        rows: list[Recorded] = []
+        if len(ahead) < len(times):
+            rows.append(
+                jax.tree.map(lambda leaf: np.asarray(leaf)[None], recorded(own.model, own.methods, state))
+            )
+        before = int(state.steps)
+        stopped, last = None, state
+        if len(ahead):
+            last, after = march_to(
+                own.model,
+                own.methods,
+                state,
+                jnp.asarray(self._options.step or 0.0),
+                jnp.asarray(ahead),
+            )
+            after = jax.device_get(after)
+            bad = np.flatnonzero(after.trouble)
+            if bad.size:
+                stopped = self._told(jax.tree.map(lambda leaf: leaf[bad[0]], after), float(last.initial))
+                after = jax.tree.map(lambda leaf: leaf[: bad[0]], after)
+            if len(after.time):
+                rows.append(after)
+        joined = jax.tree.map(lambda *leaves: np.concatenate(leaves), *rows) if rows else None
+        n = 0 if joined is None else len(joined.time)
+        statistics = Statistics(steps=int(last.steps) - before, seconds=clock.perf_counter() - began)
+        return Leg(_Reached(joined, last), n, last, statistics, stopped)
+
+    def solution(self, leg: Leg[MarchState]) -> Solution:
+        """The motion of a leg: a motion per sub-domain, and the series of energies, steps and obstacles."""
+        rows: Recorded = leg.states.rows
+        own = self._built
+        bodies: dict[str, Any] = {}
+        for name, nodes in own.nodes.items():
+            span = own.blocks[name]
+            bodies[name] = NodalMotion(
+                np.asarray(rows.x)[:, :, nodes].swapaxes(1, 2),
+                np.asarray(rows.v)[:, :, nodes].swapaxes(1, 2),
+                np.concatenate(rows.plastic[span], axis=1),
+                np.concatenate(rows.alive[span], axis=1),
+            )
+        for (name, frame), marched in zip(own.frames.items(), rows.frames, strict=True):
+            p, y, vp, vy = (np.asarray(leaf) for leaf in marched)
+            bodies[name] = FourPointMotion(p, y @ frame.turned.T, vp, vy @ frame.turned.T)
+        bodies[ENERGIES] = SeriesMotion(np.asarray(rows.energies))
+        bodies[STEPS] = SeriesMotion(np.column_stack([rows.step, rows.ratio]))
+        if rows.obstacles:
+            moved = [np.concatenate(pair, axis=1) for pair in rows.obstacles]
+            bodies[OBSTACLES] = SeriesMotion(np.concatenate(moved, axis=1))
+        leaves = jax.tree.leaves(leg.last)
+        return Solution(
+            times=np.asarray(rows.time),
+            bodies=bodies,
+            joint_forces={},
+            statistics=leg.statistics,
+            engine_state={
+                f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)
+            },
+        )
+
+    def _check_step(self) -> None:
+        step = self._options.step
+        if step is None:
+            return
+        limits = [float(np.asarray(limit).min()) for limit in self._built.model.limits]
+        rate = float(self._built.model.contact_rate)
+        limit = min((2 / np.sqrt((2 / own) ** 2 + rate) for own in limits), default=np.inf)
+        limit = min([limit] + [float(frame.step_limit) for frame in self._built.model.frames if not limits])
+        if step > limit:
+            raise ModelError(
+                f"the step {step:g} s is above the limit of {limit:.4g} s, at which the march blows up; "
+                f"leave it "
+                f"out, or give at most {0.9 * limit:.3g}"
+            )
+
+    def _told(self, row: Recorded, initial: float) -> str:
+        """Why a run ended, in words."""
+        when = f"t = {float(row.time):.6g}, step {int(row.steps)}"
+        e = dict(zip(Energies._fields, np.asarray(row.energies), strict=True))
+        match int(row.trouble):
+            case 1:
+                return (
+                    f"an element turned over (det F <= 0) before {when}: refine there, delete elements "
+                    f"at a plastic "
+                    "strain, or choose a law that resists (NeoHookean)"
+                )
+            case 2:
+                return (
+                    f"the motion is not a number any more at {when}: the step is too long for the "
+                    f"deformed mesh"
+                )
+            case 3:
+                drift = sum(e.values()) - 2 * e["external"] - initial
+                worst = max((name for name in e if name != "external"), key=lambda name: abs(e[name]))
+                return (
+                    f"the energy balance is open by {drift:.3g} J at {when}, more than 1 %; the largest "
+                    f"term is "
+                    f"{worst} ({e[worst]:.3g} J), the interface lost {e['interface']:.3g} J: take "
+                    f"shorter steps, or "
+                    "a smaller ratio between them"
+                )
+            case _:
+                worst = min(("internal", "hourglass"), key=lambda name: e[name])
+                return (
+                    f"the {worst} energy is negative ({e[worst]:.3g} J) at {when}: energy comes from "
+                    f"nothing, for "
+                    "the step is above what is stable; take a smaller safety"
+                )

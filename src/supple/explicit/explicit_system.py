@@ -1,0 +1,214 @@
+"""An explicit system: sub-domains placed in space, tied, in contact, loaded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from supple.arguments import check_fields, check_numbers
+from supple.errors import ModelError, did_you_mean
+from supple.explicit.explicit_subdomain import ExplicitSubdomain
+from supple.explicit.modal_subdomain import ModalSubdomain
+from supple.explicit.obstacles import Obstacle
+from supple.machine import At
+from supple.mesh import Mesh
+
+__all__ = ["Contact", "ExplicitSystem", "NodalForce", "Part", "Support", "Tie"]
+
+Subdomain = ModalSubdomain | ExplicitSubdomain
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A sub-domain as it stands and moves at first, as a rigid body.
+
+    position : (3,) of the mesh origin;   rotation : (3,) vector, rad, or (3, 3)
+    velocity : (3,) of the mesh origin;   angular_velocity : (3,) in space, rad/s
+    """
+
+    subdomain: Subdomain
+    position: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    rotation: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    angular_velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        for name in ("position", "velocity", "angular_velocity"):
+            object.__setattr__(self, name, _vector(f"{name} of part '{self.name}'", getattr(self, name)))
+        check_numbers(f"rotation of part '{self.name}'", self.rotation)
+        turned = np.array(self.rotation, dtype=float)
+        turned = Rotation.from_rotvec(turned).as_matrix() if turned.shape == (3,) else turned
+        if turned.shape != (3, 3) or not np.allclose(turned.T @ turned, np.eye(3), atol=1e-9):
+            raise ModelError(
+                f"rotation of part '{self.name}' must be a vector (3,) or a rotation matrix (3, 3)"
+            )
+        object.__setattr__(self, "rotation", turned)
+
+    @property
+    def name(self) -> str:
+        """Name of the sub-domain."""
+        return self.subdomain.name
+
+    @property
+    def mesh(self) -> Mesh:
+        """Of its elements."""
+        body = self.subdomain
+        model = body.body.model if isinstance(body, ModalSubdomain) else body.model
+        if model is None:
+            raise ModelError(
+                f"part '{self.name}' has no mesh, only matrices: it cannot be tied, hit or loaded"
+            )
+        return model.mesh
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """(N, 3) in space at the start."""
+        body = self.subdomain
+        own = body.body.nodes if isinstance(body, ModalSubdomain) else body.nodes
+        return self.position + own @ self.rotation.T
+
+    def velocities(self, points: np.ndarray) -> np.ndarray:
+        """(n, 3) at the start, of points (n, 3) in space that move with it."""
+        return self.velocity + np.cross(self.angular_velocity, points - self.position)
+
+
+@dataclass(frozen=True)
+class Tie:
+    """Nodes of an explicit sub-domain that move with another part, position for position.
+
+    nodes : At(sub-domain, node set)    of an explicit one
+    on : str    the part they are tied to: an explicit one, whose nodes they must meet, or a modal one, on
+        whose
+                material they hang wherever they lie on its cells
+    within : float      of the size of the set: how far from the part nodes may lie
+    """
+
+    nodes: At
+    on: str
+    within: float = 1e-6
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Nodes that must not enter a rigid obstacle, by penalty: force = stiffness * depth, at each node.
+
+    nodes : At(part, node set)
+    obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..)
+    stiffness : N/m a node; where left out, `fraction` of what the node's mass bears at the step limit
+    fraction : of m omega_max^2; it shortens the step by sqrt(1 + fraction)
+    """
+
+    nodes: At
+    obstacle: Obstacle
+    stiffness: float | None = None
+    fraction: float = 0.2
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.stiffness is not None and not self.stiffness > 0:
+            raise ModelError(f"the stiffness of a contact must be positive, got {self.stiffness}")
+        if not 0 < self.fraction <= 1:
+            raise ModelError(f"the fraction of a contact must lie in (0, 1], got {self.fraction}")
+
+
+@dataclass(frozen=True)
+class Support:
+    """Nodes of an explicit sub-domain that are held.
+
+    nodes : At(sub-domain, node set);   axes : which of x, y, z are held, 0 to 2
+    """
+
+    nodes: At
+    axes: tuple[int, ...] = (0, 1, 2)
+
+
+@dataclass(frozen=True)
+class NodalForce:
+    """A force shared equally by the nodes of a set, N; it keeps its direction, or turns with a modal frame.
+
+    nodes : At(part, node set);   force : (3,);   law : factor over time, 1 where left out
+    follows : whether it turns with the frame; of modal parts only
+    """
+
+    nodes: At
+    force: tuple[float, float, float]
+    law: Any = 1.0
+    follows: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class ExplicitSystem:
+    """Sub-domains in space with what ties, holds, hits and loads them; checked when built.
+
+    Raises ModelError: no part, a name used twice, an end that is not there.
+    """
+
+    parts: Sequence[Part | Subdomain]
+    ties: Sequence[Tie] = ()
+    contacts: Sequence[Contact] = ()
+    supports: Sequence[Support] = ()
+    forces: Sequence[NodalForce] = ()
+    gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        placed = tuple(part if isinstance(part, Part) else Part(part) for part in self.parts)
+        object.__setattr__(self, "parts", placed)
+        for item in ("ties", "contacts", "supports", "forces"):
+            object.__setattr__(self, item, tuple(getattr(self, item)))
+        object.__setattr__(self, "gravity", _vector("gravity", self.gravity))
+        names = [part.name for part in placed]
+        if not names:
+            raise ModelError("an explicit system needs at least one sub-domain")
+        if len(set(names)) < len(names):
+            raise ModelError(f"sub-domains need names of their own; there are {', '.join(names)}")
+        for end in [each.nodes for each in (*self.ties, *self.contacts, *self.supports, *self.forces)]:
+            self.node_numbers(end)
+        for tie in self.ties:
+            self.part(tie.on)
+            if not isinstance(self.part(tie.nodes.body).subdomain, ExplicitSubdomain):
+                raise ModelError(
+                    f"the nodes of a tie belong to an explicit sub-domain; '{tie.nodes.body}' is modal. "
+                    f"Two modal "
+                    "sub-domains are made one: reduce their common body"
+                )
+
+    def part(self, name: str) -> Part:
+        """The part of that name."""
+        for part in self.parts:
+            assert isinstance(part, Part)
+            if part.name == name:
+                return part
+        raise ModelError(
+            f"there is no sub-domain '{name}'" + did_you_mean(name, [p.name for p in self.placed])
+        )
+
+    @property
+    def placed(self) -> tuple[Part, ...]:
+        """The parts, all of them placed."""
+        return tuple(part for part in self.parts if isinstance(part, Part))
+
+    def node_numbers(self, end: At) -> np.ndarray:
+        """Of a node set, within its part."""
+        sets = self.part(end.body).mesh.node_sets
+        if end.interface not in sets:
+            raise ModelError(
+                f"sub-domain '{end.body}' has no node set '{end.interface}'"
+                + did_you_mean(end.interface, list(sets))
+            )
+        return np.asarray(sets[end.interface])
+
+
+def _vector(name: str, value: object) -> np.ndarray:
+    check_numbers(name, value)
+    array = np.array(value, dtype=float)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ModelError(f"{name} must be three finite numbers, got {value}")
+    array.setflags(write=False)
+    return array

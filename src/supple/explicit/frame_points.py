@@ -1,0 +1,53 @@
+"""The four points O, A, B, C that carry the frame of a modal sub-domain, and how material hangs on them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+
+__all__ = ["CORNERS", "LINKS", "FramePoints"]
+
+FloatArray = NDArray[np.float64]
+
+CORNERS = np.vstack([-np.ones((1, 3)), np.eye(3)])
+"""(4, 3): a point at local X hangs on the four with weights (1 - X - Y - Z, X, Y, Z) = e_O + CORNERS X."""
+LINKS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
+"""The six pairs of points that stay at a fixed distance."""
+
+
+@dataclass(frozen=True, eq=False)
+class FramePoints:
+    """Four points that span an orthogonal frame of equal arms.
+
+        x = sum_a w_a(X) x_a,     w = (1 - X - Y - Z, X, Y, Z),     X = (x - origin) / arm
+
+    origin : (3,)       where O stands in the undeformed body, m
+    arm : float         length of OA, OB and OC, m: about a radius of gyration, which keeps the 4 x 4 mass of
+                        the points well conditioned
+    """
+
+    origin: FloatArray
+    arm: float
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.arm) and self.arm > 0):
+            raise ModelError(f"the arm of a four-point frame must be a positive length, got {self.arm}")
+
+    def weights(self, points: FloatArray) -> FloatArray:
+        """W (n, 4) of material points (n, 3)."""
+        local = (points - self.origin) / self.arm
+        return np.array([1.0, 0, 0, 0]) + local @ CORNERS.T
+
+    def placed(self, position: FloatArray, rotation: FloatArray) -> FloatArray:
+        """The points (4, 3) in space when the body's own axes stand at `position`, turned by `rotation`."""
+        own = self.origin + self.arm * np.vstack([np.zeros((1, 3)), np.eye(3)])
+        return position + own @ rotation.T
+
+    @property
+    def squared_lengths(self) -> FloatArray:
+        """L^2 (6,) of the links: three arms, three diagonals."""
+        return self.arm**2 * np.array([1.0, 1, 1, 2, 2, 2])

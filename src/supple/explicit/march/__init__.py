@@ -1,0 +1,1 @@
+"""The compiled explicit march: its model, its state, and the steps between."""

@@ -1,0 +1,329 @@
+"""From a system to the arrays of its march: common nodes, mass that hangs on frames, contacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.explicit.elements.solid_block import solid_block
+from supple.explicit.explicit_subdomain import ExplicitSubdomain
+from supple.explicit.explicit_system import Contact, ExplicitSystem, Part, Tie
+from supple.explicit.frame_model import FrameModel, FrameState
+from supple.explicit.march.march_step import with_forces
+from supple.explicit.march.model import (
+    Energies,
+    FrameArrays,
+    MarchModel,
+    MarchState,
+    Methods,
+    NodesTouching,
+    ObstacleState,
+)
+from supple.explicit.meeting import meeting_nodes, on_faces
+from supple.explicit.modal_frame import ModalFrame, modal_frame
+from supple.explicit.modal_subdomain import ModalSubdomain
+from supple.explicit.projected_difference import ProjectedDifference
+from supple.explicit.published_scheme import PublishedScheme
+from supple.machine.laws.time_law import as_time_law
+
+__all__ = ["Built", "built"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Built:
+    """A system ready to march.
+
+    nodes : explicit part to the numbers of its nodes in the march
+    blocks : explicit part to its blocks among those of the march
+    frames : modal parts, in the order of the march, with their modes as marched
+    """
+
+    model: MarchModel
+    methods: Methods
+    start: MarchState
+    nodes: dict[str, IntArray]
+    blocks: dict[str, slice]
+    frames: dict[str, ModalFrame]
+
+
+@dataclass(frozen=True, eq=False)
+class _Hanging:
+    """Explicit nodes on a modal part: their numbers, and their corners among its nodes with weights."""
+
+    part: str
+    nodes: IntArray
+    corners: IntArray
+    weights: FloatArray
+
+
+def built(
+    system: ExplicitSystem, scheme: ProjectedDifference | PublishedScheme, safety: float, largest_ratio: int
+) -> Built:
+    """The march of a system; ModelError for ties that do not meet and nodes that begin inside an obstacle."""
+    explicit = [part for part in system.placed if isinstance(part.subdomain, ExplicitSubdomain)]
+    numbers, x, v = _numbered(system, explicit)
+    mass = np.zeros(len(x))
+    alpha = np.zeros(len(x))
+    blocks, limits, laws, deletions, betas, spans = [], [], [], [], [], {}
+    for part in explicit:
+        body = part.subdomain
+        assert isinstance(body, ExplicitSubdomain)
+        own = numbers[part.name]
+        np.add.at(mass, own, body.masses)
+        if body.damping is not None:
+            np.add.at(alpha, own, body.damping.alpha * body.masses)
+        spans[part.name] = slice(len(blocks), len(blocks) + len(body.points))
+        for points, limit in zip(body.points, body.element_limits, strict=True):
+            turned = points.gradients.swapaxes(2, 3) @ part.rotation.T
+            blocks.append(
+                solid_block(points, own, len(x), turned.swapaxes(2, 3), body.law.elastic, body.hourglass)
+            )
+            limits.append(jnp.asarray(limit))
+            laws.append(body.law)
+            deletions.append(body.deletion)
+            beta = 0.0 if body.damping is None else body.damping.beta
+            betas.append(jnp.asarray(beta) if beta else None)
+    alpha = alpha / np.where(mass > 0, mass, 1.0)
+    movable = np.ones((3, len(x)))
+    for support in system.supports:
+        held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
+        for axis in support.axes:
+            movable[axis, held] = 0.0
+            v[held, axis] = 0.0
+    short = min((float(np.asarray(limit).min()) for limit in limits), default=np.inf)
+
+    obstacles = tuple(contact.obstacle for contact in system.contacts)
+    hanging = [_hung(system, tie, numbers, x) for tie in system.ties]
+    frames, frame_arrays, frame_states, frame_obstacles = {}, [], [], []
+    for part in system.placed:
+        if isinstance(part.subdomain, ModalSubdomain):
+            own = [each for each in hanging if each is not None and each.part == part.name]
+            frame, arrays, state, touched = _frame(system, part, own, mass, x)
+            frames[part.name] = frame
+            frame_arrays.append(arrays)
+            frame_states.append(state)
+            frame_obstacles.append(touched)
+    touching, obstacle_of, contact_rate = [], [], 0.0
+    for number, contact in enumerate(system.contacts):
+        if contact.nodes.body in numbers:
+            nodes = numbers[contact.nodes.body][system.node_numbers(contact.nodes)]
+            stiffness = _stiffness(contact, mass[nodes], short)
+            contact_rate = max(contact_rate, float((stiffness / mass[nodes]).max()))
+            _check_outside(contact, x[nodes])
+            touching.append(NodesTouching(jnp.asarray(nodes), jnp.asarray(stiffness)))
+            obstacle_of.append(number)
+    model = MarchModel(
+        tuple(blocks),
+        tuple(limits),
+        tuple(betas),
+        jnp.asarray(mass),
+        jnp.asarray(alpha),
+        jnp.asarray(movable),
+        tuple(frame_arrays),
+        tuple(touching),
+        _loaded(system, numbers),
+        jnp.asarray([obstacle.mass for obstacle in obstacles], dtype=float),
+        jnp.asarray(system.gravity),
+        jnp.asarray(contact_rate),
+    )
+    methods = Methods(
+        tuple(laws),
+        tuple(deletions),
+        obstacles,
+        tuple(obstacle_of),
+        tuple(frame_obstacles),
+        scheme,
+        safety,
+        largest_ratio,
+    )
+    start = _start(model, methods, x, v, tuple(frame_states))
+    return Built(model, methods, with_forces(model, methods, start), numbers, spans, frames)
+
+
+def _loaded(system: ExplicitSystem, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
+    """Nodes, force and law of each load on explicit nodes."""
+    return tuple(
+        (
+            jnp.asarray(numbers[force.nodes.body][system.node_numbers(force.nodes)]),
+            jnp.asarray(force.force, dtype=float),
+            as_time_law(force.law),
+        )
+        for force in system.forces
+        if force.nodes.body in numbers
+    )
+
+
+def _start(
+    model: MarchModel, methods: Methods, x: FloatArray, v: FloatArray, frames: tuple[FrameState, ...]
+) -> MarchState:
+    zero = jnp.zeros(())
+    return MarchState(
+        time=zero,
+        before=zero,
+        frame_before=zero,
+        x=jnp.asarray(x.T),
+        v=jnp.asarray(v.T),
+        forces=jnp.zeros((4, 3, len(x))),
+        materials=tuple(
+            law.initial(block.volumes.shape) for law, block in zip(methods.laws, model.blocks, strict=True)
+        ),
+        alive=tuple(jnp.ones(block.volumes.shape[1]) for block in model.blocks),
+        frames=frames,
+        obstacles=tuple(
+            ObstacleState(jnp.zeros(3), jnp.asarray(obstacle.velocity, dtype=float))
+            for obstacle in methods.obstacles
+        ),
+        obstacle_forces=jnp.zeros((len(methods.obstacles), 3)),
+        energies=Energies(*(zero for _ in Energies._fields)),
+        initial=zero,
+        smallest=jnp.ones(()),
+        steps=jnp.asarray(0),
+    )
+
+
+def _numbered(
+    system: ExplicitSystem, explicit: list[Part]
+) -> tuple[dict[str, IntArray], FloatArray, FloatArray]:
+    """Numbers of the nodes of each explicit part, those that are tied in common; positions and velocities."""
+    numbers: dict[str, IntArray] = {}
+    x, v = np.empty((0, 3)), np.empty((0, 3))
+    for part in explicit:
+        nodes = part.nodes
+        own = np.full(len(nodes), -1)
+        for tie in system.ties:
+            if tie.nodes.body == part.name and tie.on in numbers:
+                shared = system.node_numbers(tie.nodes)
+                other = numbers[tie.on]
+                own[shared] = _met(tie, nodes[shared], x[other], other)
+            elif tie.on == part.name and tie.nodes.body in numbers:
+                shared = numbers[tie.nodes.body][system.node_numbers(tie.nodes)]
+                met = _met(tie, x[shared], nodes, np.arange(len(nodes)))
+                own[met] = shared
+        fresh = own < 0
+        own[fresh] = len(x) + np.arange(fresh.sum())
+        numbers[part.name] = own
+        x = np.vstack([x, nodes[fresh]])
+        v = np.vstack([v, part.velocities(nodes[fresh])])
+    return numbers, x, v
+
+
+def _met(tie: Tie, points: FloatArray, nodes: FloatArray, numbers: IntArray) -> IntArray:
+    found = meeting_nodes(points, nodes, _within(tie, points))
+    if (found < 0).any():
+        lost = points[found < 0][0]
+        raise ModelError(
+            f"tie of '{tie.nodes}' on '{tie.on}': the node at {np.array2string(lost, precision=6)} "
+            f"meets no node "
+            "of the other part; explicit parts are tied node to node: give them a common mesh there"
+        )
+    return numbers[found]
+
+
+def _within(tie: Tie, points: FloatArray) -> float:
+    return tie.within * max(float(np.linalg.norm(np.ptp(points, axis=0))), 1e-300)
+
+
+def _hung(system: ExplicitSystem, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> _Hanging | None:
+    """The nodes of a tie on a modal part; None where the part is explicit, too."""
+    part = system.part(tie.on)
+    if tie.on in numbers:
+        return None
+    nodes = numbers[tie.nodes.body][system.node_numbers(tie.nodes)]
+    local = (x[nodes] - part.position) @ part.rotation
+    within = _within(tie, local)
+    met = meeting_nodes(local, part.mesh.nodes, within)
+    if (met >= 0).all():
+        return _Hanging(tie.on, nodes, met[:, None], np.ones((len(nodes), 1)))
+    corners, weights = on_faces(local, part.mesh, within, f"tie of '{tie.nodes}' on '{tie.on}'")
+    return _Hanging(tie.on, nodes, corners, weights)
+
+
+def _frame(
+    system: ExplicitSystem, part: Part, hanging: list[_Hanging], mass: FloatArray, x: FloatArray
+) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...]]:
+    body = part.subdomain
+    assert isinstance(body, ModalSubdomain)
+    nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
+    if len(np.unique(nodes)) < len(nodes):
+        raise ModelError(f"a node is tied to '{part.name}' twice")
+    local = (x[nodes] - part.position) @ part.rotation
+    shapes = np.concatenate(
+        [np.einsum("nc,ncik->nik", each.weights, body.shapes[each.corners]) for each in hanging]
+        or [np.empty((0, 3, body.n_modes))]
+    )
+    frame = modal_frame(body, local, shapes, mass[nodes])
+    touching, touched, stiffest = [], [], None
+    for number, contact in enumerate(system.contacts):
+        if contact.nodes.body == part.name:
+            own = system.node_numbers(contact.nodes)
+            stiffness = _modal_stiffness(contact, frame, own)
+            _check_outside(contact, part.nodes[own])
+            touching.append(
+                NodesTouching(
+                    jnp.asarray(own),
+                    jnp.asarray(stiffness),
+                    jnp.asarray(frame.weights(own)),
+                    jnp.asarray(frame.shapes[own]),
+                )
+            )
+            touched.append(number)
+            added = frame.penalty_stiffness(own, stiffness)
+            stiffest = added if stiffest is None else stiffest + added
+    loaded = tuple(
+        (
+            jnp.asarray(frame.weights(own)),
+            jnp.asarray(frame.shapes[own]),
+            jnp.asarray(force.force, dtype=float),
+            as_time_law(force.law),
+            () if force.follows else None,
+        )
+        for force in system.forces
+        if force.nodes.body == part.name
+        for own in [system.node_numbers(force.nodes)]
+    )
+    points = body.points
+    p = points.placed(part.position, part.rotation)
+    rates = part.velocities(p)
+    model: FrameModel = frame.model
+    arrays = FrameArrays(
+        model,
+        jnp.asarray(nodes),
+        jnp.asarray(points.weights(local)),
+        jnp.asarray(shapes @ frame.turned),
+        tuple(touching),
+        loaded,
+        jnp.asarray(frame.step_limit(stiffest)),
+    )
+    zero = jnp.zeros(body.n_modes)
+    return frame, arrays, FrameState(jnp.asarray(p), zero, jnp.asarray(rates), zero), tuple(touched)
+
+
+def _stiffness(contact: Contact, masses: FloatArray, short: float) -> FloatArray:
+    if contact.stiffness is not None:
+        return np.full(len(masses), contact.stiffness)
+    return contact.fraction * masses * (2 / short) ** 2
+
+
+def _modal_stiffness(contact: Contact, frame: ModalFrame, nodes: IntArray) -> FloatArray:
+    if contact.stiffness is not None:
+        return np.full(len(nodes), contact.stiffness)
+    return frame.stiffness_at(nodes, contact.fraction)
+
+
+def _check_outside(contact: Contact, points: FloatArray) -> None:
+    gap = np.asarray(contact.obstacle.gap(jnp.asarray(points.T))[0])
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if gap.min() < -1e-6 * size:
+        worst = int(gap.argmin())
+        raise ModelError(
+            f"contact of '{contact.nodes}': the node at {np.array2string(points[worst], precision=6)} begins "
+            f"{-gap[worst]:.3g} inside the {type(contact.obstacle).__name__}; move the parts apart"
+        )

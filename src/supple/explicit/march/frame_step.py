@@ -1,0 +1,88 @@
+"""A step of the modal sub-domains, with what the explicit nodes that hang on them pass on."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from supple.explicit.frame_model import (
+    FrameState,
+    Generalized,
+    Steps,
+    elastic_force,
+    gravity_force,
+    material_points,
+    point_forces,
+)
+from supple.explicit.frame_moments import arms, spread
+from supple.explicit.march.model import FrameArrays, MarchModel, MarchState, Methods
+from supple.explicit.march.nodal_forces import penalty
+
+__all__ = ["FrameStep", "frame_step", "hanging"]
+
+
+class FrameStep(NamedTuple):
+    """Frames after the step, and works over it, J: internal, damping, external, contact, from the nodes.
+
+    on_obstacles : (o, 3) forces at t_n
+    """
+
+    frames: tuple[FrameState, ...]
+    internal: Array
+    damping: Array
+    external: Array
+    contact: Array
+    from_nodes: Array
+    on_obstacles: Array
+
+
+def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array) -> FrameStep:
+    """All frames from t_n to t_n + h; their forces are those of t_n."""
+    steps = Steps(state.frame_before, h)
+    frames = []
+    works = jnp.zeros(5)
+    on_obstacles = jnp.zeros((len(methods.obstacles), 3))
+    # Weight of the nodes that hang on a frame is in the frame's own mass already.
+    pulls = state.forces.sum(axis=0) - model.mass * model.gravity[:, None]
+    for arrays, own, numbers in zip(model.frames, state.frames, methods.frame_obstacles, strict=True):
+        sums = spread(arrays.model.moments, own.y)
+        external = gravity_force(sums, own.p, model.gravity)
+        for weights, shapes, force, law, follows in arrays.loaded:
+            share = law(state.time) * force / len(weights)
+            # None or (): the structure of the arguments, which a compiled march is made for.
+            arm = jnp.sqrt(arrays.model.squared_lengths[0])
+            turned = share if follows is None else arms(own.p) @ share / arm
+            pushes = jnp.broadcast_to(turned, (len(weights), 3))
+            external = external + point_forces(weights, shapes, own.p, own.y, pushes)
+        contact = Generalized(jnp.zeros((4, 3)), jnp.zeros_like(own.y))
+        for touching, number in zip(arrays.touching, numbers, strict=True):
+            assert touching.weights is not None
+            assert touching.shapes is not None
+            x = material_points(touching.weights, touching.shapes, own.p, own.y)
+            push = penalty(methods.obstacles[number], state.obstacles[number], touching, x.T)
+            contact = contact + point_forces(touching.weights, touching.shapes, own.p, own.y, push.T)
+            on_obstacles = on_obstacles.at[number].add(-push.sum(axis=1))
+        pulled = point_forces(arrays.weights, arrays.shapes, own.p, own.y, pulls[:, arrays.nodes].T)
+        new, _ = methods.scheme.step(arrays.model, own, external + contact + pulled, steps)
+        frames.append(new)
+        works = works + _works(arrays, own, new, (external, contact, pulled), steps)
+    return FrameStep(tuple(frames), works[0], works[1], works[2], works[3], works[4], on_obstacles)
+
+
+def hanging(arrays: FrameArrays, frame: FrameState) -> Array:
+    """Positions (3, n) of the explicit nodes that hang on a frame."""
+    return material_points(arrays.weights, arrays.shapes, frame.p, frame.y).T
+
+
+def _works(
+    arrays: FrameArrays, old: FrameState, new: FrameState, forces: tuple[Generalized, ...], steps: Steps
+) -> Array:
+    """Internal, damping, external, contact, from the nodes: force times mean rate times mean step."""
+    vp, vy = 0.5 * (old.vp + new.vp), 0.5 * (old.vy + new.vy)
+    model = arrays.model
+    elastic = elastic_force(model, old.y, jnp.zeros_like(old.y)) @ vy
+    drag = model.mass_damping * vy @ vy - elastic_force(model, jnp.zeros_like(old.y), old.vy) @ vy
+    rates = [jnp.sum(force.p * vp) + force.y @ vy for force in forces]
+    return steps.mean * jnp.stack([-elastic, drag, rates[0], -rates[1], rates[2]])

@@ -1,0 +1,149 @@
+"""The compiled march from output time to output time, by steps chosen anew from what is stable."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+
+from supple.explicit.elements import squashed
+from supple.explicit.march.march_step import kinetic, march_step
+from supple.explicit.march.model import MarchModel, MarchState, Methods
+
+__all__ = ["Recorded", "chosen_steps", "march_to", "recorded"]
+
+DRIFT = 0.01
+"""Of the energy that a run has had: what may get lost, or come from nothing."""
+
+
+class Recorded(NamedTuple):
+    """What is kept of an output time.
+
+    trouble : 0, or 1 an element turned over, 2 not a number, 3 the energy drifts, 4 energy from nothing
+    """
+
+    x: Array
+    v: Array
+    plastic: tuple[Array, ...]
+    alive: tuple[Array, ...]
+    frames: tuple[tuple[Array, Array, Array, Array], ...]
+    obstacles: tuple[tuple[Array, Array], ...]
+    energies: Array
+    time: Array
+    steps: Array
+    step: Array
+    ratio: Array
+    trouble: Array
+
+
+@partial(jax.jit, static_argnames="methods")
+def march_to(
+    model: MarchModel, methods: Methods, state: MarchState, fixed: Array, times: Array
+) -> tuple[MarchState, Recorded]:
+    """Through output times (t,); the rows after one with trouble repeat it.
+
+    fixed : step of the explicit nodes to keep, s; 0: what is stable
+    """
+
+    def one(carry: tuple[MarchState, Array], end: Array) -> tuple[tuple[MarchState, Array], Recorded]:
+        state, trouble = carry
+        new = _interval(model, methods, state, fixed, end)
+        new = jax.tree.map(lambda a, b: jnp.where(trouble > 0, a, b), state, new)
+        row, trouble = _judged(model, methods, new, trouble)
+        return (new, trouble), row
+
+    (state, _), rows = lax.scan(one, (state, jnp.asarray(0)), times)
+    return state, rows
+
+
+def chosen_steps(
+    model: MarchModel, methods: Methods, state: MarchState, fixed: Array, span: Array
+) -> tuple[Array, Array, Array]:
+    """Step of the explicit nodes, explicit steps in one of the frames, and number of these in a span."""
+    squared = model.contact_rate
+    for block, limit, live in zip(model.blocks, model.limits, state.alive, strict=True):
+        longest = jnp.min(jnp.where(live > 0, limit * squashed(block, state.x), jnp.inf))
+        squared = jnp.maximum(squared, (2 / longest) ** 2 + model.contact_rate)
+    short = methods.safety * jnp.where(squared > 0, 2 / jnp.sqrt(squared), jnp.inf)
+    betas = [beta for beta in model.betas if beta is not None]
+    for beta in betas:
+        zeta = beta / short
+        short = short * (jnp.sqrt(1 + zeta**2) - zeta)
+    short = jnp.where(fixed > 0, fixed, short)
+    if not model.frames:
+        n = jnp.maximum(jnp.ceil(span / short * (1 - 1e-9)), 1)
+        return span / n, jnp.asarray(1), n.astype(int)
+    long = methods.safety * jnp.min(jnp.stack([frame.step_limit for frame in model.frames]))
+    if not model.blocks:
+        short = jnp.where(fixed > 0, fixed, long)
+    long = jnp.where(fixed > 0, jnp.minimum(long, methods.largest_ratio * short), long)
+    long = jnp.minimum(long, methods.largest_ratio * short)
+    n = jnp.maximum(jnp.ceil(span / long * (1 - 1e-9)), 1)
+    ratio = jnp.maximum(jnp.ceil(span / n / short * (1 - 1e-9)), 1)
+    return span / (n * ratio), ratio.astype(int), n.astype(int)
+
+
+def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Array, end: Array) -> MarchState:
+    h, ratio, n = chosen_steps(model, methods, state, fixed, end - state.time)
+
+    def going_on(carry: tuple[Array, MarchState]) -> Array:
+        done, state = carry
+        return (done < n) & (state.smallest > 0) & jnp.isfinite(state.energies.internal)
+
+    def go_on(carry: tuple[Array, MarchState]) -> tuple[Array, MarchState]:
+        done, state = carry
+        return done + 1, march_step(model, methods, state, h, ratio)
+
+    done, state = lax.while_loop(going_on, go_on, (jnp.asarray(0), state))
+    return state._replace(time=jnp.where(done == n, end, state.time))
+
+
+def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Array) -> tuple[Recorded, Array]:
+    row = recorded(model, methods, state, trouble)
+    start_energy = state.initial
+    e = state.energies._replace(kinetic=row.energies[0])
+    held = e.kinetic + e.internal + e.plastic + e.hourglass + e.contact + e.damping + e.interface
+    # What round-off stores in a body at rest is no energy: relative strains of 1e-12 at the fastest rate.
+    noise = 1e-24 * jnp.sum(model.mass) * jnp.abs(state.x).max(initial=0.0) ** 2 / state.before**2
+    size = jnp.abs(start_energy) + jnp.abs(e.external) + e.plastic + jnp.abs(e.damping) + noise
+    seen = jnp.where(
+        state.smallest <= 0,
+        1,
+        jnp.where(
+            ~jnp.isfinite(held),
+            2,
+            jnp.where(
+                jnp.abs(held - e.external - start_energy) > DRIFT * (size + e.kinetic),
+                3,
+                jnp.where(jnp.minimum(e.internal, e.hourglass) < -2 * DRIFT * size, 4, 0),
+            ),
+        ),
+    )
+    trouble = jnp.where(trouble > 0, trouble, seen)
+    return row._replace(trouble=trouble), trouble
+
+
+@partial(jax.jit, static_argnames="methods")
+def recorded(model: MarchModel, methods: Methods, state: MarchState, trouble: Array | int = 0) -> Recorded:
+    """A state as it is kept."""
+    plastic = []
+    for law, own, live in zip(methods.laws, state.materials, state.alive, strict=True):
+        strain = law.plastic_strain(own)
+        plastic.append(jnp.zeros_like(live) if strain is None else strain.max(axis=0))
+    return Recorded(
+        state.x,
+        state.v,
+        tuple(plastic),
+        state.alive,
+        tuple(tuple(frame) for frame in state.frames),  # type: ignore[misc]
+        tuple((at.offset, at.velocity) for at in state.obstacles),
+        jnp.stack(state.energies._replace(kinetic=kinetic(model, state))),
+        state.time,
+        state.steps,
+        state.before,
+        jnp.where(state.before > 0, state.frame_before / state.before, 1.0),
+        jnp.asarray(trouble),
+    )

@@ -1,0 +1,146 @@
+"""What the explicit march is made of: constants as arrays, methods as static objects, and its state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from jax import Array
+
+from supple.explicit.elements import SolidBlock
+from supple.explicit.frame_model import FrameModel, FrameState
+from supple.explicit.materials import Law
+from supple.explicit.obstacles import Obstacle
+from supple.explicit.projected_difference import ProjectedDifference
+from supple.explicit.published_scheme import PublishedScheme
+
+__all__ = ["Energies", "FrameArrays", "MarchModel", "MarchState", "Methods", "NodesTouching", "ObstacleState"]
+
+
+class NodesTouching(NamedTuple):
+    """Nodes in contact with an obstacle.
+
+    nodes : (n,) of the explicit nodes, or of a modal part's own points below
+    stiffness : (n,) N/m
+    weights, shapes : (n, 4), (n, 3, k) of a modal part's points; None of explicit nodes
+    """
+
+    nodes: Array
+    stiffness: Array
+    weights: Array | None = None
+    shapes: Array | None = None
+
+
+class FrameArrays(NamedTuple):
+    """A modal sub-domain in the march.
+
+    model : FrameModel      with the mass of the nodes that hang on it
+    nodes : (n,)            explicit nodes that hang on it, at weights (n, 4) and shapes (n, 3, k)
+    touching : tuple of NodesTouching       contacts of its own points
+    loaded : tuple of (weights, shapes, force (3,), law, follows)    forces on its own points; () or None
+    """
+
+    model: FrameModel
+    nodes: Array
+    weights: Array
+    shapes: Array
+    touching: tuple[NodesTouching, ...]
+    loaded: tuple[Any, ...]
+    step_limit: Array
+
+
+class MarchModel(NamedTuple):
+    """Numbers of the march.
+
+    blocks : of explicit elements;   limits : (E,) of each block at rest, s;   betas : (s) of each, or None
+    mass, alpha : (N,) of the nodes, kg and 1/s;   movable : (3, N) 1, or 0 where held
+    contact_rate : largest stiffness over mass of a node in contact, 1/s^2
+    """
+
+    blocks: tuple[SolidBlock, ...]
+    limits: tuple[Array, ...]
+    betas: tuple[Array | None, ...]
+    mass: Array
+    alpha: Array
+    movable: Array
+    frames: tuple[FrameArrays, ...]
+    touching: tuple[NodesTouching, ...]
+    loaded: tuple[Any, ...]
+    obstacle_mass: Array
+    gravity: Array
+    contact_rate: Array
+
+
+@dataclass(frozen=True)
+class Methods:
+    """What the march is compiled for.
+
+    laws, deletions : of each block
+    obstacles : those of contacts, explicit ones first;   frame_obstacles : numbers per frame
+    obstacle_of : number of the obstacle of each contact of explicit nodes
+    scheme : of the four-point frames
+    safety : part of the step limit that is used
+    largest_ratio : explicit steps in one of the frames
+    """
+
+    laws: tuple[Law, ...]
+    deletions: tuple[float, ...]
+    obstacles: tuple[Obstacle, ...]
+    obstacle_of: tuple[int, ...]
+    frame_obstacles: tuple[tuple[int, ...], ...]
+    scheme: ProjectedDifference | PublishedScheme
+    safety: float
+    largest_ratio: int
+
+
+class Energies(NamedTuple):
+    """Where the energy of a run is, J; kinetic at the middle of the last step.
+
+    kinetic + internal + plastic + hourglass + contact + damping + interface - external   does not change
+
+    internal : work of stresses that is neither plastic nor viscous; hourglass : of the control's forces
+    contact : held by penalties; interface : lost between parts that march at different steps
+    external : work of loads, gravity and driven obstacles
+    """
+
+    kinetic: Array
+    internal: Array
+    plastic: Array
+    hourglass: Array
+    contact: Array
+    damping: Array
+    interface: Array
+    external: Array
+
+
+class ObstacleState(NamedTuple):
+    """How far an obstacle has moved, (3,), and its velocity over the last step."""
+
+    offset: Array
+    velocity: Array
+
+
+class MarchState(NamedTuple):
+    """All that the march knows at t_n.
+
+    before, frame_before : the last step of the explicit nodes and of the frames, s; zero at the start
+    x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
+    materials, alive : of each block;   smallest : det F of the worst point so far
+    obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
+    """
+
+    time: Array
+    before: Array
+    frame_before: Array
+    x: Array
+    v: Array
+    forces: Array
+    materials: tuple[Any, ...]
+    alive: tuple[Array, ...]
+    frames: tuple[FrameState, ...]
+    obstacles: tuple[ObstacleState, ...]
+    obstacle_forces: Array
+    energies: Energies
+    initial: Array
+    smallest: Array
+    steps: Array

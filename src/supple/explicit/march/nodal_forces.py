@@ -1,0 +1,84 @@
+"""Forces on the explicit nodes at one instant: elements, contact, weight and loads."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from supple.explicit.elements import block_force
+from supple.explicit.march.model import MarchModel, Methods, NodesTouching, ObstacleState
+from supple.explicit.obstacles import Obstacle
+
+__all__ = ["NodalForces", "nodal_forces", "penalty"]
+
+
+class NodalForces(NamedTuple):
+    """At t_n.
+
+    forces : (4, 3, N) internal, hourglass, contact, external
+    materials, alive : of the blocks
+    on_obstacles : (o, 3)
+    plastic, viscous : work of the step that led here, J;   smallest : det F of the worst point
+    """
+
+    forces: Array
+    materials: tuple[Any, ...]
+    alive: tuple[Array, ...]
+    on_obstacles: Array
+    plastic: Array
+    viscous: Array
+    smallest: Array
+
+
+def nodal_forces(
+    model: MarchModel,
+    methods: Methods,
+    time: Array,
+    x: Array,
+    dx: Array,
+    h: Array,
+    materials: tuple[Any, ...],
+    alive: tuple[Array, ...],
+    obstacles: tuple[ObstacleState, ...],
+) -> NodalForces:
+    """At positions x (3, N), reached by the increment dx in a step h (any number where dx is zero)."""
+    internal, hourglass = jnp.zeros_like(x), jnp.zeros_like(x)
+    plastic, viscous, smallest = jnp.zeros(()), jnp.zeros(()), jnp.ones(())
+    states, living = [], []
+    for law, limit, block, beta, state, live in zip(
+        methods.laws, methods.deletions, model.blocks, model.betas, materials, alive, strict=True
+    ):
+        out = block_force(law, block, x, dx, state, live, beta, h)
+        internal, hourglass = internal + out.force, hourglass + out.hourglass
+        plastic, viscous = plastic + out.plastic, viscous + out.viscous
+        smallest = jnp.minimum(smallest, out.smallest)
+        states.append(out.state)
+        strain = law.plastic_strain(out.state)
+        if strain is not None and limit != float("inf"):
+            live = live * (strain.max(axis=0) < limit)  # noqa: PLW2901 - the next step's
+        living.append(live)
+    contact, on_obstacles = jnp.zeros_like(x), jnp.zeros((len(methods.obstacles), 3))
+    for touching, number in zip(model.touching, methods.obstacle_of, strict=True):
+        push = penalty(methods.obstacles[number], obstacles[number], touching, x[:, touching.nodes])
+        contact = contact.at[:, touching.nodes].add(push)
+        on_obstacles = on_obstacles.at[number].add(-push.sum(axis=1))
+    external = model.mass * model.gravity[:, None]
+    for nodes, force, law in model.loaded:
+        external = external.at[:, nodes].add((law(time) * force / len(nodes))[:, None])
+    return NodalForces(
+        jnp.stack([internal, hourglass, contact, external]),
+        tuple(states),
+        tuple(living),
+        on_obstacles,
+        plastic,
+        viscous,
+        smallest,
+    )
+
+
+def penalty(obstacle: Obstacle, at: ObstacleState, touching: NodesTouching, x: Array) -> Array:
+    """Forces (3, n) of an obstacle on points x (3, n)."""
+    gap, normal = obstacle.gap(x - at.offset[:, None])
+    return touching.stiffness * jnp.maximum(-gap, 0.0) * normal

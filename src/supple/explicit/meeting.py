@@ -1,0 +1,77 @@
+"""Where nodes meet a mesh: on a node of it, or on a face of one of its cells."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from supple.errors import ModelError
+from supple.mesh import CellType, Mesh
+
+__all__ = ["meeting_nodes", "on_faces"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_TETRA_FACES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
+_HEXA_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+_TRIANGLES = {
+    CellType.TRIANGLE3: np.array([(0, 1, 2)]),
+    CellType.TETRA4: np.array(_TETRA_FACES),
+    CellType.TETRA10: np.array(_TETRA_FACES),
+    CellType.HEXA8: np.array([t for a, b, c, d in _HEXA_FACES for t in ((a, b, c), (a, c, d))]),
+    CellType.HEXA20: np.array([t for a, b, c, d in _HEXA_FACES for t in ((a, b, c), (a, c, d))]),
+}
+
+
+def meeting_nodes(points: FloatArray, nodes: FloatArray, within: float) -> IntArray:
+    """Number of the node (n,) that each point (n, 3) meets, of nodes (N, 3); -1 where none is that near."""
+    distance, nearest = KDTree(nodes).query(points)
+    return np.where(distance <= within, nearest, -1)
+
+
+def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[IntArray, FloatArray]:
+    """Corners (n, 3) of a face under each point (n, 3) and their weights (n, 3), which sum to one.
+
+    Linear on triangles, so that a tie of unlike meshes passes the patch test.
+    Raises ModelError where a point lies farther than `within` from every face: the interfaces do not meet.
+    """
+    triangles = np.concatenate(
+        [
+            cells[:, _TRIANGLES[kind]].reshape(-1, 3)
+            for kind, cells in mesh.cells.items()
+            if kind in _TRIANGLES
+        ]
+    )
+    corners = mesh.nodes[triangles]
+    # Only faces near a point can hold it; their centres are searched within their own size.
+    centres, reach = corners.mean(axis=1), np.linalg.norm(np.ptp(corners, axis=1), axis=1).max()
+    tree = KDTree(centres)
+    found, weights = np.empty((len(points), 3), dtype=np.int64), np.empty((len(points), 3))
+    for number, (point, near) in enumerate(
+        zip(points, tree.query_ball_point(points, reach + within), strict=True)
+    ):
+        gaps, own = _gaps(point, corners[near]) if near else (np.array([np.inf]), np.zeros((1, 3)))
+        best = int(np.argmin(gaps))
+        if gaps[best] > within:
+            raise ModelError(
+                f"{what}: the node at {np.array2string(point, precision=6)} does not meet the other "
+                f"part; the "
+                f"nearest face is {gaps[best]:.3g} away, allowed are {within:.3g}. Do the parts stand "
+                f"where they "
+                "should? `within` allows more"
+            )
+        found[number], weights[number] = triangles[near[best]], own[best]
+    return found, weights
+
+
+def _gaps(point: FloatArray, corners: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Distance of a point from triangles (t, 3, 3), and its area coordinates cut back into them."""
+    edges = corners[:, 1:] - corners[:, :1]
+    gram = np.einsum("tai,tbi->tab", edges, edges)
+    right = np.einsum("tai,ti->ta", edges, point - corners[:, 0])
+    inner = np.linalg.solve(gram, right[..., None])[..., 0]
+    weights = np.clip(np.column_stack([1 - inner.sum(axis=1), inner]), 0.0, None)
+    weights /= weights.sum(axis=1, keepdims=True)
+    return np.linalg.norm(np.einsum("ta,tai->ti", weights, corners) - point, axis=1), weights

@@ -1,0 +1,141 @@
+"""A modal sub-domain: a linear body that vibrates in modes while its four-point frame flies and turns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import checked_arguments
+from supple.body import FlexibleBody, LinearRayleighDamping, MeanAxisFrame
+from supple.body.mass_properties import rigid_mass_properties
+from supple.errors import ModelError
+from supple.explicit.frame_model import FrameModel
+from supple.explicit.frame_moments import Moments, moments
+from supple.explicit.frame_points import FramePoints
+from supple.explicit.mass_fields import mass_fields
+from supple.explicit.step_limit import local_mass, true_limit
+from supple.reduction import LinearBasisRecipe, rayleigh_ritz
+
+__all__ = ["ModalSubdomain", "modal_subdomain"]
+
+LARGEST_RIGID_PART = 1e-8
+"""Of a mode: its product with a rigid motion of the same mass norm."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModalSubdomain:
+    """Modes of a free body on a four-point frame; build it with `modal_subdomain`.
+
+    body : FlexibleBody
+    vectors : (n, k)        V^T M V = I, R^T M V = 0, V^T K V = diag(omega^2)
+    frequencies : (k,)      rad/s, ascending
+    mass_damping, stiffness_damping : alpha, 1/s, and beta, s, of the modes
+    Raises ModelError for vectors that contain rigid motion: their step limit would not be that of the modes.
+    """
+
+    body: FlexibleBody
+    vectors: NDArray[np.float64] = field(repr=False)
+    frequencies: NDArray[np.float64] = field(repr=False)
+    mass_damping: float = 0.0
+    stiffness_damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        R, M = self.body.rigid_modes, self.body.mass
+        shared = self.vectors.T @ (M @ R) / np.sqrt(np.einsum("ij,ij->j", R, M @ R))
+        if (worst := float(np.abs(shared).max(initial=0.0))) > LARGEST_RIGID_PART:
+            raise ModelError(
+                f"mode {int(np.abs(shared).max(axis=1).argmax()) + 1} of body '{self.body.name}' "
+                f"contains rigid "
+                f"motion (product {worst:.1e}, allowed {LARGEST_RIGID_PART:.0e}): its frame carries that "
+                "already, and the step limit would be lost; make the modes M-orthogonal to rigid motion, as "
+                "modal_subdomain does"
+            )
+
+    @property
+    def name(self) -> str:
+        """Name of the body."""
+        return self.body.name
+
+    @property
+    def n_modes(self) -> int:
+        """Number of modes k."""
+        return self.vectors.shape[1]
+
+    @cached_property
+    def points(self) -> FramePoints:
+        """The frame: at the centre of mass, arms of the radius of gyration."""
+        own = rigid_mass_properties(self.body.nodal_mass, self.body.nodes, self.body.dofs_per_node)
+        return FramePoints(own.centre, float(np.sqrt(np.trace(own.inertia) / (2 * own.mass))))
+
+    @cached_property
+    def shapes(self) -> NDArray[np.float64]:
+        """Local displacements of the nodes per modal coordinate, in units of the arm, (N, 3, k)."""
+        nodal = (self.body.expansion @ self.vectors).reshape(
+            len(self.body.nodes), self.body.dofs_per_node, -1
+        )
+        return nodal[:, :3] / self.points.arm
+
+    @cached_property
+    def moments(self) -> Moments:
+        """The sums over its mass."""
+        return moments(mass_fields(self.body, self.points, self.vectors))
+
+    @property
+    def step_limit(self) -> float:
+        """Longest stable step of the undamped modes with their frame, s."""
+        return true_limit(self.moments, self.points, np.diag(self.frequencies**2))
+
+    def compiled(self) -> FrameModel:
+        """The numbers of the march."""
+        M_V = local_mass(self.moments, self.points.arm)
+        if self.n_modes and np.abs(M_V - np.eye(self.n_modes)).max() > 1e-8:
+            raise ModelError(f"the modes of body '{self.name}' are not mass-normalised")
+        return FrameModel(
+            self.moments,
+            jnp.diag(jnp.asarray(self.frequencies**2)),
+            jnp.asarray(self.points.squared_lengths),
+            jnp.asarray(self.mass_damping),
+            jnp.asarray(self.stiffness_damping),
+        )
+
+
+@checked_arguments
+def modal_subdomain(
+    body: FlexibleBody,
+    basis: LinearBasisRecipe,
+    *,
+    highest: float = float("inf"),
+    damping: LinearRayleighDamping | None = None,
+) -> ModalSubdomain:
+    """A linear body as a modal sub-domain of an explicit march.
+
+        V^T M V = I,   R^T M V = 0,   V^T K V = diag(omega^2)
+
+    The columns of any basis are made M-orthogonal to the six rigid motions and vibrate at frequencies of
+    their own; those above `highest` are left out. So constraint modes of many interface freedoms do not
+    shorten the step: what counts is the highest frequency kept.
+
+    body : FlexibleBody     its elements' quadratic strains are not used
+    basis : NormalModes(..), CraigBampton(..), ErrorControlled(..) or any other recipe
+    highest : float         rad/s
+    damping : LinearRayleighDamping(..)     of the modes; the frame is undamped
+    Raises ModelError when no mode is left; errors of the recipe.
+    Source: [Radioss]; docs/theory/explicit.md for the orthogonality.
+    """
+    frame = MeanAxisFrame()
+    linear = rayleigh_ritz(body, frame, basis.build(body, frame))
+    kept = linear.frequencies <= highest
+    if not kept.any():
+        raise ModelError(
+            f"no mode of body '{body.name}' lies below {highest:g} rad/s; the lowest is at "
+            f"{linear.frequencies[0]:g}"
+        )
+    alpha, beta = (0.0, 0.0) if damping is None else (damping.alpha, damping.beta)
+    vectors = linear.vectors[:, kept]
+    # A mode has no sign of its own; this one lets a run go on in another process.
+    signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(vectors.shape[1])])
+    return ModalSubdomain(body, vectors * signs, linear.frequencies[kept], alpha, beta)

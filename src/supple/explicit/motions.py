@@ -1,0 +1,62 @@
+"""Motions of the two kinds of sub-domain, one row per output time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+import numpy as np
+
+from supple.integrate.motion import register_motion
+
+__all__ = ["FourPointMotion", "NodalMotion"]
+
+
+@register_motion
+@dataclass(frozen=True)
+class NodalMotion:
+    """Motion of the nodes of an explicit sub-domain."""
+
+    kind: ClassVar[str] = "nodal"
+
+    nodes: np.ndarray
+    """(t, N, 3) positions in space."""
+    velocities: np.ndarray
+    """(t, N, 3) over the step before; at the start, those of that instant."""
+    plastic_strain: np.ndarray
+    """(t, E) equivalent plastic strain of each element, the largest of its points; zero of elastic ones."""
+    alive: np.ndarray
+    """(t, E) 1, or 0 from when an element has been deleted."""
+
+    def at(self, rows: slice | np.ndarray) -> NodalMotion:
+        """The motion at some of its output times, by their numbers."""
+        return NodalMotion(**{name: array[rows] for name, array in self.arrays().items()})
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The fields by name."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+
+@register_motion
+@dataclass(frozen=True)
+class FourPointMotion:
+    """Motion of the four points and the modes of a modal sub-domain."""
+
+    kind: ClassVar[str] = "four-point"
+
+    points: np.ndarray
+    """(t, 4, 3) O, A, B, C in space."""
+    coordinates: np.ndarray
+    """(t, k) of the modes of the sub-domain."""
+    point_rates: np.ndarray
+    """(t, 4, 3) over the step before."""
+    coordinate_rates: np.ndarray
+    """(t, k)."""
+
+    def at(self, rows: slice | np.ndarray) -> FourPointMotion:
+        """The motion at some of its output times, by their numbers."""
+        return FourPointMotion(**{name: array[rows] for name, array in self.arrays().items()})
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The fields by name."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}

@@ -1,0 +1,133 @@
+"""Rigid obstacles: planes, cylinders, spheres, fixed, driven at a velocity, or free with a mass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from supple.arguments import check_fields
+from supple.errors import ModelError
+
+__all__ = ["Obstacle", "RigidCylinder", "RigidPlane", "RigidSphere"]
+
+Vector = tuple[float, float, float]
+
+
+class Obstacle(Protocol):
+    """A rigid surface that translates; frozen and hashable.
+
+    velocity : (3,) at the start;   mass : kg, infinite where the velocity is kept
+    """
+
+    @property
+    def velocity(self) -> Vector:
+        """At the start, m/s."""
+        ...
+
+    @property
+    def mass(self) -> float:
+        """Mass, kg."""
+        ...
+
+    def gap(self, x: Array) -> tuple[Array, Array]:
+        """Distance (n,) of points (3, n) from the surface where it stood at first, and its normals (3, n)."""
+        ...
+
+
+@dataclass(frozen=True)
+class RigidPlane:
+    """The half space behind a plane; nodes belong on the side its normal points to.
+
+    point, normal : (3,);   velocity : (3,) m/s;   mass : kg
+    """
+
+    point: Vector
+    normal: Vector
+    velocity: Vector = (0.0, 0.0, 0.0)
+    mass: float = float("inf")
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        size = float(np.linalg.norm(self.normal))
+        if not size > 0:
+            raise ModelError(f"the normal of a plane must not vanish, got {self.normal}")
+        object.__setattr__(self, "normal", tuple(float(c) / size for c in self.normal))
+        _check_mass(self.mass)
+
+    def gap(self, x: Array) -> tuple[Array, Array]:
+        """See `Obstacle`."""
+        n = jnp.array(self.normal)[:, None]
+        return (n * (x - jnp.array(self.point)[:, None])).sum(axis=0), jnp.broadcast_to(n, x.shape)
+
+
+@dataclass(frozen=True)
+class RigidSphere:
+    """A ball.
+
+    centre : (3,) m;   radius : m;   velocity : (3,) m/s;   mass : kg
+    """
+
+    centre: Vector
+    radius: float
+    velocity: Vector = (0.0, 0.0, 0.0)
+    mass: float = float("inf")
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        _check_mass(self.mass)
+        _check_radius(self.radius)
+
+    def gap(self, x: Array) -> tuple[Array, Array]:
+        """See `Obstacle`."""
+        return _from_core(x - jnp.array(self.centre)[:, None], self.radius)
+
+
+@dataclass(frozen=True)
+class RigidCylinder:
+    """A cylinder without end.
+
+    point, axis : (3,);   radius : m;   velocity : (3,) m/s;   mass : kg
+    """
+
+    point: Vector
+    axis: Vector
+    radius: float
+    velocity: Vector = (0.0, 0.0, 0.0)
+    mass: float = float("inf")
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        size = float(np.linalg.norm(self.axis))
+        if not size > 0:
+            raise ModelError(f"the axis of a cylinder must not vanish, got {self.axis}")
+        object.__setattr__(self, "axis", tuple(float(c) / size for c in self.axis))
+        _check_mass(self.mass)
+        _check_radius(self.radius)
+
+    def gap(self, x: Array) -> tuple[Array, Array]:
+        """See `Obstacle`."""
+        axis = jnp.array(self.axis)[:, None]
+        arm = x - jnp.array(self.point)[:, None]
+        return _from_core(arm - axis * (axis * arm).sum(axis=0), self.radius)
+
+
+def _from_core(arm: Array, radius: float) -> tuple[Array, Array]:
+    squared = (arm * arm).sum(axis=0)
+    distance = jnp.sqrt(jnp.where(squared > 0, squared, 1.0))
+    return jnp.where(squared > 0, distance, 0.0) - radius, arm / distance
+
+
+def _check_mass(mass: float) -> None:
+    if not mass > 0:
+        raise ModelError(
+            f"the mass of an obstacle must be positive (infinite: its velocity is kept), got {mass}"
+        )
+
+
+def _check_radius(radius: float) -> None:
+    if not (np.isfinite(radius) and radius > 0):
+        raise ModelError(f"the radius of an obstacle must be a positive length, got {radius}")

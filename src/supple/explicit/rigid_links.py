@@ -1,0 +1,28 @@
+"""The six rigid links between the four points of a frame, as half squares: D = 1/2 (|x_I - x_J|^2 - L^2)."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+from jax import Array
+
+from supple.explicit.frame_points import LINKS
+
+__all__ = ["link_residual", "link_rows", "link_vectors"]
+
+_SIGNS = jnp.zeros((6, 4)).at[jnp.arange(6), LINKS[:, 0]].set(1.0).at[jnp.arange(6), LINKS[:, 1]].set(-1.0)
+
+
+def link_vectors(p: Array) -> Array:
+    """D = x_I - x_J (6, 3) of points p (4, 3), or the rate of d from that of p."""
+    return _SIGNS @ p
+
+
+def link_residual(p: Array, squared_lengths: Array) -> Array:
+    """D (6,), m^2."""
+    d = link_vectors(p)
+    return 0.5 * ((d * d).sum(axis=1) - squared_lengths)
+
+
+def link_rows(vectors: Array) -> Array:
+    """G = dD/dp (6, 12) for link vectors (6, 3)."""
+    return (_SIGNS[:, :, None] * vectors[:, None, :]).reshape(6, 12)

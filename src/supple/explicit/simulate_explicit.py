@@ -1,0 +1,117 @@
+"""An explicit run, in memory or kept in a result file as it goes on."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+
+from supple.arguments import checked_arguments
+from supple.errors import ResultFileError
+from supple.explicit.engine import ExplicitEngine, ExplicitOptions
+from supple.explicit.explicit_system import ExplicitSystem
+from supple.integrate import Progress, Run, Solution
+from supple.integrate import run as march_through
+from supple.storage import ResultFile, read_header, read_solution
+
+__all__ = ["simulate_explicit"]
+
+
+@checked_arguments
+def simulate_explicit(
+    system: ExplicitSystem,
+    run: Run,
+    *,
+    options: ExplicitOptions | None = None,
+    file: Path | str | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+    check: bool = True,
+) -> Solution:
+    """Motion of an explicit system from its initial state over a run.
+
+    Parameters
+    ----------
+    system : ExplicitSystem
+    run : Run               its span and output times; steps, method and tolerances are the engine's own
+    options : ExplicitOptions
+    file : path             keep the motion in this result file as it is computed; a finished run is read, one
+                            that was cut off goes on, to the last bit as if it had not been
+    overwrite : bool        begin anew, whatever the file holds
+    progress, check : as for `simulate`
+
+    Returns
+    -------
+    Solution    a `NodalMotion` or `FourPointMotion` per sub-domain; under `ENERGIES` the energy balance in
+    the
+                order of `Energies`, under `STEPS` the step and the ratio, under `OBSTACLES` how far each
+                has moved and its velocity
+
+    Raises
+    ------
+    ModelError          ties that do not meet, nodes that begin inside an obstacle, a step above the limit
+    ConvergenceError    an element that turned over, an energy balance open by 1 %: what was computed is kept
+    ResultFileError     the file holds another run, or cannot be read or written
+    """
+    engine = ExplicitEngine(system, run, options)
+    times = run.times
+    if file is None:
+        return march_through(engine, times, progress=progress, check=check)
+    path, case = Path(file), _case(system, run)
+    inputs = {"the run": repr(run), "the system": _digest(engine), "the options": repr(options)}
+    if path.exists() and not overwrite:
+        header = read_header(path)
+        if dict(header.inputs) != inputs:
+            raise ResultFileError(
+                f"{path} holds another run ({header.case}); say overwrite=True to replace it"
+            )
+        if header.complete:
+            return read_solution(path)
+        if header.n_times:
+            with ResultFile.resume(path, case=case, inputs=inputs) as kept:
+                return _recorded(engine, run, kept, kept.last_instant(), progress, check)
+    with ResultFile.create(path, case=case, inputs=inputs, overwrite=overwrite) as kept:
+        return _recorded(engine, run, kept, None, progress, check)
+
+
+def _recorded(
+    engine: ExplicitEngine,
+    run: Run,
+    kept: ResultFile,
+    start: Solution | None,
+    progress: Progress | None,
+    check: bool,
+) -> Solution:
+    stopped = None
+    if start is None or start.times[-1] < run.times[-1] - 1e-6 * run.output_step:
+        done = march_through(
+            engine, run.times, resume=start, record=kept.append, progress=progress, check=check
+        )
+        stopped = done.stopped
+    whole = kept.solution()
+    if stopped is None:
+        kept.finish()
+    return replace(whole, stopped=stopped)
+
+
+def _case(system: ExplicitSystem, run: Run) -> str:
+    parts = ", ".join(f"{part.name} ({type(part.subdomain).__name__})" for part in system.placed)
+    return f"explicit: {parts}; {run.duration:g} from {run.start:g}, every {run.output_step:g}"
+
+
+def _digest(engine: ExplicitEngine) -> str:
+    """Of all numbers and methods of the march."""
+    import jax
+    import numpy as np
+
+    own = engine.built
+    digest = sha256(repr(own.methods).encode())
+    leaves, structure = jax.tree.flatten((own.model, own.start))
+    digest.update(str(structure).encode())
+    for leaf in leaves:
+        array = np.ascontiguousarray(leaf)
+        digest.update(pickle.dumps((array.shape, str(array.dtype))))
+        # Modes have no sign of their own in the last digits; twelve tell another body.
+        digest.update(np.float64(f"{float(np.abs(array.astype(float)).sum()):.6e}").tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,94 @@
+"""Tensors of 3 x 3 components, each an array over points: what constitutive laws are written in.
+
+A tensor is a nested tuple t[i][j] of arrays of one shape. Written out component by component, a law
+compiles to one loop over points without memory between its operations; arrays of shape (.., 3, 3) would
+cost several times as much in small products.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import jax.numpy as jnp
+from jax import Array
+
+__all__ = [
+    "Tensor",
+    "added",
+    "as_array",
+    "cofactor",
+    "determinant",
+    "double_dot",
+    "identity_like",
+    "product",
+    "scaled",
+    "symmetric_part",
+    "tensor",
+    "transposed",
+]
+
+Tensor = tuple[tuple[Array, Array, Array], tuple[Array, Array, Array], tuple[Array, Array, Array]]
+
+
+def tensor(component: Callable[[int, int], Array]) -> Tensor:
+    """From a function of the two indices."""
+    return tuple(tuple(component(i, j) for j in range(3)) for i in range(3))  # type: ignore[return-value]
+
+
+def identity_like(t: Tensor) -> Tensor:
+    """The unit tensor at the same points."""
+    one, zero = jnp.ones_like(t[0][0]), jnp.zeros_like(t[0][0])
+    return tensor(lambda i, j: one if i == j else zero)
+
+
+def transposed(a: Tensor) -> Tensor:
+    """a^T."""
+    return tensor(lambda i, j: a[j][i])
+
+
+def added(a: Tensor, b: Tensor) -> Tensor:
+    """A + b."""
+    return tensor(lambda i, j: a[i][j] + b[i][j])
+
+
+def scaled(factor: Array | float, a: Tensor) -> Tensor:
+    """Factor a."""
+    return tensor(lambda i, j: factor * a[i][j])
+
+
+def product(a: Tensor, b: Tensor) -> Tensor:
+    """A b."""
+    return tensor(lambda i, j: a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j])
+
+
+def symmetric_part(a: Tensor) -> Tensor:
+    """(a + a^T) / 2."""
+    return tensor(lambda i, j: a[i][i] if i == j else 0.5 * (a[i][j] + a[j][i]))
+
+
+def double_dot(a: Tensor, b: Tensor) -> Array:
+    """A : b."""
+    total = a[0][0] * b[0][0]
+    for i, j in [(0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1), (2, 2)]:
+        total = total + a[i][j] * b[i][j]
+    return total
+
+
+def cofactor(a: Tensor) -> Tensor:
+    """Cof a = det(a) a^-T."""
+
+    def minor(i: int, j: int) -> Array:
+        r, s, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
+        return a[r][c] * a[s][d] - a[r][d] * a[s][c]
+
+    return tensor(minor)
+
+
+def determinant(a: Tensor, cof: Tensor) -> Array:
+    """Det a from its first row and its cofactor."""
+    return a[0][0] * cof[0][0] + a[0][1] * cof[0][1] + a[0][2] * cof[0][2]
+
+
+def as_array(a: Tensor) -> Array:
+    """(3, 3, ...)."""
+    return jnp.stack([jnp.stack(row) for row in a])

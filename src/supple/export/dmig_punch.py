@@ -1,0 +1,56 @@
+"""DMIG punch files (.pch): symmetric real matrices of a body, as Nastran and Radioss read them.
+
+    DMIG*   KAAX                   1               1
+    *                              1  1.234567890123456D+05
+
+Sixteen columns a field; one card per entry of the lower triangle, by columns.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+
+from supple.errors import ModelError
+
+__all__ = ["write_dmig_punch"]
+
+_SYMMETRIC, _REAL_DOUBLE = 6, 2
+
+
+def write_dmig_punch(path: Path | str, node_ids: ArrayLike, dofs_per_node: int, **matrices: Any) -> Path:
+    """Write matrices under their names, such as KAAX=stiffness, MAAX=mass.
+
+    node_ids : (N,) ids of the grids;   dofs_per_node : 3 or 6, components 1 to 3 or 6
+    matrices : (n, n) symmetric, sparse or dense, n = N * dofs_per_node, by names of at most eight characters
+    Raises ModelError for a matrix of another size, or that is not symmetric or finite; for no matrix.
+    """
+    ids = np.asarray(node_ids)
+    n = len(ids) * dofs_per_node
+    grids, components = np.repeat(ids, dofs_per_node), np.tile(np.arange(1, dofs_per_node + 1), len(ids))
+    if not matrices:
+        raise ModelError("a DMIG file needs a matrix: KAAX=body.stiffness")
+    lines = []
+    for name, given in matrices.items():
+        matrix = sparse.csc_array(given)
+        if matrix.shape != (n, n):
+            raise ModelError(f"{name} has shape {matrix.shape}; {len(ids)} nodes need ({n}, {n})")
+        if len(name) > 8 or not np.isfinite(matrix.data).all():
+            raise ModelError(f"{name}: a DMIG has finite entries and a name of at most eight characters")
+        if abs(matrix - matrix.T).max() > 1e-9 * abs(matrix).max():
+            raise ModelError(f"{name} is not symmetric; Radioss reads symmetric matrices only")
+        lines.append(f"DMIG    {name:<8}{0:8d}{_SYMMETRIC:8d}{_REAL_DOUBLE:8d}{0:8d}")
+        lower = sparse.csc_array(sparse.tril(matrix))
+        for j in np.flatnonzero(np.diff(lower.indptr)):
+            lines.append(f"DMIG*   {name:<16}{grids[j]:16d}{components[j]:16d}")
+            for at in range(lower.indptr[j], lower.indptr[j + 1]):
+                i, value = lower.indices[at], lower.data[at]
+                number = f"{value:.9E}".replace("E", "D")
+                lines.append(f"*       {grids[i]:16d}{components[i]:16d}{number:>16}")
+    target = Path(path)
+    target.write_text("\n".join(lines) + "\n", encoding="ascii")
+    return target

@@ -1,0 +1,1 @@
+"""Explicit combined modal reduction: its promises, measured."""

@@ -1,0 +1,139 @@
+"""Two halves of a box, one in modes, tied by multipliers: elimination, several time steps."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from scipy.linalg import eigh
+
+from supple.explicit.coupling import (
+    CoupledMotion,
+    Coupling,
+    ElementSide,
+    GravouilCombescure,
+    ModalSide,
+    MultiTimeStep,
+    PrakashHjelmstad,
+    dual_march,
+)
+from supple.fem import Isotropic, lumped_mass, solid_model
+from supple.mesh import CellType, Mesh, block
+
+__all__ = ["dual_against_primal", "multi_time_steps"]
+
+LIMIT = 0.5
+"""Below the step limit of the elements, s."""
+
+
+class _Halves(NamedTuple):
+    coupling: Coupling
+    root: Any
+    mesh: Mesh
+    L: Any
+    K: Any
+    M: Any
+
+
+@cache
+def _halves() -> _Halves:
+    """First half held, 27 interface and 12 fixed-interface modes made diagonal; second in elements."""
+    mesh = block(4, 2, 2, 4, 2, 2, CellType.TETRA4)
+    model = solid_model(mesh, Isotropic(1.0, 0.3, 1.0))
+    K, m = model.stiffness.toarray(), lumped_mass(model)
+    held, tip = (_freedoms(mesh.node_sets[name]) for name in ("root", "tip"))
+    root = held
+    inner = np.setdiff1d(np.arange(len(m)), np.concatenate([held, tip]))
+    basis = np.zeros((len(m), 39))
+    basis[tip, :27] = np.eye(27)
+    basis[inner, :27] = -np.linalg.solve(K[np.ix_(inner, inner)], K[np.ix_(inner, tip)])
+    basis[inner, 27:] = eigh(K[np.ix_(inner, inner)], np.diag(m[inner]))[1][:, :12]
+    squares, T = eigh(basis.T @ K @ basis, basis.T @ (m[:, None] * basis))
+    rows = np.zeros((27, len(m)))
+    rows[np.arange(27), root] = -1
+    Kj = jnp.asarray(K)
+    coupling = Coupling(
+        ModalSide(np.sqrt(squares), (basis @ T)[tip]), ElementSide(m, lambda u, _: -(Kj @ u), rows, K)
+    )
+    k, n = 39, len(m)
+    free = np.setdiff1d(np.arange(n), root)
+    L = np.zeros((k + n, k + len(free)))
+    L[:k, :k] = np.eye(k)
+    L[k + root, :k] = coupling.modal.rows
+    L[k + free, k:] = np.eye(len(free))
+    whole = np.zeros((k + n, k + n))
+    whole[:k, :k], whole[k:, k:] = np.diag(squares), K
+    masses = np.concatenate([np.ones(k), m])
+    return _Halves(coupling, root, mesh, L, L.T @ whole @ L, L.T @ (masses[:, None] * L))
+
+
+def _freedoms(nodes: Any) -> Any:
+    return (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()
+
+
+def _start(case: str) -> Any:
+    own = _halves()
+    if case == "smooth":
+        return own.L @ eigh(own.K, own.M, subset_by_index=[0, 0])[1][:, 0]
+    velocity = np.zeros(len(own.L))
+    pulse = np.exp(-(((own.mesh.nodes[:, 0] - 3) / 0.7) ** 2))
+    velocity[39 + 3 * np.arange(len(pulse))] = pulse
+    velocity[39 + own.root] = 0
+    return velocity
+
+
+def _marched(case: str, scheme: MultiTimeStep, h: float, n: int) -> CoupledMotion:
+    v = _start(case)
+    zero = np.zeros_like(v)
+    n_long = n // scheme.ratio
+    return dual_march(
+        _halves().coupling,
+        scheme,
+        h,
+        n_long,
+        modal=(zero[:39], v[:39]),
+        elements=(zero[39:], v[39:]),
+        every=max(1, n_long // 10),
+    )
+
+
+def dual_against_primal(_quick: bool) -> float:
+    """Largest difference of displacements over the largest displacement."""
+    h, n = 0.4 * LIMIT, 400
+    own = _halves()
+    dual = _marched("smooth", GravouilCombescure(1), h, n)
+    inverse = np.linalg.inv(own.M)
+    v = np.linalg.lstsq(own.L, _start("smooth"), rcond=None)[0]
+    u = a = np.zeros_like(v)
+    for _ in range(n):
+        u = u + h * v + 0.5 * h**2 * a
+        new = -inverse @ (own.K @ u)
+        v, a = v + 0.5 * h * (a + new), new
+    whole = (own.L @ u)[39:]
+    return float(np.abs(dual.elements[-1] - whole).max() / np.abs(whole).max())
+
+
+def multi_time_steps(quick: bool) -> list[dict[str, Any]]:
+    """Displacement error over amplitude, relative change of energy, velocity gap."""
+    rows = []
+    n = 4000 if quick else 12000
+    for case in ("smooth", "pulse"):
+        reference = _marched(case, GravouilCombescure(1), LIMIT / 40, n)
+        for name, kind in (("gc", GravouilCombescure), ("ph", PrakashHjelmstad)):
+            for ratio in (4, 10):
+                motion = _marched(case, kind(ratio), LIMIT / 40, n)
+                total = motion.energies.sum(axis=1)
+                off = np.abs(motion.elements[-1] - reference.elements[-1]).max()
+                rows.append(
+                    {
+                        "scheme": name,
+                        "ratio": ratio,
+                        "case": case,
+                        "error": float(off / np.abs(reference.elements).max()),
+                        "energy": float(total[-1] / total[0] - 1),
+                        "gap": motion.gap,
+                    }
+                )
+    return rows

@@ -1,0 +1,88 @@
+"""A bar whose nose crushes on a wall while the rest only vibrates: all in elements, and the rest in modes."""
+
+from __future__ import annotations
+
+from time import process_time
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.body import flexible_body
+from supple.explicit import (
+    Contact,
+    ExplicitEngine,
+    ExplicitSystem,
+    J2Plasticity,
+    LinearHardening,
+    Part,
+    RigidPlane,
+    Tie,
+    explicit_subdomain,
+    modal_subdomain,
+    part_positions,
+)
+from supple.fem import FiniteElementModel, Isotropic, solid_model
+from supple.integrate import Run, run
+from supple.machine import At
+from supple.mesh import CellType, Mesh, block
+from supple.reduction import NormalModes
+
+__all__ = ["crash"]
+
+ALUMINIUM = Isotropic(70e9, 0.3, 2700.0)
+SPEED = np.array([30.0, 0.0, 0.0])
+_NOSE, _REST = "nose", "rest"
+
+
+def _models(n: int, long: int) -> tuple[FiniteElementModel, FiniteElementModel]:
+    """The rest, 1 m of tetrahedra, and the nose, 0.2 m of hexahedra, on the same grid of the section."""
+    rest = block(1.0, 0.1, 0.1, long, n, n, CellType.TETRA4)
+    nose = block(0.2, 0.1, 0.1, max(n, 2), n, n, CellType.HEXA8)
+    moved = Mesh(nose.nodes + np.array([1.0, 0.0, 0.0]), nose.cells, nose.node_sets)
+    return solid_model(rest, ALUMINIUM), solid_model(moved, ALUMINIUM)
+
+
+def _timed(system: ExplicitSystem, span: Run) -> tuple[Any, float, float]:
+    """Motion, processor seconds without compiling, and bytes of the march."""
+    engine = ExplicitEngine(system, span)
+    run(engine, span.times)
+    began = process_time()
+    solution = run(engine, span.times)
+    seconds = process_time() - began
+    size = sum(np.asarray(leaf).nbytes for leaf in jax.tree.leaves((engine.built.model, engine.built.start)))
+    return solution, seconds, size
+
+
+def crash(quick: bool) -> dict[str, float]:
+    """Processor seconds of both, largest displacement difference over the largest displacement, memory."""
+    n, long = (4, 40) if quick else (8, 80)
+    rest, nose = _models(n, long)
+    law = J2Plasticity(ALUMINIUM, LinearHardening(100e6, 300e6))
+    crushing = Part(explicit_subdomain(nose, law, name=_NOSE), velocity=SPEED)
+    modal = modal_subdomain(flexible_body(_REST, rest), NormalModes(30 if quick else 60))
+    common: dict[str, Any] = {
+        "ties": [Tie(At(_NOSE, "root"), _REST)],
+        "contacts": [Contact(At(_NOSE, "tip"), RigidPlane((1.2, 0.0, 0.0), (-1.0, 0.0, 0.0)))],
+    }
+    span = Run(1.2e-3, 1.2e-4)
+    whole = ExplicitSystem([Part(explicit_subdomain(rest, name=_REST), velocity=SPEED), crushing], **common)
+    reduced = ExplicitSystem([Part(modal, velocity=SPEED), crushing], **common)
+    full, full_s, full_size = _timed(whole, span)
+    own, modal_s, modal_size = _timed(reduced, span)
+    positions = part_positions(modal, own.bodies[_REST])
+    off = max(
+        float(np.linalg.norm(positions - full.bodies[_REST].nodes, axis=2).max()),
+        float(np.linalg.norm(own.bodies[_NOSE].nodes - full.bodies[_NOSE].nodes, axis=2).max()),
+    )
+    moved = max(
+        float(np.linalg.norm(full.bodies[name].nodes - full.bodies[name].nodes[:1], axis=2).max())
+        for name in (_REST, _NOSE)
+    )
+    return {
+        "full_s": full_s,
+        "modal_s": modal_s,
+        "speedup": full_s / modal_s,
+        "error": off / moved,
+        "memory_ratio": full_size / modal_size,
+    }

@@ -1,0 +1,34 @@
+"""The tables of the explicit benchmark."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from supple_benchmarks.table import Table
+
+__all__ = ["tables"]
+
+_TITLES = {
+    "free_flight": "Free flight over 20 turns; brake of the published scheme over 2 pi Omega h a turn",
+    "step_limit": "Step limit of free modes, and of clamped ones over (27)",
+    "multi_time_step": "Several time steps against one",
+    "taylor_bar": "Taylor bar, copper, 227 m/s (published: 21.4 to 21.7 mm, 6.9 to 7.3 mm)",
+    "crash": "Crushing part with a modal rest, against all elements",
+    "throughput": "Throughput on one core",
+}
+
+
+def tables(report: Mapping[str, Any]) -> list[Table]:
+    """A table a study."""
+    found = []
+    for key, title in _TITLES.items():
+        if key in report:
+            rows = report[key] if isinstance(report[key], list) else [report[key]]
+            heads = list(dict.fromkeys(head for row in rows for head in row))
+            found.append((title, heads, [[_cell(row.get(head, "")) for head in heads] for row in rows]))
+    return found
+
+
+def _cell(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

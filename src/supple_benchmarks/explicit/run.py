@@ -1,0 +1,37 @@
+"""The studies of the explicit benchmark, one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from supple_benchmarks.computer import describe_computer
+from supple_benchmarks.explicit.coupling import dual_against_primal, multi_time_steps
+from supple_benchmarks.explicit.crash import crash
+from supple_benchmarks.explicit.free_flight import free_flight, step_limit
+from supple_benchmarks.explicit.taylor_bar import taylor_bar
+from supple_benchmarks.explicit.throughput import throughput
+from supple_benchmarks.progress import Announce
+
+__all__ = ["run_explicit"]
+
+_STUDIES: Mapping[str, tuple[str, Callable[[bool], Any]]] = {
+    "free_flight": ("free flight", free_flight),
+    "step_limit": ("step limits", step_limit),
+    "dual_against_primal": ("multipliers against elimination", dual_against_primal),
+    "multi_time_step": ("several time steps", multi_time_steps),
+    "taylor_bar": ("Taylor bar", taylor_bar),
+    "crash": ("crash", crash),
+    "throughput": ("throughput", throughput),
+}
+
+
+def run_explicit(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
+    """The report, ready for JSON, after every study; its keys are a contract."""
+    report: dict[str, Any] = {"quick": quick, "machine": describe_computer()}
+    for key, (label, study) in _STUDIES.items():
+        told = announce(label)
+        told(0.0)
+        report[key] = study(quick)
+        told(1.0)
+        yield report
