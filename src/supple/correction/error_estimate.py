@@ -151,7 +151,12 @@ class ErrorEstimator:
             for name, full in fulls.items()
         }
         equation = ErrorEquation(
-            reduced, judged, self._run.method.coefficients, steps.solution, self._active(solution), start
+            reduced,
+            judged,
+            self._run.second_order_method.coefficients,
+            steps.solution,
+            self._active(solution),
+            start,
         )
         found = equation.first()
         histories = equation.histories(found)
