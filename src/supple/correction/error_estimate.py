@@ -325,9 +325,19 @@ def _body_error(
         worst_node=int(np.argmax(sizes)),
         worst_time=float(history.times[row]),
         rest=_rest(history, missed.deformation[:, n_looked:]),
-        second=second,
+        second=max(second, float(rms.max()) / max(_deflection(history), 1e-300)),
         history=rms,
     )
+
+
+def _deflection(history: ErrorHistory) -> float:
+    """Largest RMS over the nodes of the deformation itself: an error of its size is not small, however the
+    second correction compares with the first where the linearised march grows without bound."""
+    motion = history.body.motion
+    rows = np.unique(np.linspace(0, len(motion.coordinates) - 1, DEFORMED + 1).round().astype(int))
+    fields = history.body.full.expand(motion.vectors.T)
+    deformed = np.tensordot(motion.coordinates[rows], fields, axes=1)
+    return float(np.sqrt(np.mean(np.sum(deformed**2, axis=2), axis=1)).max(initial=0.0))
 
 
 def _untold(solution: Solution) -> BodyError:
