@@ -11,14 +11,11 @@ from supple import cases
 from supple.cases.remains import kept_so_far
 from supple.correction import SelfCorrectionError, correction_numbers
 from supple.results.run_tables import (
-    body_table,
     correction_table,
     cost_line,
     error_lines,
     error_table,
-    joint_table,
-    motion_table,
-    place_table,
+    motion_tables,
 )
 from supple.simulation.interruption import INTERRUPTIONS, Terminated, raising_terminated
 from supple.terminal import Steps, error_console, print_table, progress_bars, say, words
@@ -64,13 +61,8 @@ def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool, e
     numbers = result.numbers
     if result.rounds:
         print_table(*correction_table(result.rounds, case.units))
-    print_table(*body_table(numbers))
-    print_table(*joint_table(numbers))
-    if numbers["tracked"]:
-        print_table(*motion_table(numbers))
-        deflections = place_table(numbers)
-        if deflections.rows:
-            print_table(*deflections)
+    for table in motion_tables(numbers):
+        print_table(*table)
     for name, body in numbers["bodies"].items():
         if "eigenvalues" in body:
             say(f"{name}: {body['eigenvalues']}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple import cases
-from supple.results.run_tables import body_table, joint_table, motion_table, place_table
+from supple.results.run_tables import motion_tables
 from supple.terminal import Steps, print_table, progress_bars, say
 
 
@@ -19,11 +19,6 @@ def static_case(path: Path, folder: Path, *, time: float) -> None:
         result = cases.static_case(case, folder, time=time, progress=steps.share)
         steps.finish()
     numbers = result.numbers
-    print_table(*body_table(numbers))
-    print_table(*joint_table(numbers))
-    if numbers["tracked"]:
-        print_table(*motion_table(numbers))
-        deflections = place_table(numbers)
-        if deflections.rows:
-            print_table(*deflections)
+    for table in motion_tables(numbers):
+        print_table(*table)
     say(f"Equilibrium after {result.found.iterations} iterations. Results are in {folder}/")

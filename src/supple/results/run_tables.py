@@ -20,6 +20,14 @@ class TextTable(NamedTuple):
     rows: Sequence[Sequence[str]]
 
 
+def motion_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
+    """What there is of bodies, joints, tracked places and their deflections; numbers as of `summarize`."""
+    tables = [body_table(numbers), joint_table(numbers)]
+    if numbers["tracked"]:
+        tables += [motion_table(numbers), place_table(numbers)]
+    return tables[:3] + [table for table in tables[3:] if table.rows]
+
+
 def body_table(numbers: Mapping[str, Any]) -> TextTable:
     """Size and lowest frequencies, a row per body and place it is held at; numbers as of `summarize`."""
     units = numbers["units"]
