@@ -35,6 +35,7 @@ SPIN
 duration = 1.0
 output_step = 0.1
 step = 0.01
+START
 
 [output]
 track = ["bob.top"]
@@ -44,9 +45,9 @@ animation = false
 
 @pytest.fixture
 def run(tmp_path):
-    def of(*arguments, spin=""):
+    def of(*arguments, spin="", start=""):
         case = tmp_path / "bob.toml"
-        case.write_text(BOB.replace("SPIN", spin))
+        case.write_text(BOB.replace("SPIN", spin).replace("START", start))
         command = [arguments[0], str(case), "-o", str(tmp_path / "out"), *arguments[1:]]
         return CliRunner().invoke(app, command), tmp_path / "out"
 
@@ -78,6 +79,14 @@ def test_a_conical_pendulum_rises_with_its_spin(run):
     diagram = json.loads((folder / "bob-campbell.json").read_text())
     assert diagram["rates"] == [4.0, 5.0, 6.0]
     assert (folder / "bob-campbell.png").exists()
+
+
+def test_a_run_from_the_equilibrium_does_not_swing(run):
+    """The bob is placed aside; where its run starts in equilibrium it hangs."""
+    result, folder = run("run", "--no-errors", spin="", start='start = "equilibrium"')
+    assert result.exit_code == 0, result.output
+    tracked = json.loads((folder / "bob.json").read_text())["joints"]["pivot"]
+    assert tracked["largest force"] == pytest.approx(19.62, rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import Progress, silent
 from supple.cases.outputs import check_outputs
 from supple.cases.remains import check_remains, report_path, result_path
+from supple.cases.static_case import starting_system
 from supple.correction import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
 from supple.errors import CaseError
 from supple.integrate import Solution, Validity
@@ -137,7 +138,7 @@ def _simulated(
     progress: Progress,
 ) -> tuple[System, Solution]:
     """The motion, and the system it is of; rounds of a self-correction are added as they are finished."""
-    given = (case.system, replace(case.run, validity=validity))
+    given = (starting_system(case), replace(case.run, validity=validity))
     path = result_path(case.path, folder)
     if case.starts:
         corrected = correct_recorded(

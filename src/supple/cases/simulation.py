@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from supple.cases.table import Made
@@ -30,6 +32,9 @@ class Simulation(CheckedTable):
     adaptive: Adaptive | None = None
     rho_inf: float = Field(
         0.8, ge=0.0, le=1.0, description="spectral radius at infinity of generalized-alpha"
+    )
+    start: Literal["placed", "equilibrium"] = Field(
+        "placed", description="as the bodies are placed, or in the equilibrium downhill from there"
     )
 
     def build(self) -> Run:

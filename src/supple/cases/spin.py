@@ -13,7 +13,7 @@ from supple.machine import Spin
 
 
 class SpinTable(Made):
-    """A steady rotation, of `supple static` and `supple modes`; a run takes no notice of it."""
+    """A steady rotation: of `supple static`, `supple modes`, and of runs that start in equilibrium."""
 
     makes = Spin
 

@@ -13,13 +13,13 @@ from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import Progress, silent
 from supple.errors import CaseError
-from supple.machine import Spin
+from supple.machine import Spin, System
 from supple.results import TrackedMotion, summarize, tracked_places
 from supple.simulation import Equilibrium, equilibrium
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
 
-__all__ = ["StaticResult", "spin_of", "static_case"]
+__all__ = ["StaticResult", "check_fixed_sizes", "spin_of", "starting_system", "static_case"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,12 +44,27 @@ def spin_of(case: Case) -> Spin | None:
     return Spin(made.rate, made.axis, made.point, wanted)
 
 
+def starting_system(case: Case) -> System:
+    """The machine as its run starts: as it is placed, or in its equilibrium.
+
+    Raises
+    ------
+    CaseError           an equilibrium of a body whose size only a run can tell
+    ConvergenceError    no equilibrium
+    """
+    if case.tables.simulation.start == "placed":
+        return case.system
+    check_fixed_sizes(case, 'run with start = "equilibrium"')
+    case.notify("searching the equilibrium")
+    return equilibrium(case.system, time=case.run.start, spin=spin_of(case)).system
+
+
 def check_fixed_sizes(case: Case, command: str) -> None:
     """CaseError where a body is to be reduced by a run that `command` does not make."""
     if case.starts:
         raise CaseError(
-            f"{case.path}: body '{next(iter(case.starts))}' is reduced to an accuracy, which takes a run: "
-            f"for `supple {command}` give it a basis of fixed size (remove accuracy)"
+            f"{case.path}: body '{next(iter(case.starts))}' is reduced to an accuracy, which takes a run "
+            f"from where it is placed: for `supple {command}` give it a basis of fixed size (remove accuracy)"
         )
 
 
