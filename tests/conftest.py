@@ -1,13 +1,16 @@
 """Shared by all tests: compiled programs are kept between tests, workers and runs; meshes as bulk data."""
 
+import gc
 import os
 from pathlib import Path
 
+import jax
 import numpy as np
 import pytest
 
 from supple.algebra.jax_settings import keep_compiled_programs
 from supple.mesh import CellType
+from supple.multibody.compiled import programs as compiled_programs
 
 pytest_plugins = (
     "fixtures.strips_and_rods",
@@ -19,6 +22,21 @@ pytest_plugins = (
 # The systems here are small and run for moments: compile them quickly rather than well.
 os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false")
 keep_compiled_programs(Path(__file__).parents[1] / ".pytest_cache" / "compiled")
+
+
+_MOST_MAPS = 20_000
+"""Of the 65 530 pieces of memory that Linux maps for a process: beyond them the compiler crashes."""
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _programs_are_given_back():
+    """Compiled programs are dropped before they fill the table of a worker that runs thousands of tests."""
+    yield
+    maps = Path("/proc/self/maps")
+    if maps.exists() and maps.read_bytes().count(b"\n") > _MOST_MAPS:
+        compiled_programs.forget()
+        jax.clear_caches()
+        gc.collect()
 
 
 class BulkData:

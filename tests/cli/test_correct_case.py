@@ -52,12 +52,12 @@ def test_a_case_without_sizes_corrects_itself(case):
     assert "shell, corrects itself; interfaces: root" in call("info", case)
     output = call("run", case, "-o", out)
     assert "Self-correction" in output
-    assert "round 1, 13 coordinates: simulating" in output
+    assert "round 1, 14 coordinates: simulating" in output
     assert (out / "self_correction.png").stat().st_size > 0
     report = json.loads((out / "strip.json").read_text())
     rounds = report["self_correction"]
     assert [each["round"] for each in rounds] == list(range(len(rounds)))
-    assert [each["size"] for each in rounds] == [10 + 3 * number for number in range(len(rounds))]
+    assert [each["size"] for each in rounds] == [10 + 4 * number for number in range(len(rounds))]
     keys = {"body", "round", "size", "estimated_error", "allowed", "indicator", "seconds", "useless"}
     assert set(rounds[0]) == keys
     assert rounds[-1]["estimated_error"] <= rounds[-1]["allowed"]
@@ -80,7 +80,6 @@ def test_a_case_without_sizes_corrects_itself(case):
         accepted.bodies["strip"].coordinates, read_solution(out / "strip.h5").bodies["strip"].coordinates
     )
     assert read_reduced_body(out / "strip-reduced.h5").r == rounds[-1]["size"]
-    assert read_header(archive.motion(len(rounds))).complete
 
 
 def test_an_error_that_is_not_met_keeps_the_rounds_and_names_the_best(case):
@@ -105,9 +104,11 @@ def test_a_correction_that_was_cut_off_goes_on_with_its_rounds(case):
     whole = json.loads((out / "strip.json").read_text())["self_correction"]
     assert "its run is complete" in call("run", case, "-o", out, "--resume", code=2)
     (out / "strip.h5").unlink()
-    (out / "self_correction" / f"round-{len(whole)}.h5").unlink()
+    last = whole[-1]
+    (out / "self_correction" / f"round-{last['round']}.h5").unlink()
+    (out / "self_correction" / f"round-{len(whole)}.npz").unlink()
     output = call("run", case, "-o", out, "--resume")
-    assert f"round {len(whole)}, {whole[-1]['size'] + 3} coordinates: simulating" in output
+    assert f"round {last['round']}, {last['size']} coordinates: simulating" in output
     assert "round 0, 10 coordinates: what they miss" not in output
     again = json.loads((out / "strip.json").read_text())["self_correction"]
     assert [each["size"] for each in again] == [each["size"] for each in whole]

@@ -148,7 +148,7 @@ def test_output_times_are_counted_before_they_are_made(tmp_path):
         sp.Run(2e9, 1.0)
     assert len(sp.Run(1e4, 1.0).times) == 10_001
     path = tmp_path / "case.toml"
-    for duration in ("2e9", "1e300", "inf"):
+    for duration in ("2e9", "1e50", "inf"):
         path.write_text(
             f'title = "t"\nbody = []\n[simulation]\nduration = {duration}\noutput_step = 1.0\nstep = 1.0\n'
         )
