@@ -11,6 +11,7 @@ import pytest
 from supple.algebra.jax_settings import keep_compiled_programs
 from supple.mesh import CellType
 from supple.multibody.compiled import programs as compiled_programs
+from supple.terminal import WIDTH_OF_FILES, console, error_console
 
 pytest_plugins = (
     "fixtures.strips_and_rods",
@@ -21,6 +22,9 @@ pytest_plugins = (
 
 # The systems here are small and run for moments: compile them quickly rather than well.
 os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false")
+# As wide as a file wherever the tests run: narrow tables cut words.
+os.environ.pop("COLUMNS", None)
+console.width = error_console.width = WIDTH_OF_FILES
 keep_compiled_programs(Path(__file__).parents[1] / ".pytest_cache" / "compiled")
 
 

@@ -14,7 +14,6 @@ from supple.correction import Deflection, JointForce
 from supple.errors import CaseError
 from supple.results.judged_stress import JudgedStress
 from supple.storage import read_header, read_solution
-from supple.terminal import WIDTH_OF_FILES, console
 
 QUANTITIES = """
 [error]
@@ -30,12 +29,6 @@ def call(*arguments, code=0):
     result = CliRunner().invoke(app, [str(argument) for argument in arguments])
     assert result.exit_code == code, result.output
     return re.sub(r"\s+", " ", result.output)
-
-
-@pytest.fixture(autouse=True)
-def _wide(monkeypatch):
-    """As wide as a file, wherever the tests run: narrow tables cut words."""
-    monkeypatch.setattr(console, "width", WIDTH_OF_FILES)
 
 
 @pytest.fixture
