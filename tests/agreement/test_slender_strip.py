@@ -20,4 +20,4 @@ def test_only_intrinsic_modes_hold_where_the_tip_turns_far():
     """1.2 rad: beyond the kinematics of one floating frame."""
     intrinsic, floating = tip_by("intrinsic", 1.2)["error"], tip_by("floating", 1.2)["error"]
     assert intrinsic < 2e-3
-    assert intrinsic < floating / 5
+    assert floating is None or intrinsic < floating / 5  # None: no equilibrium at all

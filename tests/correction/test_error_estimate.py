@@ -52,7 +52,15 @@ def is_told(system, run, small, bases, within=1.05):
     return told
 
 
-@pytest.mark.parametrize("name", ["tumbling", "hanging", "hanging mean", "crank", "crank mean", "sprung"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "tumbling",
+        "hanging",
+        *(pytest.param(name, marks=pytest.mark.soak) for name in ("hanging mean", "crank", "crank mean")),
+        "sprung",
+    ],
+)
 def test_a_machine(name):
     """Free flight, an open chain, closed loops, a force element; either frame."""
     frame = MEAN if name.endswith("mean") else NODAL

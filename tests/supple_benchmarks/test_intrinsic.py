@@ -48,7 +48,8 @@ def test_a_body_that_flies_moves_its_centre_as_newton_says_and_residual_modes_he
 def test_intrinsic_modes_agree_with_the_elastica_where_one_frame_does_not(report):
     errors = {(row["method"], row["tip_rotation"]): row["error"] for row in report["agreement"]}
     assert max(errors["intrinsic", 0.29], errors["intrinsic", 0.87]) < 1e-3
-    assert errors["floating", 0.87] > 10 * errors["intrinsic", 0.87]
+    beyond = errors["floating", 0.87]  # None: no equilibrium at all
+    assert beyond is None or beyond > 10 * errors["intrinsic", 0.87]
 
 
 def test_the_cost_of_a_step_is_reported(report):

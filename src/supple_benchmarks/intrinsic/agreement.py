@@ -39,7 +39,7 @@ def agreement_rows(quick: bool) -> Iterator[dict[str, Any]]:
 def tip_by(method: str, rotation: float) -> dict[str, Any]:
     """A row of the report: the tip of the strip by a method, at a rotation of the tip, rad.
 
-    The error is None where a method finds no equilibrium: one floating frame far beyond its limit of rotation.
+    The error is None where a method finds no equilibrium: one floating frame far beyond its rotations.
     """
     force, exact = _force_that_turns(rotation)
     began = process_time()
