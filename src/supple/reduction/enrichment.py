@@ -36,11 +36,12 @@ def enrich(body: FlexibleBody, basis: ReductionBasis, fields: np.ndarray, n: int
             f"fields to enrich the basis of body '{body.name}' have shape {fields.shape}: "
             f"its {body.n} coordinates need ({body.n}, m)"
         )
-    seen = frame_projector(body, basis.frame)(fields)
+    in_frame = frame_projector(body, basis.frame)
+    seen = in_frame(fields)
     norms = np.sqrt(np.sum(seen * (body.mass @ seen), axis=0))
     directions = leading_directions(seen, basis.vectors, body.mass, norms)
-    added = directions.vectors[:, :n]
-    # Once more after scaling, as directions of small fields carry the round-off of large ones.
+    # Both once more after scaling, as directions of small fields carry the round-off of large ones.
+    added = in_frame(directions.vectors[:, :n])
     V = mass_orthonormalize(np.hstack([basis.vectors, added]), body.mass).vectors
     check_frame_motion(body, basis.frame, V)
     before = basis.report.corrections
