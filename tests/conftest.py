@@ -1,16 +1,13 @@
 """Shared by all tests: compiled programs are kept between tests, workers and runs; meshes as bulk data."""
 
-import gc
 import os
 from pathlib import Path
 
-import jax
 import numpy as np
 import pytest
 
-from supple.algebra.jax_settings import keep_compiled_programs
+from supple.algebra.jax_settings import bound_programs, keep_compiled_programs
 from supple.mesh import CellType
-from supple.multibody.compiled import programs as compiled_programs
 from supple.terminal import WIDTH_OF_FILES, console, error_console
 
 pytest_plugins = (
@@ -28,19 +25,11 @@ console.width = error_console.width = WIDTH_OF_FILES
 keep_compiled_programs(Path(__file__).parents[1] / ".pytest_cache" / "compiled")
 
 
-_MOST_MAPS = 20_000
-"""Of the 65 530 pieces of memory that Linux maps for a process: beyond them the compiler crashes."""
-
-
-@pytest.fixture(autouse=True, scope="module")
+@pytest.fixture(autouse=True)
 def _programs_are_given_back():
-    """Compiled programs are dropped before they fill the table of a worker that runs thousands of tests."""
+    """A worker runs thousands of tests: more programs than a process can hold."""
     yield
-    maps = Path("/proc/self/maps")
-    if maps.exists() and maps.read_bytes().count(b"\n") > _MOST_MAPS:
-        compiled_programs.forget()
-        jax.clear_caches()
-        gc.collect()
+    bound_programs()
 
 
 class BulkData:

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import pytest
 
 from supple.algebra import jax_settings
-from supple.algebra.jax_settings import keep_compiled_programs
+from supple.algebra.jax_settings import bound_programs, keep_compiled_programs
 
 
 @pytest.fixture
@@ -58,3 +58,19 @@ def test_programs_are_kept_from_python(tmp_path):
             [sys.executable, "-c", script], env=bare | more, capture_output=True, text=True, check=True
         )
         assert shown.stdout.startswith(expected)
+
+
+def test_programs_that_fill_the_memory_maps_are_given_back(tmp_path, monkeypatch):
+    """Beyond the limit of the system the compiler would end the process."""
+    built = [jax.jit(lambda x, n=n: jnp.sin(x) * n) for n in range(70)]
+    before = [float(program(1.0)) for program in built]
+    limit = tmp_path / "max_map_count"
+    monkeypatch.setattr(jax_settings, "_MOST_MAPS", limit)
+    limit.write_text("1000000000\n")
+    assert not bound_programs()
+    limit.write_text("100\n")
+    assert not bound_programs(), "nothing was built since it was looked at"
+    monkeypatch.setattr(jax_settings._Process, "compiled_since_looked", 64)
+    assert bound_programs()
+    assert built[3]._cache_size() == 0
+    assert [float(program(1.0)) for program in built] == before

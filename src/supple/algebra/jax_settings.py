@@ -6,10 +6,13 @@
 - A process forked after compiled code has run refuses to run more (`check_not_forked`): JAX's threads do not
   survive a fork, and the child would wait for them for ever.
 - Compiled programs are kept between processes, in the user's cache, where no other folder was chosen before.
+- They are given back before they fill a process (`bound_programs`): Linux maps a limited number of pieces of
+  memory for each, a program takes several, and beyond the limit the compiler ends the process.
 """
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import os
 import platform
@@ -21,7 +24,7 @@ import jax
 
 from supple.errors import ForkedProcessError
 
-__all__ = ["check_not_forked", "keep_compiled_programs"]
+__all__ = ["before_compiled_code", "bound_programs", "check_not_forked", "keep_compiled_programs"]
 
 
 def keep_compiled_programs(folder: Path | None = None) -> Path:
@@ -69,6 +72,8 @@ class _Process:
 
     computed = False
     forked_after_computing = False
+    compiled_since_looked = 0
+    """Programs built since the memory maps were last counted."""
 
 
 def _remember_fork() -> None:
@@ -85,6 +90,42 @@ def check_not_forked() -> None:
     _Process.computed = True
 
 
+_MAPS = Path("/proc/self/maps")
+_MOST_MAPS = Path("/proc/sys/vm/max_map_count")
+_LOOK_EVERY = 64
+"""Programs between two counts: a count takes milliseconds, and no program takes a hundred maps."""
+
+
+def bound_programs() -> bool:
+    """Give all compiled programs back where they fill half of the memory maps that Linux allows a process.
+
+    A run afterwards takes them from the folder of kept programs, or compiles them anew. Returns whether it
+    was so; elsewhere than on Linux there is no such limit.
+    """
+    if _Process.compiled_since_looked < _LOOK_EVERY or not _MAPS.exists():
+        return False
+    _Process.compiled_since_looked = 0
+    with _MAPS.open("rb") as listing:
+        count = sum(1 for _ in listing)
+    if 2 * count < int(_MOST_MAPS.read_text()):
+        return False
+    jax.clear_caches()
+    gc.collect()
+    return True
+
+
+def before_compiled_code() -> None:
+    """What a process owes its compiled programs before it runs more of them."""
+    check_not_forked()
+    bound_programs()
+
+
+def _count_program(event: str, _: float, **_details: object) -> None:
+    if event == "/jax/core/compile/backend_compile_duration":
+        _Process.compiled_since_looked += 1
+
+
+jax.monitoring.register_event_duration_secs_listener(_count_program)
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_remember_fork)
 

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.algebra.jax_settings import check_not_forked
+from supple.algebra.jax_settings import before_compiled_code
 from supple.errors import ModelError
 from supple.explicit.explicit_system import ExplicitSystem
 from supple.explicit.march.build import Built, built
@@ -66,7 +66,7 @@ class ExplicitEngine:
     """An `Engine`; `MarchState` is its state."""
 
     def __init__(self, system: ExplicitSystem, run: Run, options: ExplicitOptions | None = None) -> None:
-        check_not_forked()
+        before_compiled_code()
         self._options = options or ExplicitOptions()
         self._system, self._run = system, run
         self._built = built(system, self._options.scheme, self._options.safety, self._options.largest_ratio)

@@ -18,7 +18,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.algebra.jax_settings import check_not_forked
+from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import checked_arguments
 from supple.body.full_body import FullBody
 from supple.errors import ConvergenceError, ModelError
@@ -124,7 +124,7 @@ def simulate_batch(
     ------
     ModelError      no case, a full body, or cases that differ in more than numbers
     """
-    check_not_forked()
+    before_compiled_code()
     if not cases:
         raise ModelError("a batch needs at least one case")
     if cases[0].bodies_of(FullBody):

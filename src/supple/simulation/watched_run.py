@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 
-from supple.algebra.jax_settings import check_not_forked
+from supple.algebra.jax_settings import before_compiled_code
 from supple.errors import ModelError, StepCutWarning
 from supple.integrate import FixedStep, Progress, Recorder, Run, Solution, Statistics, StepControl
 from supple.integrate import run as march_through
@@ -30,7 +30,7 @@ def watched_run(
     check: bool = True,
 ) -> Solution:
     """March a machine by the engine that the form of its bodies chooses; parameters as for `simulate`."""
-    check_not_forked()
+    before_compiled_code()
     times = run.times
     check_laws_cover(system, times[0], times[-1])
     warn_of_unseen_laws(system, run)

@@ -10,7 +10,7 @@ import jax
 from supple.multibody.compiled.time_step import march
 from supple.multibody.equations.compiler_options import MARCHING
 
-__all__ = ["compiled_march", "forget"]
+__all__ = ["compiled_march"]
 
 _MOST = 8
 _PROGRAMS: OrderedDict[Any, Any] = OrderedDict()
@@ -27,8 +27,3 @@ def compiled_march(*arguments: Any) -> Any:
             _PROGRAMS.popitem(last=False)
     _PROGRAMS.move_to_end(key)
     return _PROGRAMS[key]
-
-
-def forget() -> None:
-    """Give back all programs that are at hand."""
-    _PROGRAMS.clear()
