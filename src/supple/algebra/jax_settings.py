@@ -120,7 +120,7 @@ def before_compiled_code() -> None:
     bound_programs()
 
 
-def _count_program(event: str, _: float, **_details: object) -> None:
+def _count_program(event: str, duration_secs: float, **kwargs: object) -> None:  # noqa: ARG001
     if event == "/jax/core/compile/backend_compile_duration":
         _Process.compiled_since_looked += 1
 
