@@ -42,6 +42,8 @@ def project(
         _check_gram(body, gram, r)
     with timed(seconds, "tensors"):
         products = strain_products(body, V)
+        classes = products.classes()
+        products = products.by_classes(classes)
         tensors = plain = products.internal_force()
     motion, found = None, None
     if not body.is_linear:
@@ -50,6 +52,7 @@ def project(
             of_columns, products = products, quartic.strains(products, left_out)
             # The indicator tells a body without condensation by its tensors: they are the same object.
             if products is not of_columns:
+                products = products.by_classes(classes)
                 tensors = products.internal_force()
             motion = quartic.motion(left_out)
         with timed(seconds, "locking"):
