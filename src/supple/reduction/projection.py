@@ -14,6 +14,7 @@ from supple.reduction.quartic_choice import CondensedQuartic, QuarticChoice
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface
 from supple.reduction.reduction_basis import ReductionBasis
 from supple.reduction.stopwatch import timed
+from supple.reduction.tensor_memory import require_tensor_memory
 from supple.reduction.tensors import strain_products
 
 LARGEST_GRAM_ERROR = 1e-8
@@ -32,10 +33,13 @@ def project(
     basis : ReductionBasis      of that body
     damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
     quartic : CondensedQuartic() lets motion outside the columns follow; PlainQuartic() leaves it out
-    Raises AccuracyError when the Gram matrix misses its own identity.
+    Raises AccuracyError when the Gram matrix misses its own identity, MemoryShortageError before the tensors
+    would take more memory than is left.
     Warns LockingWarning when the body answers too little because its columns lack stiff motion.
     """
     V, r = basis.vectors, basis.r
+    time = 0.0 if damping is None else damping.retardation_time
+    require_tensor_memory(body, r, strain_rate_damping=bool(time))
     seconds = dict(basis.report.seconds)
     with timed(seconds, "inertia"):
         gram = inertia_gram(body, V)
@@ -59,7 +63,6 @@ def project(
             found = locking(left_out, plain, tensors)
         warn_of_locking(body.name, found, motion is not None)
 
-    time = 0.0 if damping is None else damping.retardation_time
     material = products.material(tensors) if time else None
     nodal_basis = body.expansion @ V
     rotations = body.rotation_operator

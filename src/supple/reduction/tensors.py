@@ -166,7 +166,7 @@ class StrainProducts:
             return np.empty(0, dtype=np.int32)
         size = np.sqrt(np.maximum(np.diag(self.pair_by_pair), 0.0))
         coupled = np.abs(self.pair_by_pair) > SMALLEST_COUPLING * size[:, None] * size
-        return connected_components(csr_array(_in_any_pairing(coupled)), directed=False)[1]
+        return connected_components(csr_array(_over_pairings(coupled)), directed=False)[1]
 
     def by_classes(self, classes: np.ndarray) -> StrainProducts:
         """Without what couples pairs of different classes: the round-off of columns that are even or odd.
@@ -175,7 +175,7 @@ class StrainProducts:
         """
         if self.pair_by_pair is None or not np.any(classes):
             return self
-        apart = _in_any_pairing(classes[:, None] != classes)
+        apart = _over_pairings(classes[:, None] != classes)
         return replace(self, pair_by_pair=np.where(apart, 0.0, self.pair_by_pair))
 
     def material(self, force: InternalForceTensors) -> MaterialTensors | None:
@@ -278,22 +278,24 @@ def _fold_cubic(strain_by_pair: np.ndarray) -> np.ndarray:
     return symmetric[first, second]
 
 
-def _in_any_pairing(pairs: np.ndarray) -> np.ndarray:
-    """Whether (n2, n2) holds for (jk, lm), (jl, km) or (jm, kl)."""
-    r = round((np.sqrt(8 * len(pairs) + 1) - 1) / 2)
-    pair = _pair_number(r)
-    j, k = np.triu_indices(r)
-    either = pairs | pairs[pair[j][:, j], pair[k][:, k]]
-    return either | pairs[pair[j][:, k], pair[k][:, j]]
+def _over_pairings(pairs: np.ndarray) -> np.ndarray:
+    """Sum (n2, n2) over (jk, lm), (jl, km) and (jm, kl); of truth values, whether one of them holds."""
+    pair = _pair_number(round((np.sqrt(8 * len(pairs) + 1) - 1) / 2))
+    j, k = np.triu_indices(len(pair))
+    total = pairs.copy()
+    size = max(1, CHUNK_BYTES // (24 * max(len(j), 1)))
+    for start in range(0, len(j), size):
+        rows = slice(start, start + size)
+        first, second = pair[j[rows]], pair[k[rows]]
+        total[rows] += pairs[first[:, j], second[:, k]]
+        total[rows] += pairs[first[:, k], second[:, j]]
+    return total
 
 
 def _fold_quartic(pair_by_pair: np.ndarray, r: int) -> np.ndarray:
     """C4[(jk),(lm)] = H_jk,lm + H_jl,km + H_jm,kl, its columns halved where l = m (see the class)."""
-    pair = _pair_number(r)
     j, k = np.triu_indices(r)
-    symmetric = pair_by_pair.copy()
-    symmetric += pair_by_pair[pair[j][:, j], pair[k][:, k]]
-    symmetric += pair_by_pair[pair[j][:, k], pair[k][:, j]]
+    symmetric = _over_pairings(pair_by_pair)
     symmetric[:, j == k] /= 2
     return symmetric
 
