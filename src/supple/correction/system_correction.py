@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from supple.body.full_body import FullBody
+from supple.correction.basis_error import FIRST_ORDER
 from supple.correction.correction_rounds import (
     CorrectedSystem,
     ReductionStart,
@@ -35,9 +36,6 @@ Announce = Callable[[Round], None]
 """Called with every round as it is finished; of several bodies one after the other."""
 CorrectionProgress = Callable[[str, float], None]
 """Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
-
-FIRST_ORDER = 1 / 3
-"""Size of the second correction of an error over the first up to which their sum is told."""
 
 
 def _with_reduced(system: System, runs: Mapping[str, ReducedBody], bases: RoundBases) -> System:
