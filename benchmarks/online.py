@@ -45,7 +45,7 @@ from supple_benchmarks.rotating_beam.problem import BODY, ROOT, RotatingBeam
 
 PROBLEM = RotatingBeam()
 STEP, N_STEPS, REPEATS = 5e-3, 2000, 5
-SIZES = {10: (6, 4), 25: (10, 15), 40: (15, 25)}
+SIZES = {10: (6, 4), 25: (10, 15), 40: (15, 25), 60: (20, 40)}
 """Columns: linear and compressed derivatives."""
 TARGETS = {25: 100.0}
 """us per iteration"""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from supple.algebra import available_memory
 from supple.body import FullBody, MeanAxisFrame, RigidBody
-from supple.errors import ConvergenceError, ModelError
+from supple.errors import ConvergenceError, MemoryShortageError, ModelError
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import (
     GROUND,
@@ -164,3 +166,56 @@ def test_functions_of_time_differ_in_more_than_numbers():
     system = driven(1.0, 2.0, 3.0, 4.0, 5.0)
     with pytest.raises(ModelError, match="the same function objects for quantities over time"):
         simulate_batch([replace(system, loads=(load,)) for load in swings], RUN)
+
+
+def pushed(body, force):
+    """A reduced blade on a turning hub, its tip pushed by a table of its own."""
+    hub = PrescribedRotation(
+        first=GROUND, second=At("blade", "root"), axis=(0, 0, 1), angle=SpinUp(0.5, 0.2), name="hub"
+    )
+    load = DeadForce(body="blade", at="tip", force=Table([0.0, 0.1, 0.2], np.outer([1.0, 2.0, 0.0], force)))
+    return System((Placed(body),), (hub,), (load,), gravity=(0, 0, -9.81))
+
+
+@pytest.fixture
+def pushes(clamped_blade):
+    directions = np.random.default_rng(3).standard_normal((5, 3))
+    return [pushed(clamped_blade, 0.2 * direction) for direction in directions]
+
+
+FLEXIBLE_RUN = Run(0.1, 0.02, step=FixedStep(0.005))
+
+
+def test_flexible_cases_that_differ_in_loads_start_and_go_on_as_alone(pushes):
+    """Their starts are mapped: they have accelerations and hub forces of their own from the first instant."""
+    together = simulate_batch(pushes, FLEXIBLE_RUN, chunk=2).check()
+    for system, own in zip(pushes, together.solutions, strict=True):
+        alone = simulate(system, FLEXIBLE_RUN)
+        for name in ("coordinates", "coordinate_rates", "coordinate_accelerations"):
+            mine, expected = getattr(own.bodies["blade"], name), getattr(alone.bodies["blade"], name)
+            np.testing.assert_allclose(mine, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+        wrench = alone.joint_forces["hub"]
+        np.testing.assert_allclose(own.joint_forces["hub"], wrench, rtol=0, atol=1e-9 * np.abs(wrench).max())
+        assert own.statistics.iterations == alone.statistics.iterations
+
+
+def test_a_shorter_last_chunk_compiles_nothing(pushes, monkeypatch):
+    shapes = []
+
+    def counted(mapped, arguments):
+        shapes.append([np.shape(leaf) for leaf in jax.tree.leaves(arguments)])
+        return compiled(mapped, arguments)
+
+    compiled = batch._compiled
+    monkeypatch.setattr(batch, "_compiled", counted)
+    batch._PROGRAMS.clear()
+    simulate_batch(pushes, FLEXIBLE_RUN, chunk=2)
+    assert len(shapes) == 3
+    assert shapes[0] == shapes[1] == shapes[2]
+    assert len(batch._PROGRAMS) == 1
+
+
+def test_a_chunk_that_would_not_fit_in_memory_is_refused(pushes, monkeypatch):
+    monkeypatch.setattr(available_memory, "available_memory", lambda: 100_000)
+    with pytest.raises(MemoryShortageError, match=r"a chunk of 5 cases with 6 output times .*`chunk`"):
+        simulate_batch(pushes, FLEXIBLE_RUN)

@@ -2,22 +2,24 @@
 
 The cases are systems of the same bodies, joints and kinds of loads that differ in numbers: tables of loads,
 initial motion, gravity, even stiffness. Numbers that all cases share are kept once; the others get a leading
-axis, and the compiled march is mapped over it (`jax.vmap`). Cases go in chunks: a chunk as large as the
-processor's cache serves best, about 64 cases of a body with 25 coordinates.
+axis, and the compiled march is mapped over it (`jax.vmap`), but for the solution of Newton's equations, where
+cases take turns and converged ones have none (`in_turn`). Cases go in chunks of one size, the last one filled
+up: a chunk as large as the processor's cache serves best, about 64 cases of a body with 25 coordinates.
 """
 
 from __future__ import annotations
 
 import time as clock
+from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
+from supple.algebra.available_memory import require_memory
 from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import checked_arguments
 from supple.body.full_body import FullBody
@@ -27,7 +29,6 @@ from supple.integrate import (
     Run,
     Solution,
     Statistics,
-    concatenate,
     damps_joint_forces,
 )
 from supple.intrinsic import IntrinsicBody
@@ -36,7 +37,8 @@ from supple.machine.system import System
 from supple.multibody.checks.output_rate import report_output_rate
 from supple.multibody.checks.step_length import report_step_length
 from supple.multibody.checks.validity import Peaks, watch
-from supple.multibody.compiled.engine import as_solution, controls, initial_state
+from supple.multibody.compiled.batch_start import Axes, BatchStart, batch_start, differing, stacked
+from supple.multibody.compiled.engine import as_solution, controls
 from supple.multibody.compiled.time_step import Controls, State, march
 from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.floating_solution import failure_message
@@ -70,23 +72,8 @@ class BatchSolution:
         return self
 
 
-def _stacked_leaves(trees: Sequence[Any]) -> tuple[list[Any], tuple[int | None, ...]]:
-    """Leaves that differ stacked along a new first axis, leaves that are equal kept once; and the axes."""
-    leaves = [jax.tree.leaves(tree) for tree in trees]
-    stacked, axes = [], []
-    for column in zip(*leaves, strict=True):
-        first = np.asarray(column[0])
-        if all(leaf is column[0] or np.array_equal(np.asarray(leaf), first) for leaf in column[1:]):
-            stacked.append(first)
-            axes.append(None)
-        else:
-            stacked.append(np.stack([np.asarray(leaf) for leaf in column]))
-            axes.append(0)
-    return stacked, tuple(axes)
-
-
 @lru_cache(maxsize=32)
-def _mapped_march(model_structure: Any, model_axes: tuple[int | None, ...]) -> Any:
+def _mapped_march(model_structure: Any, model_axes: Axes) -> Any:
     """The compiled march over cases, for one pattern of shared and differing numbers."""
 
     def over_cases(leaves: list[Any], settings: Any, states: State, times: Any) -> Any:
@@ -96,6 +83,22 @@ def _mapped_march(model_structure: Any, model_axes: tuple[int | None, ...]) -> A
         return jax.vmap(one_case, in_axes=(list(model_axes), 0))(leaves, states)
 
     return jax.jit(over_cases)
+
+
+_MOST = 8
+_PROGRAMS: OrderedDict[Any, Any] = OrderedDict()
+"""Compiled marches over cases, by what they were made from and the shapes they take; the last used behind."""
+
+
+def _compiled(mapped: Any, arguments: tuple[Any, ...]) -> Any:
+    leaves, structure = jax.tree.flatten(arguments)
+    key = mapped, structure, tuple(jax.typeof(leaf) for leaf in leaves)
+    if key not in _PROGRAMS:
+        _PROGRAMS[key] = mapped.lower(*arguments).compile(compiler_options=MARCHING)
+        if len(_PROGRAMS) > _MOST:
+            _PROGRAMS.popitem(last=False)
+    _PROGRAMS.move_to_end(key)
+    return _PROGRAMS[key]
 
 
 @checked_arguments
@@ -123,6 +126,7 @@ def simulate_batch(
     Raises
     ------
     ModelError      no case, a full body, or cases that differ in more than numbers
+    MemoryShortageError     a chunk would not fit in the memory that is left
     """
     before_compiled_code()
     if not cases:
@@ -147,8 +151,18 @@ def simulate_batch(
     failures: dict[int, str] = {}
     seconds = compile_seconds = 0.0
     statistics = Statistics()
+    began = clock.perf_counter()
+    starts = batch_start(cases, run)
+    _check_alike(starts.models)
+    axes = differing(starts.models)
+    _require_memory(starts, axes, min(chunk, len(cases)), len(run.times))
+    compile_seconds += clock.perf_counter() - began
     for begin in range(0, len(cases), chunk):
-        part = _marched_together(cases[begin : begin + chunk], run, stops, settings)
+        own = range(begin, min(begin + chunk, len(cases)))
+        # A last chunk that is shorter repeats its last case, so that one program marches all.
+        numbers = [*own, *[own[-1]] * (chunk - len(own) if begin else 0)]
+        chosen = BatchStart([starts.models[i] for i in numbers], [starts.states[i] for i in numbers])
+        part = _marched_together([cases[i] for i in own], chosen, axes, run, stops, settings)
         for solution in part.solutions:
             peaks = limits.observe(peaks, solution)
             statistics = statistics + solution.statistics
@@ -184,20 +198,26 @@ class _Part(NamedTuple):
     compile_seconds: float
 
 
-def _marched_together(cases: Sequence[System], run: Run, stops: Stops, settings: Controls) -> _Part:
+def _marched_together(
+    cases: Sequence[System],
+    starts: BatchStart,
+    axes: Axes,
+    run: Run,
+    stops: Stops,
+    settings: Controls,
+) -> _Part:
+    """March the cases of a chunk; its starts may go on with repeated cases."""
     began = clock.perf_counter()
-    models, states = _starts(cases, run)
-    leaves, axes = _stacked_leaves(models)
-    start = jax.tree.map(lambda *items: jnp.stack(items), *states)
+    models, states = starts
+    start = jax.tree.map(lambda *items: np.stack([np.asarray(item) for item in items]), *states)
     ends, outputs = stops.on_the_way(float(run.times[0]), run.times[1:])
-    arguments = leaves, settings, start, jnp.asarray(ends)
-    lowered = _mapped_march(jax.tree.structure(models[0]), axes).lower(*arguments)
-    program = lowered.compile(compiler_options=MARCHING)
+    arguments = stacked(models, axes), settings, start, np.asarray(ends)
+    program = _compiled(_mapped_march(jax.tree.structure(models[0]), axes), arguments)
     ready = clock.perf_counter()
     final, history = jax.device_get(program(*arguments))
     seconds = clock.perf_counter() - ready
     solutions = []
-    for own, (system, model, first) in enumerate(zip(cases, models, states, strict=True)):
+    for own, (system, model, first) in enumerate(zip(cases, models, states, strict=False)):
         cost = Statistics(
             steps=int(final.steps[own]),
             iterations=int(final.iterations[own]),
@@ -211,32 +231,45 @@ def _marched_together(cases: Sequence[System], run: Run, stops: Stops, settings:
     undamped = bool(cases[0].joints) and not damps_joint_forces(run.second_order_method)
     failures = {
         int(own): failure_message(float(final.time[own]), final.relative_residual[own], undamped=undamped)
-        for own in np.flatnonzero(final.failed)
+        for own in np.flatnonzero(final.failed[: len(cases)])
     }
     return _Part(solutions, failures, seconds, ready - began)
 
 
-def _starts(cases: Sequence[System], run: Run) -> tuple[list[Model], list[State]]:
-    models, states = [], []
-    for system in cases:
-        model, state = initial_state(system, run.times[0], run.step_control.first, run.validity)
-        if models and jax.tree.structure(model) != jax.tree.structure(models[0]):
-            raise ModelError(
-                "the cases of a batch must differ in numbers only: same bodies, joints, kinds of loads, "
-                "and the same function objects for quantities over time (use Table for what differs)"
-            )
-        models.append(model)
-        states.append(state)
+def _check_alike(models: Sequence[Model]) -> None:
+    if any(jax.tree.structure(model) != jax.tree.structure(models[0]) for model in models):
+        raise ModelError(
+            "the cases of a batch must differ in numbers only: same bodies, joints, kinds of loads, "
+            "and the same function objects for quantities over time (use Table for what differs)"
+        )
     shapes = [[np.shape(leaf) for leaf in jax.tree.leaves(model)] for model in models]
     if any(own != shapes[0] for own in shapes):
         raise ModelError("the cases of a batch must have tables and bodies of the same sizes")
-    return models, states
+
+
+_TANGENTS = 12
+"""Matrices of the size of the tangent that a case has at one time."""
+
+
+def _require_memory(starts: BatchStart, axes: Axes, chunk: int, n_times: int) -> None:
+    """MemoryShortageError where a chunk would take more than is left."""
+    model, state = starts.models[0], starts.states[0]
+    numbers = [
+        np.size(leaf) * (1 if axis is None else chunk)
+        for leaf, axis in zip(jax.tree.leaves(model), axes, strict=True)
+    ]
+    history = 3 * n_times * sum(np.size(leaf) for leaf in jax.tree.leaves(state))
+    tangents = _TANGENTS * (model.n_velocities + len(model.active)) ** 2
+    require_memory(
+        8 * (2 * sum(numbers) + chunk * (history + tangents)),
+        f"a chunk of {chunk} cases with {n_times} output times",
+        "take fewer cases at a time (`chunk`) or fewer output times",
+    )
 
 
 def _case_solution(system: System, model: Model, first: State, history: State, cost: Statistics) -> Solution:
     good = int(np.sum(~history.failed))
-    initial = as_solution(
-        system, model, jax.tree.map(lambda leaf: np.asarray(leaf)[None], first), Statistics()
+    states = jax.tree.map(
+        lambda begun, leaf: np.concatenate([np.asarray(begun)[None], leaf[:good]]), first, history
     )
-    rest = as_solution(system, model, jax.tree.map(lambda leaf: leaf[:good], history), cost)
-    return concatenate([initial, rest])
+    return as_solution(system, model, states, cost)

@@ -21,6 +21,7 @@ import numpy as np
 
 from supple.integrate import Coefficients, StepRule
 from supple.multibody.compiled.elimination import solve_bordering_column
+from supple.multibody.compiled.in_turn import in_turn
 from supple.multibody.equations.balance import Balance, Linearization, balance, tangent
 from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion, advance
 from supple.multibody.equations.joint_force import constraint_rows
@@ -193,6 +194,22 @@ def _newton_correction(
     return correction[:n], model.mass * correction[n:]
 
 
+def _correction_where_needed(
+    model: Model, rule: StepRule, start: State, trial: _Trial, linearization: Linearization
+) -> tuple[jax.Array, jax.Array]:
+    """The next correction; none of a converged trial."""
+    return jax.lax.cond(
+        trial.converged,
+        lambda: (jnp.zeros_like(trial.acceleration), jnp.zeros_like(trial.multipliers)),
+        lambda: _newton_correction(model, rule, start, trial, linearization),
+    )
+
+
+_correction_in_turn = partial(in_turn, _correction_where_needed)
+_FEWEST_IN_TURN = 16
+"""Velocities of a system whose cases of a batch are corrected in turn: below, mapping them costs less."""
+
+
 def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _Trial:
     """Newton's iteration for one step of size h from the constant-acceleration guess.
 
@@ -223,12 +240,8 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         rounding = position_rounding(model.length, trial.configuration.origins)
         settled = (trial.iterations > 0) & (moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
         trial = trial._replace(converged=trial.converged | settled)
-        change, multiplier_change = jax.lax.cond(
-            trial.converged,
-            lambda: (jnp.zeros_like(iteration.change), jnp.zeros_like(iteration.multiplier_change)),
-            lambda: _newton_correction(model, rule, start, trial, linearization),
-        )
-        return _Iteration(trial, change, multiplier_change)
+        correction = _correction_where_needed if model.n_velocities < _FEWEST_IN_TURN else _correction_in_turn
+        return _Iteration(trial, *correction(model, rule, start, trial, linearization))
 
     guess = _Trial(
         acceleration=start.acceleration,

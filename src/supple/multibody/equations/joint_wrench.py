@@ -89,13 +89,12 @@ def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:
     law = joint.law
     if law is None:
         return np.broadcast_to(affine_form(constraint, None)[0], (len(times), joint.n_constraints, 12))
-    values = np.asarray(jax.vmap(lambda time: jnp.asarray(law(time)))(jnp.asarray(times)))
     n_blocks = -(-len(times) // _BLOCK)
-    padded = np.concatenate([values, np.repeat(values[-1:], n_blocks * _BLOCK - len(values), axis=0)])
-    blocks = (_linearized(constraint, block) for block in np.split(padded, n_blocks))
+    padded = np.pad(times, (0, n_blocks * _BLOCK - len(times)), mode="edge")
+    blocks = (_linearized(constraint, law, block) for block in np.split(padded, n_blocks))
     return np.concatenate([np.asarray(block) for block in blocks])[: len(times)]
 
 
 @partial(jax.jit, static_argnums=0)
-def _linearized(constraint: Callable[..., jax.Array], values: jax.Array) -> jax.Array:
-    return jax.vmap(lambda value: affine_form(constraint, value)[0])(values)
+def _linearized(constraint: Callable[..., jax.Array], law: Any, times: jax.Array) -> jax.Array:
+    return jax.vmap(lambda time: affine_form(constraint, jnp.asarray(law(time)))[0])(times)

@@ -66,11 +66,15 @@ def over(function: Callable[..., Any], *arguments: Any) -> Any:
     """
     leaves, structure = jax.tree.flatten(arguments)
     shared = [leaf.shape[0] == 1 for leaf in leaves]
-    own = structure.unflatten([leaf[0] if once else leaf for leaf, once in zip(leaves, shared, strict=True)])
+    own = [leaf[0] if once else leaf for leaf, once in zip(leaves, shared, strict=True)]
+
+    # By leaves: laws of time check what they are made of, which axes are not.
+    def of_leaves(each: list[Any]) -> Any:
+        return function(*structure.unflatten(each))
+
     if all(shared):
-        return jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], function(*own))
-    axes = structure.unflatten([None if once else 0 for once in shared])
-    return jax.vmap(function, in_axes=axes)(*own)
+        return jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], of_leaves(own))
+    return jax.vmap(of_leaves, in_axes=([None if once else 0 for once in shared],))(own)
 
 
 def assembled_vector(n: int, parts: Iterable[tuple[Places, Any]]) -> jax.Array:

@@ -1,0 +1,150 @@
+"""Consistent starts of many load cases: what they have in common is found once, the rest mapped."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any, NamedTuple, TypeAlias
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.integrate import Run
+from supple.machine import System
+from supple.multibody.compiled.compiled_machine import CompiledMachine
+from supple.multibody.compiled.engine import initial_state
+from supple.multibody.compiled.time_step import State
+from supple.multibody.equations.balance import balance
+from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.compiler_options import STARTING
+from supple.multibody.equations.configuration import SystemMotion
+from supple.multibody.equations.consistent_start import placed_configuration, placed_velocity
+from supple.multibody.equations.model import Model
+
+__all__ = ["Axes", "BatchStart", "batch_start", "differing", "stacked"]
+
+_AT_ONCE = 64
+"""Cases whose forces are evaluated together: a last, shorter set is filled up, so that one program does."""
+
+
+Axes: TypeAlias = tuple[int | None, ...]
+"""By leaf: 0 where the cases differ, None where they share it"""
+
+
+def differing(trees: Sequence[Any]) -> Axes:
+    """Which leaves of pytrees of one structure differ."""
+    columns = zip(*(jax.tree.leaves(tree) for tree in trees), strict=True)
+    return tuple(None if _all_equal(column) else 0 for column in columns)
+
+
+def stacked(trees: Sequence[Any], axes: Axes) -> list[Any]:
+    """Their leaves together: shared ones once, the others with a new first axis."""
+    columns = zip(*(jax.tree.leaves(tree) for tree in trees), strict=True)
+    return [
+        np.asarray(column[0]) if axis is None else np.stack([np.asarray(leaf) for leaf in column])
+        for column, axis in zip(columns, axes, strict=True)
+    ]
+
+
+def _all_equal(leaves: Sequence[Any]) -> bool:
+    first = leaves[0]
+    return all(leaf is first or np.array_equal(np.asarray(leaf), np.asarray(first)) for leaf in leaves[1:])
+
+
+class BatchStart(NamedTuple):
+    """The models and consistent states of the cases."""
+
+    models: list[Model]
+    states: list[State]
+
+
+def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
+    """Models and states of cases, as `initial_state` finds them one by one.
+
+    Cases of the same bodies, joints and initial motion as the first differ in forces alone: their positions,
+    velocities and redundant equations are its own, and their accelerations solve its equations,
+
+        M vdot + G^T lambda = - forces,      G vdot = - d2g/dt2 at constant velocity
+    """
+    time, first = run.times[0], cases[0]
+    model, state = initial_state(first, time, run.step_control.first, run.validity)
+    models, states, alike = [model], [state], []
+    for number, system in enumerate(cases[1:], 1):
+        own = build_model(system, model.active)
+        if _starts_alike(first, model, system, own):
+            # The arrays of the first, so that nothing is kept or compared twice.
+            own, begun = replace(own, groups=model.groups, joints=model.joints), state
+            alike.append(number)
+        else:
+            own, begun = initial_state(system, time, run.step_control.first, run.validity)
+        models.append(own)
+        states.append(begun)
+    if alike:
+        machine = CompiledMachine(first, model)
+        for number, (acceleration, multipliers) in zip(
+            alike, _answers(machine, state, [models[i] for i in alike]), strict=True
+        ):
+            states[number] = state._replace(
+                acceleration=acceleration, auxiliary=acceleration, multipliers=multipliers
+            )
+    return BatchStart(models, states)
+
+
+def _starts_alike(first: System, model: Model, system: System, own: Model) -> bool:
+    """Whether only the forces differ at the start."""
+
+    def same(one: Any, other: Any) -> bool:
+        if jax.tree.structure(one) != jax.tree.structure(other):
+            return False
+        return all(map(np.array_equal, jax.tree.leaves(one), jax.tree.leaves(other)))
+
+    if [placed.body for placed in system.bodies] != [placed.body for placed in first.bodies]:
+        return False
+    return (
+        same(placed_configuration(first), placed_configuration(system))
+        and np.array_equal(placed_velocity(first), placed_velocity(system))
+        and same(model.joints, own.joints)
+        and same((model.length, model.mass), (own.length, own.mass))
+    )
+
+
+def _answers(machine: CompiledMachine, state: State, models: list[Model]) -> list[tuple[Any, Any]]:
+    """Accelerations and multipliers of models that differ in forces."""
+    velocity = np.asarray(state.velocity)
+    terms = machine.joint_terms(float(state.time), state.configuration, velocity)
+    mass = machine.metric(state.configuration)
+    n, m = len(mass), len(terms.jacobian)
+    scale = np.trace(mass) / n
+    matrix = np.block([[mass, scale * terms.jacobian.T], [scale * terms.jacobian, np.zeros((m, m))]])
+    loads = -np.concatenate(
+        [_forces(models[i : i + _AT_ONCE], state) for i in range(0, len(models), _AT_ONCE)]
+    )
+    bias = np.broadcast_to(-scale * terms.acceleration_bias, (len(loads), m))
+    solved = np.linalg.solve(matrix, np.hstack([loads, bias]).T).T
+    return [(answer[:n], scale * answer[n:]) for answer in solved]
+
+
+def _forces(models: list[Model], state: State) -> np.ndarray:
+    """Residuals (k, n) without accelerations and multipliers."""
+    filled = models + models[-1:] * (_AT_ONCE - len(models))
+    axes = differing(filled)
+    program = _mapped_forces(jax.tree.structure(models[0]), axes)
+    leaves = stacked(filled, axes)
+    return np.asarray(program(leaves, state.time, state.configuration, state.velocity))[: len(models)]
+
+
+@lru_cache(maxsize=32)
+def _mapped_forces(model_structure: Any, axes: Axes) -> Any:
+    def of_case(leaves: list[Any], time: Any, configuration: Any, velocity: Any) -> jax.Array:
+        model = jax.tree.unflatten(model_structure, leaves)
+        none = jnp.zeros_like(velocity), jnp.zeros(len(model.active))
+        residual = balance(model, SystemMotion(time, configuration, velocity, *none)).residual
+        return jnp.asarray(residual)
+
+    def of_cases(leaves: list[Any], time: Any, configuration: Any, velocity: Any) -> jax.Array:
+        mapped = jax.vmap(of_case, in_axes=(list(axes), None, None, None), axis_size=_AT_ONCE)
+        return mapped(leaves, time, configuration, velocity)
+
+    return jax.jit(of_cases, compiler_options=STARTING)
