@@ -28,6 +28,7 @@ from supple.integrate import Run, Solution
 from supple.machine.system import Placed, System
 from supple.multibody.checks.load_spectrum import warn_of_missing_modes
 from supple.reduction import ReducedBody, enrich, project, reduction_basis
+from supple.reduction.tensor_memory import require_tensor_memory
 
 __all__ = ["Announce", "CorrectionProgress", "Problem", "correct"]
 
@@ -124,6 +125,13 @@ class _Judged:
 
 def correct(problem: Problem) -> CorrectedSystem:
     """Round by round, until every body meets its target in the same one."""
+    for name, full in problem.fulls.items():
+        require_tensor_memory(
+            full.body,
+            problem.target(name).largest_size,
+            strain_rate_damping=full.damping is not None and bool(full.damping.retardation_time),
+            named="as largest_size",
+        )
     past: dict[str, list[_Judged]] = {name: [] for name in problem.fulls}
     estimator = ErrorEstimator(problem.system, problem.run)
     number = problem.number
