@@ -10,7 +10,6 @@ Constraint equations that repeat others are found by orthogonalising the rows of
 from __future__ import annotations
 
 import warnings
-from functools import partial
 from typing import Generic, NamedTuple, Protocol, Self, TypeVar
 
 import jax
@@ -18,6 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 import scipy.linalg
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning
 from supple.machine import System
 from supple.multibody.equations.balance import constraint_jacobian
@@ -51,10 +51,7 @@ class JointTerms(NamedTuple):
     """`d2g/dt2` while the velocities stay constant, (m,)"""
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def joint_terms(
-    model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array
-) -> JointTerms:
+def _terms(model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array) -> JointTerms:
     """Constraints, their Jacobian, and their first two time derivatives at constant velocity."""
 
     def residual_after(duration: jax.Array) -> jax.Array:
@@ -70,6 +67,9 @@ def joint_terms(
         rate=rate,
         acceleration_bias=bias,
     )
+
+
+joint_terms = KeptProgram(_terms, STARTING)
 
 
 class StartingMachine(Protocol):

@@ -15,7 +15,6 @@ The last bracket is also the derivative of the unbalanced force of a steady stat
 
 from __future__ import annotations
 
-from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -23,6 +22,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.cross import cross_matrices
+from supple.algebra.kept_programs import KeptProgram
 from supple.integrate import StepFactors
 from supple.multibody.equations.balance import Balance, Linearization, tangent
 from supple.multibody.equations.compiler_options import STARTING
@@ -73,7 +73,7 @@ def steady_motion(
     velocity[places] = moving
     velocity[places + 3] = np.einsum("bji,bj->bi", configuration.rotations, w)
     acceleration[places] = np.cross(w, moving)
-    return SystemMotion(jnp.asarray(float(time)), configuration, velocity, acceleration, multipliers)
+    return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers)
 
 
 def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms: Balance) -> LinearEquations:
@@ -96,15 +96,17 @@ def step_matrix(
     model: Model, motion: SystemMotion, terms: Balance, by_position: float, by_velocity: float
 ) -> np.ndarray:
     """`M + by_velocity C + by_position K` (n, n), by one compiled program whatever the factors are."""
-    factors = StepFactors(jnp.asarray(by_position), jnp.asarray(by_velocity))
+    factors = StepFactors(np.asarray(by_position), np.asarray(by_velocity))
     return np.asarray(_tangent(model, motion, terms.linearization, factors))
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def _tangent(
+def _tangent_of_step(
     model: Model, motion: SystemMotion, linearization: Linearization, factors: StepFactors
 ) -> jax.Array:
     return tangent(model, motion, linearization, jnp.zeros(model.n_velocities), factors)
+
+
+_tangent = KeptProgram(_tangent_of_step, STARTING)
 
 
 def in_turning_axes(model: Model, configuration: Configuration) -> np.ndarray:
