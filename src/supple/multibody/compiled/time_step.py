@@ -317,7 +317,9 @@ def march(model: Model, controls: Controls, start: State, stops: jax.Array) -> t
             partial(substep, model, controls, stops[row]),
             state,
         )
-        states = jax.tree.map(lambda every, own: every.at[row].set(own), states, state)
+        states = jax.tree.map(
+            lambda every, own: jax.lax.dynamic_update_index_in_dim(every, own, row, 0), states, state
+        )
         return row + 1, state, states
 
     start = jax.tree.map(jnp.asarray, start)

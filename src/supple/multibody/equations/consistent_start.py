@@ -57,16 +57,11 @@ def _terms(model: Model, time: jax.Array, configuration: Configuration, velocity
     def residual_after(duration: jax.Array) -> jax.Array:
         return constraints(model, time + duration, advance(model, configuration, duration * velocity))
 
-    def rate_after(duration: jax.Array) -> jax.Array:
-        return jax.jvp(residual_after, (duration,), (jnp.ones(()),))[1]
+    def with_rate(duration: jax.Array) -> tuple[jax.Array, jax.Array]:
+        return jax.jvp(residual_after, (duration,), (jnp.ones(()),))
 
-    rate, bias = jax.jvp(rate_after, (jnp.zeros(()),), (jnp.ones(()),))
-    return JointTerms(
-        residual=constraints(model, time, configuration),
-        jacobian=constraint_jacobian(model, time, configuration),
-        rate=rate,
-        acceleration_bias=bias,
-    )
+    (residual, rate), (_, bias) = jax.jvp(with_rate, (jnp.zeros(()),), (jnp.ones(()),))
+    return JointTerms(residual, constraint_jacobian(model, time, configuration), rate, bias)
 
 
 joint_terms = KeptProgram(_terms, STARTING)
