@@ -29,7 +29,8 @@ def rotation_matrix(what: str, value: object) -> np.ndarray:
     check_numbers(what, value)
     matrix = np.array(value, dtype=float)
     if matrix.shape == (3,):
-        matrix = Rotation.from_rotvec(space_vector(what, matrix).copy()).as_matrix()  # SciPy may write
+        space_vector(what, matrix)
+        matrix = Rotation.from_rotvec(matrix).as_matrix()
     if matrix.shape != (3, 3) or not np.allclose(matrix.T @ matrix, np.eye(3), atol=1e-9):
         raise ModelError(f"{what} must be a rotation vector (3,) or an orthonormal matrix (3, 3)")
     if np.linalg.det(matrix) < 0:

@@ -10,7 +10,6 @@ up: a chunk as large as the processor's cache serves best, about 64 cases of a b
 from __future__ import annotations
 
 import time as clock
-from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -21,6 +20,7 @@ import numpy as np
 
 from supple.algebra.available_memory import require_memory
 from supple.algebra.jax_settings import before_compiled_code
+from supple.algebra.kept_programs import KeptProgram
 from supple.arguments import checked_arguments
 from supple.body.full_body import FullBody
 from supple.errors import ConvergenceError, ModelError
@@ -73,7 +73,7 @@ class BatchSolution:
 
 
 @lru_cache(maxsize=32)
-def _mapped_march(model_structure: Any, model_axes: Axes) -> Any:
+def _mapped_march(model_structure: Any, model_axes: Axes) -> KeptProgram:
     """The compiled march over cases, for one pattern of shared and differing numbers."""
 
     def over_cases(leaves: list[Any], settings: Any, states: State, times: Any) -> Any:
@@ -82,23 +82,7 @@ def _mapped_march(model_structure: Any, model_axes: Axes) -> Any:
 
         return jax.vmap(one_case, in_axes=(list(model_axes), 0))(leaves, states)
 
-    return jax.jit(over_cases)
-
-
-_MOST = 8
-_PROGRAMS: OrderedDict[Any, Any] = OrderedDict()
-"""Compiled marches over cases, by what they were made from and the shapes they take; the last used behind."""
-
-
-def _compiled(mapped: Any, arguments: tuple[Any, ...]) -> Any:
-    leaves, structure = jax.tree.flatten(arguments)
-    key = mapped, structure, tuple(jax.typeof(leaf) for leaf in leaves)
-    if key not in _PROGRAMS:
-        _PROGRAMS[key] = mapped.lower(*arguments).compile(compiler_options=MARCHING)
-        if len(_PROGRAMS) > _MOST:
-            _PROGRAMS.popitem(last=False)
-    _PROGRAMS.move_to_end(key)
-    return _PROGRAMS[key]
+    return KeptProgram(over_cases, MARCHING)
 
 
 @checked_arguments
@@ -211,8 +195,10 @@ def _marched_together(
     models, states = starts
     start = jax.tree.map(lambda *items: np.stack([np.asarray(item) for item in items]), *states)
     ends, outputs = stops.on_the_way(float(run.times[0]), run.times[1:])
-    arguments = stacked(models, axes), settings, start, np.asarray(ends)
-    program = _compiled(_mapped_march(jax.tree.structure(models[0]), axes), arguments)
+    # Stops are filled up to a power of two: runs nearly as long share a program.
+    padded = np.pad(ends, (0, 2 ** (len(ends) - 1).bit_length() - len(ends)), mode="edge")
+    arguments = stacked(models, axes), settings, start, padded
+    program = _mapped_march(jax.tree.structure(models[0]), axes).compiled(*arguments)
     ready = clock.perf_counter()
     final, history = jax.device_get(program(*arguments))
     seconds = clock.perf_counter() - ready

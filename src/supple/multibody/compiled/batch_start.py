@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.integrate import Run
 from supple.machine import System
 from supple.multibody.compiled.compiled_machine import CompiledMachine
@@ -136,7 +137,7 @@ def _forces(models: list[Model], state: State) -> np.ndarray:
 
 
 @lru_cache(maxsize=32)
-def _mapped_forces(model_structure: Any, axes: Axes) -> Any:
+def _mapped_forces(model_structure: Any, axes: Axes) -> KeptProgram:
     def of_case(leaves: list[Any], time: Any, configuration: Any, velocity: Any) -> jax.Array:
         model = jax.tree.unflatten(model_structure, leaves)
         none = jnp.zeros_like(velocity), jnp.zeros(len(model.active))
@@ -147,4 +148,4 @@ def _mapped_forces(model_structure: Any, axes: Axes) -> Any:
         mapped = jax.vmap(of_case, in_axes=(list(axes), None, None, None), axis_size=_AT_ONCE)
         return mapped(leaves, time, configuration, velocity)
 
-    return jax.jit(of_cases, compiler_options=STARTING)
+    return KeptProgram(of_cases, STARTING)

@@ -21,6 +21,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from supple.machine import GROUND, At, Joint, System
+from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.joint_linearization import affine_form
 
 __all__ = ["joint_wrenches"]
@@ -89,12 +90,11 @@ def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:
     law = joint.law
     if law is None:
         return np.broadcast_to(affine_form(constraint, None)[0], (len(times), joint.n_constraints, 12))
-    n_blocks = -(-len(times) // _BLOCK)
-    padded = np.pad(times, (0, n_blocks * _BLOCK - len(times)), mode="edge")
-    blocks = (_linearized(constraint, law, block) for block in np.split(padded, n_blocks))
+    padded = np.pad(times, (0, -len(times) % _BLOCK), mode="edge").reshape(-1, _BLOCK)
+    blocks = (_linearized(constraint, law, block) for block in padded)
     return np.concatenate([np.asarray(block) for block in blocks])[: len(times)]
 
 
-@partial(jax.jit, static_argnums=0)
+@partial(jax.jit, static_argnums=0, compiler_options=STARTING)
 def _linearized(constraint: Callable[..., jax.Array], law: Any, times: jax.Array) -> jax.Array:
     return jax.vmap(lambda time: affine_form(constraint, jnp.asarray(law(time)))[0])(times)

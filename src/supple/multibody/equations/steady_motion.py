@@ -16,7 +16,6 @@ The last bracket is also the derivative of the unbalanced force of a steady stat
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -24,6 +23,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.cross import cross_matrices
+from supple.algebra.kept_programs import KeptProgram
 from supple.integrate import StepFactors
 from supple.multibody.equations.balance import Balance, Linearization, tangent
 from supple.multibody.equations.compiler_options import STARTING
@@ -71,7 +71,7 @@ def steady_motion(
     velocity, acceleration = turning_velocities(
         turning, configuration, model.frames.starts, model.n_velocities
     )
-    return SystemMotion(jnp.asarray(float(time)), configuration, velocity, acceleration, multipliers)
+    return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers)
 
 
 def turning_velocities(
@@ -111,15 +111,17 @@ def step_matrix(
     model: Model, motion: SystemMotion, terms: Balance, by_position: float, by_velocity: float
 ) -> np.ndarray:
     """`M + by_velocity C + by_position K` (n, n), by one compiled program whatever the factors are."""
-    factors = StepFactors(jnp.asarray(by_position), jnp.asarray(by_velocity))
+    factors = StepFactors(np.asarray(by_position), np.asarray(by_velocity))
     return np.asarray(_tangent(model, motion, terms.linearization, factors))
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def _tangent(
+def _tangent_of_step(
     model: Model, motion: SystemMotion, linearization: Linearization, factors: StepFactors
 ) -> jax.Array:
     return tangent(model, motion, linearization, jnp.zeros(model.n_velocities), factors)
+
+
+_tangent = KeptProgram(_tangent_of_step, STARTING)
 
 
 def in_turning_axes(model: Model, configuration: Configuration) -> np.ndarray:
