@@ -40,6 +40,8 @@ class Iterate(NamedTuple):
     converged: bool
     distance: float
     """Largest relative residual in parts of its tolerance"""
+    moved: float
+    """By the last correction, in parts of the machine; infinite at the first iterate"""
 
 
 class ImplicitStep(NamedTuple):
@@ -51,8 +53,11 @@ class ImplicitStep(NamedTuple):
     rule: StepRule
     tolerances: Tolerances
 
-    def at(self, unknowns: Unknowns, moved: float) -> Iterate:
-        """The exact equations at an iterate, which a correction has `moved`, relative to the machine."""
+    def at(self, unknowns: Unknowns, moved: float = np.inf, *, trusted: bool = False) -> Iterate:
+        """The exact equations at an iterate, which a correction has moved so far.
+
+        trusted : whether what is left to move is no more than that
+        """
         machine, start, rule = self.machine, self.start, self.rule
         auxiliary = rule.auxiliary(unknowns.acceleration, start.acceleration, start.auxiliary)
         increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
@@ -68,15 +73,15 @@ class ImplicitStep(NamedTuple):
         evaluation = machine.evaluate(state, rule.factors.by_position)
         relative = evaluation.relative_residual
         rounding = position_rounding(machine.model.length, state.configuration.origins)
-        settled = moved <= rounding and relative[3] <= 1e-6
+        settled = trusted and moved <= rounding and relative[3] <= 1e-6
         converged = bool(np.all(relative <= self.tolerances.residual) or settled)
         distance = float(np.max(relative)) / self.tolerances.residual
-        return Iterate(unknowns, state, increments, evaluation, converged, distance)
+        return Iterate(unknowns, state, increments, evaluation, converged, distance, moved)
 
-    def corrected(self, iterate: Iterate, tangent: KeptTangent | None, *, proven: bool) -> Iterate:
+    def corrected(self, iterate: Iterate, tangent: KeptTangent | None, *, trusted: bool) -> Iterate:
         """The next iterate, by a kept tangent or, where that is None, the exact one of this iterate.
 
-        proven : whether the tangent converges fast, so that what is left is smaller than the correction
+        trusted : as of `at`
         """
         machine, by_position = self.machine, self.rule.factors.by_position
         evaluation, increments = iterate.evaluation, iterate.increments
@@ -101,7 +106,7 @@ class ImplicitStep(NamedTuple):
             tuple(before + new for before, new in frames),
         )
         moved = float(by_position * np.max(abs(change) / machine.position_scale))
-        return self.at(unknowns, moved if proven else np.inf)
+        return self.at(unknowns, moved, trusted=trusted)
 
     def tangent(self, iterate: Iterate, *, symmetric: bool) -> KeptTangent:
         """A tangent at an iterate, factored, to be kept."""
