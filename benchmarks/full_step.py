@@ -46,8 +46,8 @@ COMPARED = ("position", "rotation", "coordinates")
 
 def run_options(start: float, steps: int, residual: float = RESIDUAL) -> Run:
     """Steps of the published size."""
-    times = {"duration": steps * STEP, "output_step": STEP, "start": start}
-    return Run(**times, step=FixedStep(STEP), tolerances=Tolerances(residual=residual))
+    tolerances = Tolerances(residual=residual)
+    return Run(steps * STEP, STEP, step=FixedStep(STEP), tolerances=tolerances, start=start)
 
 
 def timed(system: System, run: Run, iteration: NewtonIteration, last: Solution) -> tuple[float, Solution]:

@@ -26,6 +26,8 @@ from supple.mesh import CellType, block
 from supple.multibody import FullEngine
 from supple.multibody.full.full_tangent import FullTangent
 from supple.multibody.full.newton import exact_newton, modified_newton
+from supple.results.run_summary import cost_numbers
+from supple.results.run_tables import cost_line
 from supple.simulation import simulate
 
 pytestmark = pytest.mark.filterwarnings("ignore::supple.errors.StartWarning")
@@ -97,7 +99,14 @@ def test_it_is_newtons_motion_with_a_tenth_of_the_factors(full):
     assert_same_motion(modified, exact, 1e-7)
     assert exact.statistics.factorizations == exact.statistics.iterations >= exact.statistics.steps
     assert modified.statistics.factorizations <= 0.1 * exact.statistics.factorizations
-    assert modified.statistics.contraction < 0.1
+    contraction = modified.statistics.contraction
+    assert contraction is not None and 1e-4 < contraction < 0.1
+    numbers = cost_numbers(modified.statistics)
+    assert numbers["factorizations"] == modified.statistics.factorizations
+    assert numbers["residual left by an iteration"] == contraction
+    assert f"{modified.statistics.factorizations} factors, {contraction:.2g}" in cost_line(
+        modified.statistics
+    )
 
 
 def test_a_closed_loop_of_two_full_bodies_moves_the_same():

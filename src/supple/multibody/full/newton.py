@@ -14,7 +14,7 @@ start. A tangent decides on the iterations alone: a step ends where the exact eq
 or where a correction moves nothing. A tangent is trusted to say the latter when it is new or has gained
 tenfold before: of a positive definite symmetric part with a skew rest, the correction bounds the true one.
 
-Source: P. N. Brown, A. C. Hindmarsh and L. R. Petzold (1994) for keeping a factor by its rate.
+Source: [BrenanCampbellPetzold1996], section 5.2, for keeping a factor by its rate.
 """
 
 from __future__ import annotations
