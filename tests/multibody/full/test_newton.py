@@ -100,7 +100,8 @@ def test_it_is_newtons_motion_with_a_tenth_of_the_factors(full):
     assert exact.statistics.factorizations == exact.statistics.iterations >= exact.statistics.steps
     assert modified.statistics.factorizations <= 0.1 * exact.statistics.factorizations
     contraction = modified.statistics.contraction
-    assert contraction is not None and 1e-4 < contraction < 0.1
+    assert contraction is not None
+    assert 1e-4 < contraction < 0.1
     numbers = cost_numbers(modified.statistics)
     assert numbers["factorizations"] == modified.statistics.factorizations
     assert numbers["residual left by an iteration"] == contraction
