@@ -110,6 +110,7 @@ def test_it_is_newtons_motion_with_a_tenth_of_the_factors(full):
     )
 
 
+@pytest.mark.slow
 def test_a_closed_loop_of_two_full_bodies_moves_the_same():
     modified, exact = both(closed_loop(), options())
     assert np.ptp(exact.bodies["coupler"].position[:, 0]) > 1e-3  # it moves

@@ -11,8 +11,9 @@ takes its place and is kept in the same way. Corrections that do not become smal
 
 Where this does not converge, Newton's method with the exact tangent of every iterate does the step from its
 start. A tangent decides on the iterations alone: a step ends where the exact equations hold to the tolerance,
-or where a correction moves nothing. A tangent is trusted to say the latter when it is new or has gained
-tenfold before: of a positive definite symmetric part with a skew rest, the correction bounds the true one.
+with a kept tangent to a tenth of it if rounding allows, or where a correction moves nothing. A tangent is
+trusted to say the latter when it is new or has gained tenfold before: of a positive definite symmetric part
+with a skew rest, the correction bounds the true one.
 
 Source: [BrenanCampbellPetzold1996], section 5.2, for keeping a factor by its rate.
 """
@@ -32,6 +33,13 @@ __all__ = ["SLOWEST", "NewtonIteration", "exact_newton", "modified_newton"]
 
 SLOWEST = 0.1
 """Rate beyond which a kept tangent is renewed."""
+
+SHARE = 0.1
+"""Of the tolerance, which an old tangent has to reach.
+
+What it leaves of the residual lies where it is wrong, in stiff directions of little mass among others;
+Newton's own, which converges quadratically, leaves far less than the tolerance.
+"""
 
 NewtonIteration = Callable[[ImplicitStep, Unknowns, KeptTangent | None], Stepped]
 """Of a step, where the iteration starts, and the tangent of an earlier step."""
@@ -61,6 +69,7 @@ def exact_newton(step: ImplicitStep, predicted: Unknowns, kept: KeptTangent | No
 
 def _modified(step: ImplicitStep, predicted: Unknowns, kept: KeptTangent | None) -> Stepped:
     """Modified Newton's iteration."""
+    step = step._replace(share=SHARE)
     at = first = step.at(predicted)
     iterations = made = 0
     symmetric = kept is None or kept.symmetric
@@ -82,6 +91,9 @@ def _modified(step: ImplicitStep, predicted: Unknowns, kept: KeptTangent | None)
             at = tried
             continue
         of_this_step = made > 0
+        if new and tried.reached:  # rounding is in the way of more
+            at = tried
+            break
         if rate < 1:
             symmetric, at = symmetric and not new, tried
         elif symmetric or not of_this_step:
