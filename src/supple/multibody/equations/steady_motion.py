@@ -15,6 +15,7 @@ The last bracket is also the derivative of the unbalanced force of a steady stat
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
@@ -37,6 +38,7 @@ __all__ = [
     "linear_equations",
     "steady_motion",
     "step_matrix",
+    "turning_velocities",
 ]
 
 
@@ -66,14 +68,27 @@ def steady_motion(
     model: Model, turning: Turning, time: float, configuration: Configuration, multipliers: AnyArray
 ) -> SystemMotion:
     """The motion of bodies that turn without any other change of what they see."""
+    velocity, acceleration = turning_velocities(
+        turning, configuration, model.frames.starts, model.n_velocities
+    )
+    return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers)
+
+
+def turning_velocities(
+    turning: Turning, configuration: Configuration, frame_starts: Sequence[int], n: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities and accelerations (n,) of bodies that turn steadily, their frames from `frame_starts` on.
+
+    The angular velocities are constant, in space and in the body's axes.
+    """
     w = turning.angular_velocities
-    velocity, acceleration = np.zeros((2, model.n_velocities))
-    places = np.array(model.frames.starts)[:, None] + np.arange(3)
+    velocity, acceleration = np.zeros((2, n))
+    places = np.array(frame_starts)[:, None] + np.arange(3)
     moving = np.cross(w, configuration.origins - turning.point)
     velocity[places] = moving
     velocity[places + 3] = np.einsum("bji,bj->bi", configuration.rotations, w)
     acceleration[places] = np.cross(w, moving)
-    return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers)
+    return velocity, acceleration
 
 
 def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms: Balance) -> LinearEquations:
