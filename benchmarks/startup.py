@@ -1,11 +1,10 @@
 """What a start costs: importing, the first run of a machine, another duration, a coordinate more, a case.
 
 Run with one thread: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/startup.py [--quick] [--json FILE]
-Every row is a process of its own, first with an empty folder of kept programs (cold), then with what that one
-left there (warm). Seconds are the processor's, programs those that the compiler built meanwhile.
-Machines: a chain of two rigid rods; a flexible one that swings, by ten coordinates and by eleven, with
-nonlinear stiffness; the pendulum of the examples from the command line, pictures and all. `--quick` leaves out
-the flexible ones.
+Every row is a process of its own, first with an empty folder of programs (cold), then with what that one left
+there (warm). Seconds are the processor's, programs those that the compiler built meanwhile.
+Machines: a chain of two rigid rods; a flexible one that swings, nonlinear, by ten coordinates and by eleven;
+the pendulum of the examples from the command line, pictures and all. `--quick` leaves out the flexible ones.
 """
 
 from __future__ import annotations
