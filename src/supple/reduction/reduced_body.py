@@ -252,6 +252,13 @@ def _check_shapes(body: ReducedBody) -> None:
             f"reduced body '{body.name}': condensed motion of shape {body.condensed.shape}, "
             f"but {r} coordinates need {(body.nodal_basis.shape[0], n2)}"
         )
+    if body.condensed is not None and body.condensed.moments is not None:
+        moments = body.condensed.moments
+        if moments.shape != (12, n2) or not np.isfinite(moments).all():
+            raise ModelError(
+                f"reduced body '{body.name}': moments of its condensed motion of shape {moments.shape}, "
+                f"but {r} coordinates need {(12, n2)} finite numbers"
+            )
     if body.damping_cubic is not None:
         expected |= {"damping_cubic": (n2, r), "damping_quartic": (n2, n2)}
     for name, shape in expected.items():

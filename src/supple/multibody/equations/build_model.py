@@ -155,13 +155,15 @@ def _arrays(body: Any, length: float) -> dict[str, Any]:
     """Inertia and elasticity of a rigid or reduced body."""
     scale = length * np.sqrt(body.mass)
     if isinstance(body, RigidBody):
-        empty, gram = np.zeros((0, 0)), rigid_gram(body)
+        empty, gram, condensed = np.zeros((0, 0)), rigid_gram(body), None
         elastic = {**dict.fromkeys(_TENSORS), **dict.fromkeys(_ELASTIC, empty)}
     else:
         gram = body.gram
+        # A body made linear has no motion that follows its coordinates.
+        condensed = None if body.condensed is None or body.is_linear else body.condensed.moments
         elastic = {name: getattr(body, name) for name in (*_ELASTIC, "cubic", "damping_cubic")}
         elastic |= {"quartic": body.quartic_blocks, "damping_quartic": body.damping_quartic_blocks}
-    return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": scale, **elastic}
+    return {"gram": gram, "inertia": inertia_arrays(gram, condensed), "coordinate_scale": scale, **elastic}
 
 
 def _body_groups(system: System, places: _BodyPlaces, length: float) -> tuple[BodyGroup, ...]:
