@@ -1,9 +1,10 @@
 """Is the motion within what the kinematics can describe? Watched during every run, said with the number.
 
 Two limits are watched. A body without nonlinear terms has no geometric stiffness: spun faster than a good
-part of its lowest frequency, it bends too far, and past it diverges. And relative rotations beyond what the
-body's strains were derived for (about 0.3 rad where displacements or curvatures enter linearly) make the
-strains themselves wrong. Linear multibody codes pass both limits silently.
+part of its lowest frequency, it bends too far, and past it diverges. So does one whose condensed motion has
+no inertia, where the centrifugal stiffness that it lacks is a good part of the elastic one. And rotations
+beyond what the body's strains were derived for (about 0.3 rad where displacements or curvatures enter
+linearly) make the strains themselves wrong. Linear multibody codes pass both limits silently.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from supple.body import BodyForm
 from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine.system import System
+from supple.reduction import ReducedBody
+from supple.reduction.condensed_inertia import missing_centrifugal_stiffness
 
 __all__ = ["Excess", "Peaks", "Watch", "watch"]
 
@@ -54,7 +57,11 @@ class _Limits:
 
     name: str
     spin: float
-    lowest_frequency: float
+    flying_apart: float
+    """Spin at which the stiffness lacking is as large as the elastic one"""
+    axes: np.ndarray
+    """(3,) what a spin about each axis of the body counts"""
+    is_linear: bool
     rotation: float
     rotation_basis: np.ndarray | None
     """(3 P, n) rotation vectors from coordinates"""
@@ -86,17 +93,7 @@ class Watch:
         for own in self.limits:
             peak = peaks.get(own.name, Peaks())
             if peak.spin > own.spin:
-                found.append(
-                    Excess(
-                        own.name,
-                        f"body '{own.name}' is linear and spins at {peak.spin:.4g} rad per unit of time "
-                        f"(t = {peak.spin_time:.4g}), "
-                        f"{peak.spin / own.lowest_frequency:.2f} times its lowest frequency "
-                        f"{own.lowest_frequency:.4g}: without geometric stiffness its deflections "
-                        "are too large or diverge. Reduce it with modal derivatives, from a model with "
-                        "quadratic strains",
-                    )
-                )
+                found.append(Excess(own.name, _too_fast(own, peak)))
             if peak.rotation > own.rotation:
                 found.append(
                     Excess(
@@ -115,8 +112,25 @@ class Watch:
             warnings.warn(excess.message, ValidityWarning, stacklevel=3)
 
 
+def _too_fast(limits: _Limits, peak: Peaks) -> str:
+    spins = f"spins at {peak.spin:.4g} rad per unit of time (t = {peak.spin_time:.4g})"
+    if limits.is_linear:
+        return (
+            f"body '{limits.name}' is linear and {spins}, {peak.spin / limits.flying_apart:.2f} times its "
+            f"lowest frequency {limits.flying_apart:.4g}: without geometric stiffness its deflections "
+            "are too large or diverge. Reduce it with modal derivatives, from a model with quadratic strains"
+        )
+    missing = 100 * (peak.spin / limits.flying_apart) ** 2
+    return (
+        f"body '{limits.name}' {spins} and lacks up to {missing:.3g} % of its stiffness, that of centrifugal "
+        "force on motion which its columns leave out: its deflections are too large or diverge. Put "
+        "SteadyLoads(...) about its basis (steady = true in a case file), add derivatives, or take "
+        "MeanAxisFrame() with Rubin(...)"
+    )
+
+
 def _peaks(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Peaks:
-    spins = np.linalg.norm(motion.angular_velocity, axis=1)
+    spins = np.linalg.norm(motion.angular_velocity * limits.axes, axis=1)
     fastest = int(np.argmax(spins))
     peaks = Peaks(spin=float(spins[fastest]), spin_time=float(times[fastest]))
     if limits.rotation_basis is None:
@@ -134,12 +148,18 @@ def watch(system: System, validity: Validity) -> Watch:
 
 
 def _limits(body: BodyForm, validity: Validity) -> _Limits:
-    lowest = body.lowest_frequency() if body.is_linear else np.inf
+    axes, flying_apart = np.ones(3), body.lowest_frequency() if body.is_linear else np.inf
+    if isinstance(body, ReducedBody) and not body.is_linear:
+        missing = missing_centrifugal_stiffness(body)
+        if missing.any():
+            axes, flying_apart = np.sqrt(missing / missing.max()), float(missing.max() ** -0.5)
     limit = body.rotation_limit
     return _Limits(
         name=body.name,
-        spin=validity.spin_ratio * lowest,
-        lowest_frequency=lowest,
+        spin=validity.spin_ratio * flying_apart,
+        flying_apart=flying_apart,
+        axes=axes,
+        is_linear=body.is_linear,
         rotation=min(limit, LINEAR_ROTATION_LIMIT) if body.is_linear else limit,
         rotation_basis=body.rotation_rows,
     )
