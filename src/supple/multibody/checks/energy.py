@@ -15,7 +15,7 @@ from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import AnyArray
 from supple.multibody.equations.floating_inertia import FloatingState, frame_momenta, kinetic_energy
 from supple.multibody.equations.model import BodyGroup
-from supple.multibody.equations.polynomial_force import polynomial_energy
+from supple.multibody.equations.polynomial_force import Quartic, polynomial_energy
 from supple.multibody.full.full_inertia import FullInertia
 
 __all__ = ["Balances", "balances"]
@@ -53,7 +53,7 @@ def balances(system: System, solution: Solution) -> Balances:
     parts: list[Balances | None] = [None] * len(placed)
     for group in build_model(system).groups:
         for number, index in enumerate(group.members):
-            arrays = jax.tree.map(lambda leaf, number=number: leaf[number], _Arrays.of(group))
+            arrays = jax.tree.map(lambda leaf, i=number: leaf[min(i, len(leaf) - 1)], _Arrays.of(group))
             motion = solution.bodies[placed[index].name]
             moving = _Motion(*(jnp.asarray(getattr(motion, name)) for name in _Motion._fields))
             parts[index] = _of_reduced_body(arrays, jnp.asarray(gravity), moving)
@@ -70,7 +70,7 @@ class _Arrays(NamedTuple):
     gram: jax.Array
     stiffness: jax.Array
     cubic: jax.Array | None
-    quartic: jax.Array | None
+    quartic: Quartic | None
 
     @classmethod
     def of(cls, group: BodyGroup) -> _Arrays:
