@@ -26,7 +26,7 @@ from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
-from supple.machine import At, SplitBody, System
+from supple.machine import At, ForceElement, SplitBody, System
 from supple.mesh import Mesh
 from supple.sensors import Sensor
 from supple.storage.run_inputs import Inputs
@@ -248,7 +248,11 @@ class Case:
         CaseError, ModelError   as for `sources`; stress of a body that has no elements
         """
         named = zip(self.parts.spring, self.system.loads[len(self.parts.load) :], strict=True)
-        springs = {table.name: spring for table, spring in named if table.name is not None}
+        springs = {
+            table.name: spring
+            for table, spring in named
+            if table.name is not None and isinstance(spring, ForceElement)
+        }
         sensed = SensedCase(self.place, self.bases, self.elements, springs)
         return tuple(table.build(sensed) for table in self.parts.sensor)
 
