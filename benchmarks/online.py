@@ -31,8 +31,7 @@ from supple.machine import (
 )
 from supple.machine.laws.spin_up import SpinUp
 from supple.multibody.compiled.engine import controls, initial_state
-from supple.multibody.compiled.time_step import march
-from supple.multibody.equations.compiler_options import MARCHING
+from supple.multibody.compiled.programs import COMPILED_MARCH
 from supple.reduction import (
     CompressedDerivatives,
     NoDerivatives,
@@ -71,7 +70,7 @@ def march_cost(name: str, system: System, *, step: float, tolerance: float = 1e-
         Run(1.0, 1.0, step=FixedStep(step), method=GeneralizedAlpha(0.8), tolerances=Tolerances(tolerance))
     )
     arguments = jax.device_put((model, settings, state, jnp.asarray(step * np.arange(1, N_STEPS + 1))))
-    program = march.lower(*arguments).compile(compiler_options=MARCHING)
+    program = COMPILED_MARCH.compiled(*arguments)
     compiled = process_time()
     seconds = []
     for _ in range(REPEATS):
