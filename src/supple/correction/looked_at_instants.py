@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from supple.machine import System
 from supple.machine.laws.instants import instants_of
+from supple.machine.laws.sampled_law import sampled
 from supple.multibody.equations.stops import laws_of
 
 __all__ = ["jittered", "striking"]
@@ -31,7 +32,7 @@ def striking(system: System, times: Sequence[float] | NDArray[np.float64]) -> ND
     times = np.asarray(times)
     found: list[float] = []
     for _, law in laws_of(system):
-        values = np.array([np.linalg.norm(np.asarray(law(time))) for time in times[:: _stride(times)]])
+        values = np.linalg.norm(sampled(law, times[:: _stride(times)])[0], axis=1)
         found.append(times[:: _stride(times)][int(np.argmax(values))])
         found += list(instants_of(law, float(times[0]), float(times[-1])))[:MOST_STRIKING]
     rows = np.unique(np.clip(np.searchsorted(times, found, side="left"), 1, len(times) - 1))

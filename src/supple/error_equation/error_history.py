@@ -333,9 +333,9 @@ class ErrorEquation:
         )
         found = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)]
         for block, number in _blocks(point.motion, histories):
-            _, states = march_error(model, gains, self.coefficients, state, block)
+            states = jax.device_get(march_error(model, gains, self.coefficients, state, block)[1])
             state = jax.tree.map(lambda leaf, last=number - 1: leaf[last], states)
-            found.append(jax.tree.map(lambda leaf, n=number: np.asarray(leaf)[:n], states))
+            found.append(jax.tree.map(lambda leaf, n=number: leaf[:n], states))
         return jax.tree.map(lambda *leaves: np.concatenate(leaves), *found)
 
     def _gained(self, name: str, motion: _InColumns) -> tuple[ElasticGain, GainHistory]:

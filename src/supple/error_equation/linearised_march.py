@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from supple.algebra.kept_programs import KeptProgram
 from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_jacobian
@@ -169,10 +170,10 @@ def first_error(
 
     at : the start, as the end of steps of no length, by which nothing but accelerations change
     """
-    none = jnp.zeros_like(velocity)
-    start = ErrorState(position, velocity, none, none, jnp.zeros(len(model.active)))
+    none = np.zeros_like(velocity)
+    start = ErrorState(position, velocity, none, none, np.zeros(len(model.active)))
     _, states = march_error(model, bodies, coefficients, start, at)
-    first = jax.tree.map(lambda leaf: leaf[0], states)
+    first = jax.tree.map(lambda leaf: leaf[0], jax.device_get(states))
     return first._replace(position=position, velocity=velocity, auxiliary=first.acceleration)
 
 
