@@ -201,7 +201,7 @@ def watch(system: System, validity: Validity) -> Watch:
 
 
 def _carrying_moments(system: System) -> set[At]:
-    """Mean rotations of averaging interfaces under moments (3 k, n), and their c / C (3 k,)."""
+    """Interfaces at which a joint holds a rotation, or a force element acts that is no spring on a line."""
     holding = [joint for joint in system.joints if not all(row.startswith("position") for row in joint.rows)]
     loads = [load for load in system.loads if isinstance(load, ForceElement) and not load.acts_along_line]
     return {end for element in (*holding, *loads) for end in (element.first, element.second)}
