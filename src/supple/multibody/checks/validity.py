@@ -20,6 +20,7 @@ from supple.body import BodyForm, FullBody
 from supple.body.averaging_error import DEFLECTION_ERROR, section_softness
 from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import FloatingMotion, Solution, Validity
+from supple.machine import At, ForceElement
 from supple.machine.system import System
 from supple.reduction import ReducedBody
 from supple.reduction.condensed_inertia import missing_centrifugal_stiffness
@@ -178,14 +179,14 @@ def _softened(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Pea
     return Peaks(softened=float(DEFLECTION_ERROR * shares[worst]), softened_time=float(times[worst]))
 
 
-def _averaging(body: BodyForm) -> tuple[Any, np.ndarray]:
-    """Mean rotations of the averaging interfaces, (3 k, n), and how soft their sections are, (3 k,)."""
+def _averaging(body: BodyForm, carrying: set[At]) -> tuple[Any, np.ndarray]:
+    """Mean rotations of averaging interfaces under moments, (3 k, n); c / C of their sections, (3 k,)."""
+    found = []
     if isinstance(body, FullBody):
-        found = [(i.motion[3:], section_softness(body.body, i)) for i in body.interfaces]
+        held = [i for i in body.interfaces if At(body.name, i.name) in carrying]
+        found = [(i.motion[3:], section_softness(body.body, i)) for i in held]
     elif isinstance(body, ReducedBody):
-        found = [(i.motion[3:], i.softness) for i in body.interfaces]
-    else:
-        found = []
+        found = [(i.motion[3:], i.softness) for i in body.interfaces if At(body.name, i.name) in carrying]
     found = [(motion, softness) for motion, softness in found if softness.any()]
     if not found:
         return None, np.zeros(0)
@@ -196,17 +197,24 @@ def _averaging(body: BodyForm) -> tuple[Any, np.ndarray]:
 def watch(system: System, validity: Validity) -> Watch:
     """Prepare the limits of every flexible body of a system."""
     deforming = [placed.body for placed in system.bodies if placed.body.n_coordinates]
-    return Watch(validity, tuple(_limits(body, validity) for body in deforming))
+    return Watch(validity, tuple(_limits(body, validity, _carrying_moments(system)) for body in deforming))
 
 
-def _limits(body: BodyForm, validity: Validity) -> _Limits:
+def _carrying_moments(system: System) -> set[At]:
+    """Interfaces at which a joint holds a rotation, or a force element acts that is no spring on a line."""
+    holding = [joint for joint in system.joints if not all(row.startswith("position") for row in joint.rows)]
+    loads = [load for load in system.loads if isinstance(load, ForceElement) and not load.acts_along_line]
+    return {end for element in (*holding, *loads) for end in (element.first, element.second)}
+
+
+def _limits(body: BodyForm, validity: Validity, carrying: set[At]) -> _Limits:
     axes, flying_apart = np.ones(3), body.lowest_frequency() if body.is_linear else np.inf
     if isinstance(body, ReducedBody) and not body.is_linear:
         missing = missing_centrifugal_stiffness(body)
         if missing.any():
             axes, flying_apart = np.sqrt(missing / missing.max()), float(missing.max() ** -0.5)
     limit = body.rotation_limit
-    averaging, softness = _averaging(body)
+    averaging, softness = _averaging(body, carrying)
     return _Limits(
         name=body.name,
         spin=validity.spin_ratio * flying_apart,
