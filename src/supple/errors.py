@@ -61,6 +61,10 @@ class ResultFileError(SuppleError, OSError):
     """A result file that cannot be read, written or continued."""
 
 
+class MemoryShortageError(SuppleError, MemoryError):
+    """Work that would not fit in the memory that is left; the message names its size and the remedy."""
+
+
 class ForkedProcessError(SuppleError, RuntimeError):
     """A simulation in a process that was forked after its parent had simulated."""
 

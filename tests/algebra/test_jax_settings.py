@@ -37,12 +37,12 @@ def test_user_cache_by_default(tmp_path, monkeypatch):
 def test_unlike_machines_share_no_programs(monkeypatch):
     """Another instruction set, or another version of the compiler, has another folder."""
     monkeypatch.undo()
-    here = jax_settings._machine.__wrapped__()
+    here = jax_settings.this_machine.__wrapped__()
     monkeypatch.setattr(jax_settings.platform, "machine", lambda: "another")
-    there = jax_settings._machine.__wrapped__()
+    there = jax_settings.this_machine.__wrapped__()
     monkeypatch.undo()
     monkeypatch.setattr(jax_settings, "version", lambda name: "0.0.0")
-    later = jax_settings._machine.__wrapped__()
+    later = jax_settings.this_machine.__wrapped__()
     assert len({here, there, later}) == 3
 
 

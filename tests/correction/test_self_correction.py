@@ -9,7 +9,7 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
 from supple.correction import ReductionStart, SelfCorrection, SelfCorrectionError, self_correct
-from supple.errors import AccuracyError, ConvergenceError, ModelError
+from supple.errors import AccuracyError, ConvergenceError, MemoryShortageError, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
@@ -117,6 +117,13 @@ def test_gives_up_after_the_rounds_allowed_and_keeps_them(beam):
 def test_gives_up_rather_than_need_more_coordinates(beam):
     with pytest.raises(SelfCorrectionError, match="would have 11 coordinates, more than 10 allowed"):
         corrected(beam, FRAMES["nodal-fixed"], absolute=None, relative=1e-9, largest_size=10)
+
+
+def test_a_largest_size_that_would_not_fit_in_memory_is_refused_before_the_first_round(beam):
+    with pytest.raises(
+        MemoryShortageError, match=r"with 5000 coordinates .* take at most \d+ as largest_size"
+    ):
+        corrected(beam, FRAMES["nodal-fixed"], relative=1e-9, absolute=None, largest_size=5000)
 
 
 @pytest.fixture

@@ -73,3 +73,10 @@ def test_shapes_that_disagree_are_refused(reduced):
 def test_values_that_are_not_finite_are_refused(reduced):
     with pytest.raises(ModelError, match="gram contains NaN or infinity"):
         replace(reduced, gram=np.full_like(reduced.gram, np.nan))
+
+
+def test_tensors_without_a_potential_are_refused(reduced):
+    lopsided = reduced.quartic.copy()
+    lopsided[0, 5] *= 1.1  # of (00, 11), not of (01, 01)
+    with pytest.raises(ModelError, match=r"its quartic tensor misses the symmetry .*\.symmetrized\(\)"):
+        replace(reduced, quartic=lopsided)

@@ -135,6 +135,22 @@ def test_tensors_are_fully_symmetric():
         assert_close(fourth, fourth.transpose(axes))
 
 
+def test_symmetrized_tensors_have_the_energy_of_the_published_ones_and_a_potential():
+    r = 4
+    rng = np.random.default_rng(8)
+    n2 = r * (r + 1) // 2
+    given = InternalForceTensors(np.eye(r), rng.standard_normal((n2, r)), rng.standard_normal((n2, n2)))
+    symmetric = given.symmetrized()
+    gamma = rng.standard_normal(r)
+    np.testing.assert_allclose(symmetric.energy(gamma), given.energy(gamma), rtol=1e-12)
+    gradient = given.energy(gamma + 1e-30j * np.eye(r)).imag / 1e-30
+    np.testing.assert_allclose(symmetric.internal_force(gamma), gradient, rtol=1e-12)
+    assert np.abs(given.internal_force(gamma) - gradient).max() > 0.1 * np.abs(gradient).max()
+    again = symmetric.symmetrized()
+    assert_close(again.quartic, symmetric.quartic)
+    assert_close(again.cubic, symmetric.cubic)
+
+
 def test_chunks_do_not_change_the_sum(monkeypatch):
     whole = random_tensors(4)
     monkeypatch.setattr(tensors, "CHUNK_BYTES", 1)

@@ -156,6 +156,30 @@ def test_cases_that_differ_in_the_numbers_of_their_laws_compile_once(monkeypatch
     batch._mapped_march.cache_clear()
 
 
+def test_a_last_chunk_of_fewer_cases_and_another_duration_share_the_program(monkeypatch):
+    """A single case is left over: what differs between the others is stacked of it, too."""
+    traced = []
+
+    def counted(*arguments):
+        traced.append(arguments)
+        return march(*arguments)
+
+    march = batch.march
+    monkeypatch.setattr(batch, "march", counted)
+    batch._mapped_march.cache_clear()
+    cases = [driven(1.0 + i, 2.0, 3.0 - i, 4.0, 5.0) for i in range(3)]
+    found = simulate_batch(cases, RUN, chunk=2).check()
+    assert len(found.solutions) == 3
+    shorter = simulate_batch(cases, replace(RUN, duration=0.9 * RUN.duration), chunk=2).check()
+    assert len(traced) == 1
+    for run, solutions in ((RUN, found), (replace(RUN, duration=0.9 * RUN.duration), shorter)):
+        alone = simulate(cases[2], run)
+        assert len(solutions.solutions[2].times) == len(alone.times)
+        own = solutions.solutions[2].bodies["bob"].position
+        np.testing.assert_allclose(own, alone.bodies["bob"].position, atol=1e-12)
+    batch._mapped_march.cache_clear()
+
+
 def test_functions_of_time_differ_in_more_than_numbers():
     swings = [
         FollowerTorque(first=At("bob", "hinge"), torque=lambda t, size=size: size * jnp.array([t, 0.0, 0.0]))

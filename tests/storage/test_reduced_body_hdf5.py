@@ -82,8 +82,8 @@ def test_files_that_hold_no_reduced_body(tmp_path):
 def test_a_newer_version_is_refused(tmp_path, linear):
     path = write_reduced_body(tmp_path / "body.h5", linear)
     with h5py.File(path, "r+") as file:
-        file.attrs["version"] = 2
-    with pytest.raises(ResultFileError, match="format version 2, and this supple reads up to 1: use the"):
+        file.attrs["version"] = 3
+    with pytest.raises(ResultFileError, match="format version 3, and this supple reads up to 2: use the"):
         read_reduced_body(path)
 
 

@@ -16,6 +16,7 @@ import gc
 import hashlib
 import os
 import platform
+from collections.abc import Callable
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
@@ -24,7 +25,15 @@ import jax
 
 from supple.errors import ForkedProcessError
 
-__all__ = ["before_compiled_code", "bound_programs", "check_not_forked", "keep_compiled_programs"]
+__all__ = [
+    "before_compiled_code",
+    "bound_programs",
+    "check_not_forked",
+    "count_program",
+    "keep_compiled_programs",
+    "this_machine",
+    "when_given_back",
+]
 
 
 def keep_compiled_programs(folder: Path | None = None) -> Path:
@@ -36,7 +45,7 @@ def keep_compiled_programs(folder: Path | None = None) -> Path:
     environment takes precedence; JAX_ENABLE_COMPILATION_CACHE=false turns the cache off.
     """
     named = os.environ.get("JAX_COMPILATION_CACHE_DIR")
-    folder = Path(named) if named else folder or _user_cache() / "supple" / "compiled" / _machine()
+    folder = Path(named) if named else folder or _user_cache() / "supple" / "compiled" / this_machine()
     jax.config.update("jax_compilation_cache_dir", str(folder))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)
     return folder
@@ -50,7 +59,7 @@ def _user_cache() -> Path:
 
 
 @lru_cache
-def _machine() -> str:
+def this_machine() -> str:
     """Name for all that decides whether native code runs: architecture, instruction sets, versions."""
     features = [
         platform.system(),
@@ -110,8 +119,18 @@ def bound_programs() -> bool:
     if 2 * count < int(_MOST_MAPS.read_text()):
         return False
     jax.clear_caches()
+    for forget in _FORGET:
+        forget()
     gc.collect()
     return True
+
+
+_FORGET: list[Callable[[], None]] = []
+
+
+def when_given_back(forget: Callable[[], None]) -> None:
+    """Have `forget` called when a process gives its programs back: for those that JAX does not know of."""
+    _FORGET.append(forget)
 
 
 def before_compiled_code() -> None:
@@ -120,12 +139,17 @@ def before_compiled_code() -> None:
     bound_programs()
 
 
-def _count_program(event: str, duration_secs: float, **kwargs: object) -> None:  # noqa: ARG001
+def count_program() -> None:
+    """Note that the process holds a program more."""
+    _Process.compiled_since_looked += 1
+
+
+def _listen(event: str, duration_secs: float, **kwargs: object) -> None:  # noqa: ARG001
     if event == "/jax/core/compile/backend_compile_duration":
-        _Process.compiled_since_looked += 1
+        count_program()
 
 
-jax.monitoring.register_event_duration_secs_listener(_count_program)
+jax.monitoring.register_event_duration_secs_listener(_listen)
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_remember_fork)
 
@@ -142,6 +166,6 @@ def _writable(folder: Path) -> bool:
 jax.config.update("jax_enable_x64", True)
 os.environ.setdefault("NPROC", "1")
 if getattr(jax.config, "jax_compilation_cache_dir", None) is None and _writable(
-    _user_cache() / "supple" / "compiled" / _machine()
+    _user_cache() / "supple" / "compiled" / this_machine()
 ):
     keep_compiled_programs()

@@ -17,6 +17,7 @@ from supple.cases.case_inputs import inputs_of_case
 from supple.cases.case_tables import CaseTables
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
+from supple.cases.sensors import SensedCase, sensed_places
 from supple.cases.split import SplitSource, split_source
 from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
 from supple.cases.stated_error import Judged, judged_places
@@ -25,8 +26,9 @@ from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
-from supple.machine import At, SplitBody, System
+from supple.machine import At, ForceElement, SplitBody, System
 from supple.mesh import Mesh
+from supple.sensors import Sensor
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
 
@@ -238,6 +240,23 @@ class Case:
         return table.quantity(self.place, self.elements)
 
     @cached_property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """What is read off its motion.
+
+        Raises
+        ------
+        CaseError, ModelError   as for `sources`; stress of a body that has no elements
+        """
+        named = zip(self.parts.spring, self.system.loads[len(self.parts.load) :], strict=True)
+        springs = {
+            table.name: spring
+            for table, spring in named
+            if table.name is not None and isinstance(spring, ForceElement)
+        }
+        sensed = SensedCase(self.place, self.bases, self.elements, springs)
+        return tuple(table.build(sensed) for table in self.parts.sensor)
+
+    @cached_property
     def study(self) -> ErrorStudy:
         """Which parts of the error are looked at, and in what.
 
@@ -298,7 +317,11 @@ class Case:
             (("load", i, "at"), load.at) for i, load in enumerate(tables.load)
         ]
         places += [(("output", "track", i), place) for i, place in enumerate(tables.output.track)]
-        for path, each in judged_places(tomllib.loads(self.text)):
+        raw = tomllib.loads(self.text)
+        for path, key, place, is_set in sensed_places(raw):
+            if is_set and isinstance(place, str):
+                places.append(((*path, key), place))
+        for path, each in judged_places(raw):
             if isinstance(each.get("at"), str):
                 places.append(((*path, "at"), each["at"]))
         for path, place in places:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from supple.cases import bodies, joints, loads, output, simulation, spin, springs, stated_error
+from supple.cases import bodies, joints, loads, output, sensors, simulation, spin, springs, stated_error
 from supple.cases.bodies import Body
 from supple.cases.body_kinds import KINDS
 from supple.cases.ends import ends_exist
@@ -16,6 +16,7 @@ from supple.cases.joints import Joint
 from supple.cases.laws import tables_suit_the_run
 from supple.cases.loads import Load
 from supple.cases.output import Output
+from supple.cases.sensors import SensorTable
 from supple.cases.simulation import Simulation
 from supple.cases.spin import SpinTable
 from supple.cases.springs import Spring
@@ -39,6 +40,7 @@ class CaseTables(CheckedTable):
     joint: Annotated[tuple[Joint, ...], Field(strict=False)] = ()
     load: Annotated[tuple[Load, ...], Field(strict=False)] = ()
     spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
+    sensor: Annotated[tuple[SensorTable, ...], Field(strict=False)] = ()
     simulation: Simulation
     spin: SpinTable | None = None
     error: StatedError = Field(default_factory=lambda: StatedError.model_validate({}))
@@ -64,6 +66,7 @@ RULES: tuple[Rule, ...] = (
     *spin.RULES,
     *output.RULES,
     *stated_error.RULES,
+    *sensors.RULES,
     _units_are_one_set,
     ends_exist,
 )

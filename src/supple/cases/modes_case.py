@@ -23,6 +23,7 @@ from supple.linearization import (
     mode_motion,
 )
 from supple.machine import Spin
+from supple.multibody.equations.build_model import system_length
 from supple.results.run_summary import unit_names
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
@@ -129,7 +130,7 @@ def _draw(case: Case, modes: MachineModes, folder: Path, progress: Progress) -> 
 
     titles = mode_titles(modes.frequencies / (2 * np.pi), case.units)
     system = replace(modes.machine.system, loads=())
-    size = _size(modes)
+    size = system_length(system)
     for number in range(len(modes.eigenvalues)):
         motion = mode_motion(modes, number, amplitude=AMPLITUDE * size)
         stem = f"{case.path.stem}-mode-{number + 1}"
@@ -140,9 +141,3 @@ def _draw(case: Case, modes: MachineModes, folder: Path, progress: Progress) -> 
         if case.tables.output.animation:
             animate_run(folder / f"{stem}.gif", system, motion, case.drawn, units=case.units)
         progress("drawing modes", (number + 1) / len(modes.eigenvalues))
-
-
-def _size(modes: MachineModes) -> float:
-    points = [placed.positions() for placed in modes.machine.system.bodies]
-    points += [placed.position[None] for placed in modes.machine.system.bodies]
-    return float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0)))

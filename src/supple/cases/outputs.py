@@ -8,7 +8,7 @@ from pathlib import Path
 
 from supple.cases.case import Case
 from supple.cases.case_tables import files_named
-from supple.cases.remains import report_path, result_path
+from supple.cases.remains import readings_paths, report_path, result_path
 from supple.errors import CaseError
 from supple.importers import files_read_with
 from supple.simulation.kept_bodies import kept_path
@@ -23,7 +23,13 @@ def check_outputs(case: Case, folder: Path) -> None:
             f"{case.path}: the file of its motion and that of body '{kept[result]}' would both be {result}; "
             "give the case file another name"
         )
-    check_not_an_input(case, [result, report_path(case, folder), *kept])
+    readings = readings_paths(folder) if case.tables.sensor else ()
+    if result in readings:
+        raise CaseError(
+            f"{case.path}: the file of its motion and that of its sensors would both be {result}; give "
+            "the case file another name"
+        )
+    check_not_an_input(case, [result, report_path(case, folder), *kept, *readings])
 
 
 def check_not_an_input(case: Case, targets: Sequence[Path]) -> None:

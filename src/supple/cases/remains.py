@@ -10,7 +10,7 @@ from supple.errors import ResultFileError
 from supple.storage import read_header
 from supple.storage.result_file import check_same_run
 
-__all__ = ["check_remains", "kept_so_far", "report_path", "result_path"]
+__all__ = ["check_remains", "kept_so_far", "readings_paths", "report_path", "result_path"]
 
 
 def result_path(case: Path, folder: Path) -> Path:
@@ -21,6 +21,11 @@ def result_path(case: Path, folder: Path) -> Path:
 def report_path(case: Case, folder: Path) -> Path:
     """The file of the numbers of a run."""
     return folder / f"{case.path.stem}.json"
+
+
+def readings_paths(folder: Path) -> tuple[Path, Path]:
+    """The files of what its sensors read: a table, and HDF5."""
+    return folder / "sensors.csv", folder / "sensors.h5"
 
 
 def kept_so_far(case: Path, folder: Path) -> str:

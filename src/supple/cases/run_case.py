@@ -11,7 +11,7 @@ from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import Progress, silent
 from supple.cases.outputs import check_outputs
-from supple.cases.remains import check_remains, report_path, result_path
+from supple.cases.remains import check_remains, readings_paths, report_path, result_path
 from supple.cases.static_case import starting_system
 from supple.correction import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
 from supple.errors import CaseError
@@ -19,6 +19,7 @@ from supple.integrate import Solution, Validity
 from supple.machine import System
 from supple.multibody import warn_of_missing_modes
 from supple.results import TrackedMotion, summarize, tracked_places
+from supple.sensors import Reading, read_sensors, write_readings, write_readings_hdf5
 from supple.simulation import reduced_bodies, simulate_kept
 from supple.storage import write_errors, write_json
 from supple.storage.exclusive_lock import ExclusiveLock
@@ -120,11 +121,27 @@ def _run_case(
     warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
     places = {name: case.place(name) for name in case.parts.output.track}
     tracked = tracked_places(system, solution, places, case.bases)
+    readings = read_sensors(case.sensors, system, solution)
     numbers = summarize(system, solution, tracked, units=case.units)
+    numbers |= {"sensors": {each.name: each.plain(case.units) for each in readings}}
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
+    _write_readings(case, folder, readings)
     _write_report(case, folder, result.rounds, result.numbers)
     _draw(case, result, folder, progress)
     return result
+
+
+def _write_readings(case: Case, folder: Path, readings: Sequence[Reading]) -> None:
+    """Write what the sensors read, and draw it if the case asks for pictures."""
+    if not readings:
+        return
+    table, arrays = readings_paths(folder)
+    write_readings(table, readings, units=case.units)
+    write_readings_hdf5(arrays, readings, units=case.units)
+    if case.tables.output.pictures:
+        from supple.viz import plot_readings
+
+        plot_readings(folder / "sensors.png", readings, units=case.units)
 
 
 def _simulated(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,7 @@ from supple.cases.damping import Rayleigh, RayleighRatio
 from supple.cases.interfaces import Interface
 from supple.cases.joints import Joint
 from supple.cases.loads import Load
+from supple.cases.sensors import SensorTable
 from supple.cases.split import SplitSource
 from supple.cases.springs import Spring
 from supple.errors import ModelError, SuppleWarning
@@ -77,6 +78,7 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
     track = [place for text in tables.output.track for place, _ in _places(placed(text), by_name)]
     changed = {
         "body": tuple(bodies),
+        "sensor": tuple(_sensor_of_part(each, placed, by_name) for each in tables.sensor),
         "joint": (*map(at_parts, tables.joint), *(joint for each in given for joint in _ties(each))),
         "spring": tuple(map(at_parts, tables.spring)),
         "load": tuple(part for load in tables.load for part in _load_parts(load, placed(load.at), by_name)),
@@ -208,6 +210,27 @@ def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, 
     nodes = split[name].source.mesh.whole.nodes_of(node_set)
     found = split[name].source.places(nodes)
     return [(f"{part}.{node_set}", len(own) / len(nodes)) for part, own in found]
+
+
+def _sensor_of_part(
+    sensor: SensorTable, placed: Callable[[str], str], split: Mapping[str, _SplitTable]
+) -> SensorTable:
+    """A sensor at the part that has its place.
+
+    Raises ModelError for a node set whose nodes lie in several parts.
+    """
+    changed = {}
+    if (at := getattr(sensor, "at", None)) is not None:
+        places = _places(placed(at), split)
+        if len(places) > 1:
+            raise ModelError(
+                f"sensor '{sensor.name}': the nodes of '{at}' lie in {len(places)} of the parts; name an "
+                "interface, or a set within one part"
+            )
+        changed["at"] = places[0][0]
+    if (base := getattr(sensor, "seen_from", None)) is not None:
+        changed["seen_from"] = placed(base)
+    return sensor.model_copy(update=changed)
 
 
 def _load_parts(load: Load, at: str, split: Mapping[str, _SplitTable]) -> Iterator[Load]:

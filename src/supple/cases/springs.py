@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from supple.cases.shared_rules import axes_with_length
-from supple.importers.toml import CheckedTable, NonNegative, Vector, on_each
+from supple.cases.shared_rules import axes_with_length, usable_names
+from supple.importers.toml import CheckedTable, Mistakes, NonNegative, Raw, Vector, on_each
 from supple.machine import SpringDamper, System, TorsionSpringDamper, as_end
 
 
@@ -16,6 +16,7 @@ class StraightSpring(CheckedTable):
     """A spring and damper along the line between two interfaces that stay apart."""
 
     kind: Literal["straight"]
+    name: str | None = Field(None, description="for sensors")
     first: str = Field(description="BODY.INTERFACE")
     second: str = Field(description="BODY.INTERFACE")
     stiffness: NonNegative = Field(description="force per length")
@@ -43,6 +44,7 @@ class TorsionSpring(CheckedTable):
     """A spring and damper about an axis, between two interfaces or one and the ground."""
 
     kind: Literal["torsion"]
+    name: str | None = Field(None, description="for sensors")
     first: str = Field(description="ground or BODY.INTERFACE")
     second: str = Field(description="BODY.INTERFACE")
     axis: Vector = Field(description="direction at the start, global axes; its length does not matter")
@@ -64,4 +66,9 @@ class TorsionSpring(CheckedTable):
 
 Spring = Annotated[StraightSpring | TorsionSpring, Field(discriminator="kind")]
 
-RULES = (on_each("spring", axes_with_length),)
+
+def _names_differ(raw: Raw) -> Mistakes:
+    yield from usable_names(raw, "spring")
+
+
+RULES = (on_each("spring", axes_with_length), _names_differ)

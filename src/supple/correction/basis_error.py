@@ -9,7 +9,13 @@ import numpy as np
 
 from supple.algebra import read_only
 
-__all__ = ["BasisError", "BodyError"]
+__all__ = ["ENRICH", "FIRST_ORDER", "BasisError", "BodyError"]
+
+FIRST_ORDER = 1 / 3
+"""Size of a second correction over the first above which the first is an order of magnitude only."""
+
+ENRICH = "keep more modes, or let the reduction correct itself (accuracy = { relative = 1e-3 })"
+"""The remedy of a basis that costs too much."""
 
 
 @dataclass(frozen=True, eq=False)

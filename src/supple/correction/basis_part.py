@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from supple.body.full_body import FullBody
-from supple.correction.basis_error import BodyError
+from supple.correction.basis_error import ENRICH, FIRST_ORDER, BodyError
 from supple.correction.check_run import check_run
 from supple.correction.error_estimate import ErrorEstimator
 from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
@@ -21,11 +21,6 @@ from supple.machine import Placed, System
 from supple.reduction import ReductionBasis
 
 __all__ = ["basis_parts"]
-
-FIRST_ORDER = 1 / 3
-"""Size of a second correction over the first above which the first is an order of magnitude only."""
-
-_REMEDY = "keep more modes, or let the reduction correct itself (accuracy = { relative = 1e-3 })"
 
 
 def basis_parts(
@@ -53,7 +48,7 @@ def basis_parts(
         lack = max(each.estimate / each.rms if each.rms else 1.0 for each in found.values())
         return {
             each.name: ErrorPart(
-                lack * quantity_distance(each, system, solution, *estimate.corrected), step, _REMEDY
+                lack * quantity_distance(each, system, solution, *estimate.corrected), step, ENRICH
             )
             for each in asked
         }

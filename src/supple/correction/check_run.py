@@ -14,7 +14,9 @@ from dataclasses import replace
 import numpy as np
 
 from supple.body.full_body import FullBody
+from supple.correction.basis_error import ENRICH
 from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
+from supple.correction.looked_at_instants import jittered
 from supple.correction.residual_correction import system_corrections
 from supple.errors import SuppleWarning
 from supple.integrate import ErrorPart, Run, Solution, Validity
@@ -37,8 +39,6 @@ __all__ = ["check_run"]
 MODES, DIRECTIONS = 24, 12
 INSTANTS = 50
 
-_REMEDY = "keep more modes, or let the reduction correct itself (accuracy = { relative = 1e-3 })"
-
 
 def check_run(
     system: System,
@@ -58,9 +58,9 @@ def check_run(
     step = "what the bases miss"
     told(step, 0.0)
     judged = [fulls[name] for name in bases]
-    missed = system_corrections(
-        system, judged, bases, solution, _instants(len(solution.times)), progress=lambda x: told(step, x)
-    )
+    n_times = len(solution.times)
+    instants = jittered(n_times, min(INSTANTS, n_times - 1), seed=n_times)
+    missed = system_corrections(system, judged, bases, solution, instants, progress=lambda x: told(step, x))
     richer = {}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuppleWarning)
@@ -74,16 +74,9 @@ def check_run(
         )
     how = f"a run with {MODES} modes and {DIRECTIONS} corrections more"
     return {
-        each.name: ErrorPart(quantity_distance(each, system, solution, finer, check), how, _REMEDY)
+        each.name: ErrorPart(quantity_distance(each, system, solution, finer, check), how, ENRICH)
         for each in quantities
     }
-
-
-def _instants(n_times: int) -> np.ndarray:
-    """One in each of equal parts of the run, the start left out; uneven, for loads may repeat."""
-    rng = np.random.default_rng(n_times)
-    parts = np.array_split(np.arange(1, n_times), min(INSTANTS, n_times - 1))
-    return np.array([rng.choice(part) for part in parts])
 
 
 def _richer(full: FullBody, basis: ReductionBasis, missed: np.ndarray) -> ReductionBasis:

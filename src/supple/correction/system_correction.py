@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from supple.body.full_body import FullBody
+from supple.correction.basis_error import FIRST_ORDER
 from supple.correction.correction_rounds import (
     CorrectedSystem,
     ReductionStart,
@@ -27,6 +28,7 @@ from supple.integrate import Run, Solution
 from supple.machine.system import Placed, System
 from supple.multibody.checks.load_spectrum import warn_of_missing_modes
 from supple.reduction import ReducedBody, enrich, project, reduction_basis
+from supple.reduction.tensor_memory import require_tensor_memory
 
 __all__ = ["Announce", "CorrectionProgress", "Problem", "correct"]
 
@@ -34,9 +36,6 @@ Announce = Callable[[Round], None]
 """Called with every round as it is finished; of several bodies one after the other."""
 CorrectionProgress = Callable[[str, float], None]
 """Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
-
-FIRST_ORDER = 1 / 3
-"""Size of the second correction of an error over the first up to which their sum is told."""
 
 
 def _with_reduced(system: System, runs: Mapping[str, ReducedBody], bases: RoundBases) -> System:
@@ -126,6 +125,13 @@ class _Judged:
 
 def correct(problem: Problem) -> CorrectedSystem:
     """Round by round, until every body meets its target in the same one."""
+    for name, full in problem.fulls.items():
+        require_tensor_memory(
+            full.body,
+            problem.target(name).largest_size,
+            strain_rate_damping=full.damping is not None and bool(full.damping.retardation_time),
+            named="as largest_size",
+        )
     past: dict[str, list[_Judged]] = {name: [] for name in problem.fulls}
     estimator = ErrorEstimator(problem.system, problem.run)
     number = problem.number

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import jax
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from supple.algebra.rotation import rotation_exp, rotation_log
 from supple.body import Damping, FullBody, in_space
 from supple.error_equation.elastic_history import force_polynomial, tangent_history
 from supple.error_equation.error_model import body_of_columns, system_of_columns
@@ -270,7 +270,7 @@ class ErrorEquation:
             run.time,
             Configuration(
                 run.configuration.origins + frames[:, :, :3],
-                run.configuration.rotations @ np.asarray(_exp(frames[:, :, 3:])),
+                run.configuration.rotations @ _exp(frames[:, :, 3:]),
                 coordinates,
             ),
             run.velocity + found.velocity,
@@ -287,7 +287,7 @@ class ErrorEquation:
         for index, name in enumerate(self._names):
             place, own = self._places[name], self._coordinate_places[name]
             position[:, place.start : place.start + 3] = moved[:, index]
-            position[:, place.start + 3 : place.start + 6] = np.asarray(turned)[:, index]
+            position[:, place.start + 3 : place.start + 6] = turned[:, index]
             position[:, place.start + 6 : place.stop] = (
                 motion.configuration.coordinates[:, own] - run.configuration.coordinates[:, own]
             )
@@ -304,9 +304,7 @@ class ErrorEquation:
         """Differences of positions one after the other."""
         composed = first + more
         rows = self._model.frames.index[:, 3:]
-        composed[:, rows] = np.asarray(
-            _log(np.asarray(_exp(first[:, rows])) @ np.asarray(_exp(more[:, rows])))
-        )
+        composed[:, rows] = _log(_exp(first[:, rows]) @ _exp(more[:, rows]))
         return composed
 
     def _start_vectors(self) -> tuple[Array, Array]:
@@ -330,9 +328,9 @@ class ErrorEquation:
         ]
         gains, histories = tuple(each[0] for each in gained), tuple(each[1] for each in gained)
         model, gains = jax.device_put((self._model, gains))
-        first = jax.tree.map(lambda leaf: leaf[0], point.motion)
-        begun = jax.tree.map(lambda leaf: leaf[:1], histories)
-        state = first_error(model, gains, first, begun, position, velocity)
+        state = first_error(
+            model, gains, self.coefficients, _standing(point.motion, histories), position, velocity
+        )
         found = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)]
         for block, number in _blocks(point.motion, histories):
             _, states = march_error(model, gains, self.coefficients, state, block)
@@ -402,7 +400,7 @@ def _blocks(motion: SystemMotion, histories: tuple[GainHistory, ...]) -> Iterato
     """Steps of the run, so many at once, the last one repeated where there are fewer; and their number."""
     rotations = motion.configuration.rotations
     # (t, nb, 3): the turn of every frame in the step that ends at each time.
-    turn = np.asarray(_log(rotations[:-1].swapaxes(-1, -2) @ rotations[1:]))
+    turn = _log(rotations[:-1].swapaxes(-1, -2) @ rotations[1:])
     h = np.diff(motion.time)
     for start in range(0, len(h), STEPS_AT_ONCE):
         rows = np.arange(start, start + STEPS_AT_ONCE)
@@ -412,8 +410,24 @@ def _blocks(motion: SystemMotion, histories: tuple[GainHistory, ...]) -> Iterato
         yield StepOfRun(h[rows], ends, turn[rows], own), number
 
 
-_exp = jax.jit(jax.vmap(jax.vmap(rotation_exp)))
-_log = jax.jit(jax.vmap(jax.vmap(rotation_log)))
+def _exp(vectors: Array) -> Array:
+    """Rotations (t, k, 3, 3) of rotation vectors (t, k, 3); in NumPy, which compiles nothing."""
+    turned = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_matrix()
+    return turned.reshape(*vectors.shape, 3)
+
+
+def _log(rotations: Array) -> Array:
+    """Rotation vectors (t, k, 3) of rotations (t, k, 3, 3)."""
+    return Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_rotvec().reshape(rotations.shape[:-1])
+
+
+def _standing(motion: SystemMotion, histories: tuple[GainHistory, ...]) -> StepOfRun:
+    """The start of a run as a block of steps of no length."""
+    first, own = jax.tree.map(
+        lambda leaf: np.broadcast_to(leaf[0], (STEPS_AT_ONCE, *np.shape(leaf)[1:])), (motion, histories)
+    )
+    turn = np.zeros((STEPS_AT_ONCE, motion.configuration.origins.shape[1], 3))
+    return StepOfRun(np.zeros(STEPS_AT_ONCE), first, turn, own)
 
 
 def _at_nodes(full: FullBody, columns: Array) -> Array:

@@ -23,18 +23,18 @@ Source: this project's own; the step is that of Chung & Hulbert (1993) on the gr
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_jacobian
 from supple.integrate import Coefficients, StepFactors, StepRule
 from supple.multibody.compiled.elimination import solve_bordering_column
 from supple.multibody.equations.balance import balance, tangent
-from supple.multibody.equations.compiler_options import MARCHING, STARTING
-from supple.multibody.equations.configuration import SystemMotion
+from supple.multibody.equations.compiler_options import MARCHING
+from supple.multibody.equations.configuration import AnyArray, SystemMotion
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import STATIC, Model
 
@@ -98,17 +98,14 @@ class _Operators(NamedTuple):
     rows: jax.Array
 
 
-_NOTHING, _BY_VELOCITY, _BY_POSITION = StepFactors(0.0, 0.0), StepFactors(0.0, 1.0), StepFactors(1.0, 0.0)
-
-
 def _operators(model: Model, bodies: tuple[ElasticGain, ...], motion: SystemMotion, gains: Any) -> _Operators:
     """Residuals and tangents of the run's equations at one state."""
     terms = balance(model, motion)
     still = jnp.zeros(model.n_velocities)
-    mass, with_damping, with_stiffness = (
-        tangent(model, motion, terms.linearization, still, factors)
-        for factors in (_NOTHING, _BY_VELOCITY, _BY_POSITION)
-    )
+    # Of the mass, of mass and damping, of mass and stiffness: written once, for three pairs of factors.
+    mass, with_damping, with_stiffness = jax.vmap(
+        lambda factors: tangent(model, motion, terms.linearization, still, factors)
+    )(StepFactors(by_position=jnp.array([0.0, 0.0, 1.0]), by_velocity=jnp.array([0.0, 1.0, 0.0])))
     residual, damping, stiffness = terms.residual, with_damping - mass, with_stiffness - mass
     for body, (force, gained, viscous) in zip(bodies, gains, strict=True):
         own = slice(body.start, body.start + force.shape[0])
@@ -160,26 +157,26 @@ def _solved(
     return solution[:n], model.mass * solution[n:]
 
 
-@partial(jax.jit, compiler_options=STARTING)
 def first_error(
     model: Model,
     bodies: tuple[ElasticGain, ...],
-    motion: SystemMotion,
-    gains: tuple[GainHistory, ...],
-    position: jax.Array,
-    velocity: jax.Array,
+    coefficients: Coefficients,
+    at: StepOfRun,
+    position: AnyArray,
+    velocity: AnyArray,
 ) -> ErrorState:
-    """The error at the start of a run: that of its positions and velocities, and accelerations to match."""
-    stacked = (_weighted(body, own) for body, own in zip(bodies, gains, strict=True))
-    at = _operators(model, bodies, motion, [jax.tree.map(lambda leaf: leaf[0], own) for own in stacked])
-    force = at.residual + at.stiffness @ position + at.damping @ velocity
-    none = jnp.zeros(at.gap.shape)
-    acceleration, multipliers = _solved(model, at.mass, at.rows, at.rows, force, none)
-    return ErrorState(position, velocity, acceleration, acceleration, multipliers)
+    """The error at the start of a run: that of its positions and velocities, and accelerations to match.
+
+    at : the start, as the end of steps of no length, by which nothing but accelerations change
+    """
+    none = jnp.zeros_like(velocity)
+    start = ErrorState(position, velocity, none, none, jnp.zeros(len(model.active)))
+    _, states = march_error(model, bodies, coefficients, start, at)
+    first = jax.tree.map(lambda leaf: leaf[0], states)
+    return first._replace(position=position, velocity=velocity, auxiliary=first.acceleration)
 
 
-@partial(jax.jit, compiler_options=MARCHING)
-def march_error(
+def _march_error(
     model: Model,
     bodies: tuple[ElasticGain, ...],
     coefficients: Coefficients,
@@ -211,7 +208,8 @@ def march_error(
             at.rows,
             _on_rotations(model, turns.swapaxes(1, 2), at.rows.T).T,
             at.residual + at.stiffness @ position + at.damping @ velocity,
-            (at.gap + at.rows @ position) / by_position,
+            # A step of no length moves nothing, and accelerations close no gap.
+            jnp.where(h > 0, (at.gap + at.rows @ position) / jnp.where(h > 0, by_position, 1.0), 0.0),
         )
         increment = increment + by_position * acceleration
         after = ErrorState(
@@ -224,3 +222,6 @@ def march_error(
         return after, after
 
     return jax.lax.scan(one_step, start, ((steps.h, steps.motion, steps.turn), gains))
+
+
+march_error = KeptProgram(_march_error, MARCHING)

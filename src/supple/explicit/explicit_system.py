@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from supple.arguments import check_fields, check_numbers
+from supple.arguments import check_fields
 from supple.errors import ModelError, did_you_mean
 from supple.explicit.explicit_subdomain import ExplicitSubdomain
 from supple.explicit.modal_subdomain import ModalSubdomain
 from supple.explicit.obstacles import Obstacle
 from supple.machine import At
+from supple.machine.placement import rotation_matrix, space_vector
 from supple.mesh import Mesh
 
 __all__ = ["Contact", "ExplicitSystem", "NodalForce", "Part", "Support", "Tie"]
@@ -38,15 +38,10 @@ class Part:
 
     def __post_init__(self) -> None:
         for name in ("position", "velocity", "angular_velocity"):
-            object.__setattr__(self, name, _vector(f"{name} of part '{self.name}'", getattr(self, name)))
-        check_numbers(f"rotation of part '{self.name}'", self.rotation)
-        turned = np.array(self.rotation, dtype=float)
-        turned = Rotation.from_rotvec(turned).as_matrix() if turned.shape == (3,) else turned
-        if turned.shape != (3, 3) or not np.allclose(turned.T @ turned, np.eye(3), atol=1e-9):
-            raise ModelError(
-                f"rotation of part '{self.name}' must be a vector (3,) or a rotation matrix (3, 3)"
-            )
-        object.__setattr__(self, "rotation", turned)
+            object.__setattr__(self, name, space_vector(f"{name} of part '{self.name}'", getattr(self, name)))
+        object.__setattr__(
+            self, "rotation", rotation_matrix(f"rotation of part '{self.name}'", self.rotation)
+        )
 
     @property
     def name(self) -> str:
@@ -162,7 +157,7 @@ class ExplicitSystem:
         object.__setattr__(self, "parts", placed)
         for item in ("ties", "contacts", "supports", "forces"):
             object.__setattr__(self, item, tuple(getattr(self, item)))
-        object.__setattr__(self, "gravity", _vector("gravity", self.gravity))
+        object.__setattr__(self, "gravity", space_vector("gravity", self.gravity))
         names = [part.name for part in placed]
         if not names:
             raise ModelError("an explicit system needs at least one sub-domain")
@@ -203,12 +198,3 @@ class ExplicitSystem:
                 + did_you_mean(end.interface, list(sets))
             )
         return np.asarray(sets[end.interface])
-
-
-def _vector(name: str, value: object) -> np.ndarray:
-    check_numbers(name, value)
-    array = np.array(value, dtype=float)
-    if array.shape != (3,) or not np.isfinite(array).all():
-        raise ModelError(f"{name} must be three finite numbers, got {value}")
-    array.setflags(write=False)
-    return array

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from supple.integrate.motion import register_motion
+from supple.integrate.motion import StackedMotion, register_motion
 
 __all__ = ["FourPointMotion", "NodalMotion"]
 
 
 @register_motion
 @dataclass(frozen=True)
-class NodalMotion:
+class NodalMotion(StackedMotion):
     """Motion of the nodes of an explicit sub-domain."""
 
     kind: ClassVar[str] = "nodal"
@@ -28,18 +28,10 @@ class NodalMotion:
     alive: np.ndarray
     """(t, E) 1, or 0 from when an element has been deleted."""
 
-    def at(self, rows: slice | np.ndarray) -> NodalMotion:
-        """The motion at some of its output times, by their numbers."""
-        return NodalMotion(**{name: array[rows] for name, array in self.arrays().items()})
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """The fields by name."""
-        return {item.name: getattr(self, item.name) for item in fields(self)}
-
 
 @register_motion
 @dataclass(frozen=True)
-class FourPointMotion:
+class FourPointMotion(StackedMotion):
     """Motion of the four points and the modes of a modal sub-domain."""
 
     kind: ClassVar[str] = "four-point"
@@ -52,11 +44,3 @@ class FourPointMotion:
     """(t, 4, 3) over the step before."""
     coordinate_rates: np.ndarray
     """(t, k)."""
-
-    def at(self, rows: slice | np.ndarray) -> FourPointMotion:
-        """The motion at some of its output times, by their numbers."""
-        return FourPointMotion(**{name: array[rows] for name, array in self.arrays().items()})
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """The fields by name."""
-        return {item.name: getattr(self, item.name) for item in fields(self)}

@@ -7,24 +7,16 @@ from typing import ClassVar
 
 import numpy as np
 
-from supple.integrate.motion import register_motion
+from supple.integrate.motion import StackedMotion, register_motion
 
 __all__ = ["SeriesMotion"]
 
 
 @register_motion
 @dataclass(frozen=True)
-class SeriesMotion:
+class SeriesMotion(StackedMotion):
     """Values (t, c): energies, steps, obstacles."""
 
     kind: ClassVar[str] = "series"
 
     values: np.ndarray
-
-    def at(self, rows: slice | np.ndarray) -> SeriesMotion:
-        """The values at some of the output times, by their numbers."""
-        return SeriesMotion(self.values[rows])
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """The values."""
-        return {"values": self.values}

@@ -13,7 +13,7 @@ from supple.integrate.generalized_alpha import (
     TimeIntegrator,
     damps_joint_forces,
 )
-from supple.integrate.motion import FloatingMotion, Motion, motion_from_arrays, register_motion
+from supple.integrate.motion import FloatingMotion, Motion, StackedMotion, motion_from_arrays, register_motion
 from supple.integrate.run import leg_size, run
 from supple.integrate.run_options import MOST_OUTPUT_TIMES, Run, Validity
 from supple.integrate.solution import (
@@ -49,6 +49,7 @@ __all__ = [
     "Run",
     "RungeKutta4",
     "Solution",
+    "StackedMotion",
     "Statistics",
     "StepControl",
     "StepFactors",

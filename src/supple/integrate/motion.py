@@ -10,7 +10,7 @@ import numpy as np
 
 from supple.integrate.error_statement import ErrorStatement
 
-__all__ = ["FloatingMotion", "Motion", "motion_from_arrays", "register_motion"]
+__all__ = ["FloatingMotion", "Motion", "StackedMotion", "motion_from_arrays", "register_motion"]
 
 
 class Motion(Protocol):
@@ -45,9 +45,22 @@ def motion_from_arrays(kind: str, arrays: Mapping[str, np.ndarray]) -> Motion:
     return _KINDS[kind](**arrays)
 
 
+@dataclass(frozen=True)
+class StackedMotion:
+    """A motion all of whose fields are arrays with one row per output time."""
+
+    def at(self, rows: slice | np.ndarray) -> Self:
+        """The motion at some of its output times, by their numbers."""
+        return type(self)(**{name: array[rows] for name, array in self.arrays().items()})
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The fields by name."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+
 @register_motion
 @dataclass(frozen=True)
-class FloatingMotion:
+class FloatingMotion(StackedMotion):
     """Motion of one body's floating frame and of its deformation coordinates, one row per output time."""
 
     kind: ClassVar[str] = "floating"
@@ -73,17 +86,13 @@ class FloatingMotion:
     error: ClassVar[ErrorStatement | None] = None
     """How wrong the motion is, where somebody looked; no array, and not told by `arrays`."""
 
-    def with_error(self, error: ErrorStatement | None) -> FloatingMotion:
+    def with_error(self, error: ErrorStatement | None) -> Self:
         """The same motion, which knows how wrong it is."""
         judged = replace(self)
         object.__setattr__(judged, "error", error)
         return judged
 
-    def at(self, rows: slice | np.ndarray) -> FloatingMotion:
+    def at(self, rows: slice | np.ndarray) -> Self:
         """The motion at some of its output times, by their numbers; the error remains that of the whole."""
-        part = FloatingMotion(**{name: array[rows] for name, array in self.arrays().items()})
+        part = super().at(rows)
         return part if self.error is None else part.with_error(self.error)
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """The fields by name."""
-        return {item.name: getattr(self, item.name) for item in fields(self)}

@@ -28,6 +28,8 @@ class Statistics:
     seconds, compile_seconds : after and of compiling
     largest_error : local error of an accepted step, as `AdaptiveStep` measures it
     largest_turn : rotation of a body within an accepted step, rad
+    factorizations : of the tangent; 0 where an engine does not count them
+    decades : powers of ten by which all iterations together made the residual smaller; 0 likewise
     """
 
     steps: int = 0
@@ -37,6 +39,13 @@ class Statistics:
     compile_seconds: float = 0.0
     largest_error: float = 0.0
     largest_turn: float = 0.0
+    factorizations: int = 0
+    decades: float = 0.0
+
+    @property
+    def contraction(self) -> float | None:
+        """Factor of the residual in an iteration, the geometric mean; None where it is not known."""
+        return 10 ** (-self.decades / self.iterations) if self.iterations and self.decades else None
 
     def __add__(self, other: Statistics) -> Statistics:
         def joined(name: str) -> Any:

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from supple.integrate import register_motion
+from supple.integrate import StackedMotion, register_motion
 
 __all__ = ["IntrinsicMotion"]
 
 
 @register_motion
 @dataclass(frozen=True)
-class IntrinsicMotion:
+class IntrinsicMotion(StackedMotion):
     """Root, strains and velocities of an intrinsic body, one row per output time."""
 
     kind: ClassVar[str] = "intrinsic"
@@ -31,11 +31,3 @@ class IntrinsicMotion:
     """(t, 3) of the root, body components, rad/s."""
     rates: np.ndarray
     """(t, k + e) amplitudes of the velocities, q_1: rigid modes, then elastic ones."""
-
-    def at(self, rows: slice | np.ndarray) -> IntrinsicMotion:
-        """The motion at some of its output times, by their numbers."""
-        return IntrinsicMotion(**{name: array[rows] for name, array in self.arrays().items()})
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """The fields by name."""
-        return {item.name: getattr(self, item.name) for item in fields(self)}

@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from supple.algebra import read_only
 from supple.arguments import check_number, check_sequence
 from supple.errors import ModelError
+from supple.machine.placement import space_vector
 from supple.machine.system import System
 
 __all__ = ["Spin"]
@@ -40,16 +42,11 @@ class Spin:
         if not np.isfinite(self.rate):
             raise ModelError(f"the rate of a spin is {self.rate}: give a finite one, in rad/s")
         for name in ("axis", "point"):
-            value = np.array(getattr(self, name), dtype=float)
-            if value.shape != (3,) or not np.isfinite(value).all():
-                raise ModelError(f"{name} of a spin must be three finite numbers, got {getattr(self, name)}")
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, name, space_vector(f"{name} of a spin", getattr(self, name)))
         length = float(np.linalg.norm(self.axis))
         if not length > 0:
             raise ModelError("the axis of a spin is (0, 0, 0): give a direction")
-        object.__setattr__(self, "axis", self.axis / length)
-        for name in ("axis", "point"):
-            getattr(self, name).setflags(write=False)
+        object.__setattr__(self, "axis", read_only(self.axis / length))
         if self.bodies is not None:
             check_sequence("Spin, bodies", self.bodies, "a list of names, also of a single one")
             object.__setattr__(self, "bodies", tuple(self.bodies))

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from supple.arguments import check_instance, check_members, check_numbers, check_sequence
 from supple.body import FlexibleBody, RigidBody
@@ -19,6 +18,7 @@ from supple.machine.forces.force_element import ForceElement
 from supple.machine.joints.joint import Joint
 from supple.machine.laws.time_law import check_law_shape
 from supple.machine.nodal_loads import BaseAcceleration, NodalLoad
+from supple.machine.placement import rotation_matrix, space_vector
 from supple.reduction import ReducedBody
 
 __all__ = ["Assembly", "Body", "Placed", "System"]
@@ -29,15 +29,6 @@ _Form = TypeVar("_Form")
 
 # What a machine asks of every form of body.
 _BODY = ("name", "kind", "n_coordinates", "interfaces")
-
-
-def _vector(name: str, value: object) -> np.ndarray:
-    check_numbers(name, value)
-    array = np.array(value, dtype=float)
-    if array.shape != (3,) or not np.isfinite(array).all():
-        raise ModelError(f"{name} must be three finite numbers, got {value}")
-    array.setflags(write=False)
-    return array
 
 
 class Assembly(NamedTuple):
@@ -83,20 +74,8 @@ class Placed:
                 "reduce(body, frame, basis), or FullBody(body, frame) to keep every freedom"
             )
         for item in ("position", "velocity", "angular_velocity"):
-            object.__setattr__(self, item, _vector(f"{item} of body '{name}'", getattr(self, item)))
-        check_numbers(f"rotation of body '{name}'", self.rotation)
-        rotation = np.array(self.rotation, dtype=float)
-        if rotation.shape == (3,):
-            _vector(f"rotation of body '{name}'", rotation)
-            rotation = Rotation.from_rotvec(rotation).as_matrix()
-        if rotation.shape != (3, 3) or not np.allclose(rotation.T @ rotation, np.eye(3), atol=1e-9):
-            raise ModelError(
-                f"rotation of body '{name}' must be a rotation vector (3,) or an orthonormal matrix (3, 3)"
-            )
-        if np.linalg.det(rotation) < 0:
-            raise ModelError(f"rotation of body '{name}' mirrors the body (determinant -1): swap two columns")
-        rotation.setflags(write=False)
-        object.__setattr__(self, "rotation", rotation)
+            object.__setattr__(self, item, space_vector(f"{item} of body '{name}'", getattr(self, item)))
+        object.__setattr__(self, "rotation", rotation_matrix(f"rotation of body '{name}'", self.rotation))
         r = self.body.n_coordinates
         for item in ("coordinates", "coordinate_rates"):
             check_numbers(f"{item} of body '{name}'", getattr(self, item))
@@ -155,7 +134,7 @@ class System:
         for load in self.loads:
             expected = "loads such as DeadForce(at=.., force=..), or springs"
             check_instance("System, loads", load, (ForceElement, NodalLoad, BaseAcceleration), expected)
-        object.__setattr__(self, "gravity", _vector("gravity", self.gravity))
+        object.__setattr__(self, "gravity", space_vector("gravity", self.gravity))
         if not self.bodies:
             raise ModelError("a system needs at least one body")
         names = [placed.body.name for placed in self.bodies]

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from scipy import linalg
 from scipy.sparse import csc_array
 
-from supple.body import FlexibleBody, frame_projector
+from supple.body import FlexibleBody, Frame, NodalFixedFrame, frame_projector
 from supple.reduction.bases.guyan import interface_shapes
+from supple.reduction.condensed_moments import condensed_moments
 from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.reduction_basis import ReductionBasis
 
@@ -29,6 +30,9 @@ DEPENDENT_ON_BASIS = 1e-8
 # Of the energy of the motion of all pairs: what is left out of the fields of z. Those of quadratic curvatures
 # bend, so that little energy moves far: 1e-10 leaves out a thousandth of the motion where 1e-8 does six.
 SMALLEST_SHARE = 1e-10
+
+RIGID = 6
+"""Motions that store nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +82,9 @@ class Condensation:
         factor, order, rank, _ = pivoted_cholesky(
             unit[:, None] * self.energy * unit, tol=SMALLEST_SHARE * largest, lower=1
         )
+        # Of a complete basis all that is left is round-off.
+        held = self._columns.shape[1] + self._interfaces.shape[1] + RIGID
+        rank = min(rank, self.body.n - held)
         factor, order = np.tril(factor)[:, :rank], order - 1
         spanning = order[:rank]
         forces = self._forces_of(spanning)
@@ -86,10 +93,10 @@ class Condensation:
         )
         amplitudes = np.empty((rank, len(order)))
         amplitudes[:, order] = factor.T
-        return CondensedMotion(
-            self.body.expansion @ frame_projector(self.body, self.basis.frame)(motions.T),
-            amplitudes * (np.where(first == second, 0.5, 1.0) / unit),
-        )
+        fields = self.body.expansion @ frame_projector(self.body, self._resting)(motions.T)
+        amplitudes = amplitudes * (np.where(first == second, 0.5, 1.0) / unit)
+        moments = condensed_moments(self.body, fields, amplitudes) if rank else None
+        return CondensedMotion(fields, amplitudes, moments)
 
     def bilinear(self, a: Array, b: Array) -> Array:
         """Z (n, k) of k pairs of coordinates a, b (k, r), bilinear and symmetric: z(gamma) where a = b.
@@ -100,6 +107,12 @@ class Condensation:
         moved = np.hstack([self._vectors @ a.T, self._vectors @ b.T])
         forces = self.body.assembly.strain_pair_forces(moved, numbers, numbers + len(a))
         return 0.5 * frame_projector(self.body, self.basis.frame)(self._outside(forces))
+
+    @property
+    def _resting(self) -> Frame:
+        """The frame in which no interface moves, as joints have it; that of the basis where there is none."""
+        interfaces = self.body.interfaces
+        return NodalFixedFrame(interfaces[0].name) if interfaces else self.basis.frame
 
     def _outside(self, forces: Array) -> Array:
         """Motions that forces of pairs cause outside the columns and the interfaces' shapes."""

@@ -18,18 +18,22 @@ class CondensedMotion:
 
         z(gamma) = fields @ (amplitudes @ m2),   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
 
-    Its strain is the linear one alone.
+    Its strain is the linear one alone, and its inertia the leading one (`condensed_moments`).
 
-    fields : (n_nodal, m)       orthonormal in the strain energy
+    fields : (n_nodal, m)       orthonormal in the strain energy; interfaces rest
     amplitudes : (m, n2)        n2 = r(r+1)/2
+    moments : (12, n2)          of its inertia; None where it has none, as of files of format version 1
     """
 
     fields: Array
     amplitudes: Array
+    moments: Array | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "fields", read_only(self.fields))
         object.__setattr__(self, "amplitudes", read_only(self.amplitudes))
+        if self.moments is not None:
+            object.__setattr__(self, "moments", read_only(self.moments))
 
     @property
     def shape(self) -> tuple[int, int]:

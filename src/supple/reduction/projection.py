@@ -14,6 +14,7 @@ from supple.reduction.quartic_choice import CondensedQuartic, QuarticChoice
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface
 from supple.reduction.reduction_basis import ReductionBasis
 from supple.reduction.stopwatch import timed
+from supple.reduction.tensor_memory import require_tensor_memory
 from supple.reduction.tensors import strain_products
 
 LARGEST_GRAM_ERROR = 1e-8
@@ -32,16 +33,21 @@ def project(
     basis : ReductionBasis      of that body
     damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
     quartic : CondensedQuartic() lets motion outside the columns follow; PlainQuartic() leaves it out
-    Raises AccuracyError when the Gram matrix misses its own identity.
+    Raises AccuracyError when the Gram matrix misses its own identity, MemoryShortageError before the tensors
+    would take more memory than is left.
     Warns LockingWarning when the body answers too little because its columns lack stiff motion.
     """
     V, r = basis.vectors, basis.r
+    time = 0.0 if damping is None else damping.retardation_time
+    require_tensor_memory(body, r, strain_rate_damping=bool(time))
     seconds = dict(basis.report.seconds)
     with timed(seconds, "inertia"):
         gram = inertia_gram(body, V)
         _check_gram(body, gram, r)
     with timed(seconds, "tensors"):
         products = strain_products(body, V)
+        classes = products.classes()
+        products = products.by_classes(classes)
         tensors = plain = products.internal_force()
     motion, found = None, None
     if not body.is_linear:
@@ -50,13 +56,13 @@ def project(
             of_columns, products = products, quartic.strains(products, left_out)
             # The indicator tells a body without condensation by its tensors: they are the same object.
             if products is not of_columns:
+                products = products.by_classes(classes)
                 tensors = products.internal_force()
             motion = quartic.motion(left_out)
         with timed(seconds, "locking"):
             found = locking(left_out, plain, tensors)
         warn_of_locking(body.name, found, motion is not None)
 
-    time = 0.0 if damping is None else damping.retardation_time
     material = products.material(tensors) if time else None
     nodal_basis = body.expansion @ V
     rotations = body.rotation_operator

@@ -19,10 +19,14 @@ from supple.integrate.motion import FloatingMotion
 from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
 from supple.reduction.locking import Locking
+from supple.reduction.pair_blocks import PairBlocks, pair_blocks
 from supple.reduction.tensors import InternalForceTensors
 
 if TYPE_CHECKING:
     from supple.body import Frame
+
+# Of the largest number of a tensor: what its sums may miss the symmetry of a potential by.
+LARGEST_ASYMMETRY = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +106,7 @@ class ReducedBody:
     report : ReductionReport
     condensed : the motion outside the columns that the quartic tensor lets follow them; it adds to stress,
                 not to displacement; None where it lets none
-    Raises ModelError when the shapes disagree or a value is not finite.
+    Raises ModelError when the shapes disagree, a value is not finite, or the tensors have no potential.
     """
 
     name: str
@@ -126,6 +130,7 @@ class ReducedBody:
     def __post_init__(self):
         _set_read_only(self)
         _check_shapes(self)
+        _check_potential(self)
 
     @property
     def kind(self) -> Literal["reduced"]:
@@ -166,6 +171,16 @@ class ReducedBody:
     def tensors(self) -> InternalForceTensors:
         """The internal force as a polynomial of gamma, in NumPy."""
         return InternalForceTensors(self.stiffness, self.cubic, self.quartic)
+
+    @cached_property
+    def quartic_blocks(self) -> np.ndarray | PairBlocks | None:
+        """The quartic tensor as the equations of motion read it: without its blocks of zeros."""
+        return None if self.quartic is None else pair_blocks(self.quartic)
+
+    @cached_property
+    def damping_quartic_blocks(self) -> np.ndarray | PairBlocks | None:
+        """That of the damping, likewise."""
+        return None if self.damping_quartic is None else pair_blocks(self.damping_quartic)
 
     def interface(self, name: str) -> ReducedInterface:
         """The interface of that name; ModelError names the nearest, or those there are."""
@@ -237,6 +252,13 @@ def _check_shapes(body: ReducedBody) -> None:
             f"reduced body '{body.name}': condensed motion of shape {body.condensed.shape}, "
             f"but {r} coordinates need {(body.nodal_basis.shape[0], n2)}"
         )
+    if body.condensed is not None and body.condensed.moments is not None:
+        moments = body.condensed.moments
+        if moments.shape != (12, n2) or not np.isfinite(moments).all():
+            raise ModelError(
+                f"reduced body '{body.name}': moments of its condensed motion of shape {moments.shape}, "
+                f"but {r} coordinates need {(12, n2)} finite numbers"
+            )
     if body.damping_cubic is not None:
         expected |= {"damping_cubic": (n2, r), "damping_quartic": (n2, n2)}
     for name, shape in expected.items():
@@ -253,4 +275,20 @@ def _check_shapes(body: ReducedBody) -> None:
             raise ModelError(
                 f"reduced body '{body.name}': motion of interface '{interface.name}' has shape "
                 f"{interface.motion.shape}, but {r} coordinates need {(6, r)}"
+            )
+
+
+def _check_potential(body: ReducedBody) -> None:
+    if body.cubic is None or body.quartic is None:
+        return
+    # Not the cached ones: a record that was only checked keeps nothing but its fields.
+    symmetric = InternalForceTensors(body.stiffness, body.cubic, body.quartic).symmetrized()
+    for name in ("cubic", "quartic"):
+        own, other = getattr(body, name), getattr(symmetric, name)
+        error = np.max(np.abs(own - other), initial=0.0)
+        if error > LARGEST_ASYMMETRY * np.max(np.abs(own), initial=0.0):
+            raise ModelError(
+                f"reduced body '{body.name}': its {name} tensor misses the symmetry in all indices by "
+                f"{error:.1e}, so that its force has no potential: take those of "
+                "InternalForceTensors(stiffness, cubic, quartic).symmetrized()"
             )

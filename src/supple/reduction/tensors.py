@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from supple.algebra import read_only
 from supple.body.internal_force import LinearForce
@@ -18,6 +20,9 @@ if TYPE_CHECKING:
 
 # The largest work array. Measured at r = 25 and 60: larger chunks cost memory for no gain, smaller ones time.
 CHUNK_BYTES = 16 * 2**20
+
+# Cosine between the strains of two pairs: below it they belong to different classes of symmetry.
+SMALLEST_COUPLING = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +81,18 @@ class InternalForceTensors:
         if self.quartic is None:
             return self
         return replace(self, quartic=self.quartic - _fold_quartic(energy, self.r))
+
+    def symmetrized(self) -> InternalForceTensors:
+        """Of the same energy, with tensors symmetric in all indices: their force is its gradient.
+
+        Published forms that are symmetric in some indices alone have forces without a potential.
+        """
+        if self.cubic is None or self.quartic is None:
+            return self
+        first, second = np.triu_indices(self.r)
+        pairs = self.quartic * np.where(first == second, 2.0, 1.0)
+        quartic = _fold_quartic((pairs + pairs.T) / 2, self.r) / 3
+        return replace(self, cubic=_fold_cubic(self.cubic.T) / 3, quartic=quartic)
 
     def _force_matrices(self, gamma: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         gamma = np.asarray(gamma)
@@ -138,6 +155,28 @@ class StrainProducts:
         if self.pair_by_pair is None:
             return self
         return replace(self, pair_by_pair=self.pair_by_pair - energy)
+
+    def classes(self) -> np.ndarray:
+        """The class of every pair (n2,): a body with planes of symmetry couples none with another.
+
+        Pairs are of one class where the cosine of the angle between their strains, `H_ab / sqrt(H_aa H_bb)`,
+        is above 1e-8, or that of (jl, km) or (jm, kl) for (jk, lm). Without symmetry there is one class.
+        """
+        if self.pair_by_pair is None:
+            return np.empty(0, dtype=np.int32)
+        size = np.sqrt(np.maximum(np.diag(self.pair_by_pair), 0.0))
+        coupled = np.abs(self.pair_by_pair) > SMALLEST_COUPLING * size[:, None] * size
+        return connected_components(csr_array(_over_pairings(coupled)), directed=False)[1]
+
+    def by_classes(self, classes: np.ndarray) -> StrainProducts:
+        """Without what couples pairs of different classes: the round-off of columns that are even or odd.
+
+        The energy changes by less than 1e-8 of that of its parts, and stays that of a potential.
+        """
+        if self.pair_by_pair is None or not np.any(classes):
+            return self
+        apart = _over_pairings(classes[:, None] != classes)
+        return replace(self, pair_by_pair=np.where(apart, 0.0, self.pair_by_pair))
 
     def material(self, force: InternalForceTensors) -> MaterialTensors | None:
         """The tensors of the tangent less those of K_geo = F^T g + H m2 / 2; None for a linear body.
@@ -239,13 +278,24 @@ def _fold_cubic(strain_by_pair: np.ndarray) -> np.ndarray:
     return symmetric[first, second]
 
 
+def _over_pairings(pairs: np.ndarray) -> np.ndarray:
+    """Sum (n2, n2) over (jk, lm), (jl, km) and (jm, kl); of truth values, whether one of them holds."""
+    pair = _pair_number(round((np.sqrt(8 * len(pairs) + 1) - 1) / 2))
+    j, k = np.triu_indices(len(pair))
+    total = pairs.copy()
+    size = max(1, CHUNK_BYTES // (24 * max(len(j), 1)))
+    for start in range(0, len(j), size):
+        rows = slice(start, start + size)
+        first, second = pair[j[rows]], pair[k[rows]]
+        total[rows] += pairs[first[:, j], second[:, k]]
+        total[rows] += pairs[first[:, k], second[:, j]]
+    return total
+
+
 def _fold_quartic(pair_by_pair: np.ndarray, r: int) -> np.ndarray:
     """C4[(jk),(lm)] = H_jk,lm + H_jl,km + H_jm,kl, its columns halved where l = m (see the class)."""
-    pair = _pair_number(r)
     j, k = np.triu_indices(r)
-    symmetric = pair_by_pair.copy()
-    symmetric += pair_by_pair[pair[j][:, j], pair[k][:, k]]
-    symmetric += pair_by_pair[pair[j][:, k], pair[k][:, j]]
+    symmetric = _over_pairings(pair_by_pair)
     symmetric[:, j == k] /= 2
     return symmetric
 

@@ -26,6 +26,8 @@ from supple.results.run_summary import (
     unit_names,
 )
 from supple.results.stress_history import (
+    strain_history,
+    stress_history,
     von_mises_history,
     von_mises_strain_history,
 )
@@ -65,7 +67,9 @@ __all__ = [
     "observer_of",
     "relative_error",
     "rms_error",
+    "strain_history",
     "strain_modes",
+    "stress_history",
     "stress_modes",
     "summarize",
     "tracked_motion",

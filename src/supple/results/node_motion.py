@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.body import BodyForm, node_displacements
+from supple.body import BodyForm, Interface, node_displacements
 from supple.integrate.motion import FloatingMotion
 
 Array = NDArray[np.float64]
@@ -37,19 +37,32 @@ def node_motion(body: BodyForm, motion: FloatingMotion, nodes: ArrayLike) -> Nod
     ModelError  a node number outside the body
     """
     numbers = np.atleast_1d(np.asarray(nodes))
-    place = body.nodes[numbers] + node_displacements(body, motion.coordinates, numbers)
-    rate = node_displacements(body, motion.coordinate_rates, numbers)
-    second = node_displacements(body, motion.coordinate_accelerations, numbers)
+    shapes = motion.coordinates, motion.coordinate_rates, motion.coordinate_accelerations
+    displacement, rate, second = (node_displacements(body, each, numbers) for each in shapes)
+    moving = _in_space(motion, body.nodes[numbers] + displacement, rate, second)
+    return moving._replace(position=body.positions(motion, numbers))
+
+
+def moving_point(interface: Interface, motion: FloatingMotion) -> NodeMotion:
+    """Motion (t, 3) of an interface of a body: as `node_motion`, of its virtual node."""
+    shapes = motion.coordinates, motion.coordinate_rates, motion.coordinate_accelerations
+    displacement, rate, second = ((q @ interface.motion.T)[:, None, :3] for q in shapes)
+    moving = _in_space(motion, interface.position + displacement, rate, second)
+    return NodeMotion(*(each[:, 0] for each in moving))
+
+
+def _in_space(motion: FloatingMotion, place: Array, rate: Array, second: Array) -> NodeMotion:
+    """Of points (t, k, 3) of the frame, with their rates there."""
     w, dw = motion.angular_velocity[:, None], motion.angular_acceleration[:, None]
     turning = np.cross(w, place)
     velocity = turning + rate
     acceleration = np.cross(dw, place) + np.cross(w, turning) + 2 * np.cross(w, rate) + second
 
-    def in_space(vectors: Array) -> Array:
+    def turned(vectors: Array) -> Array:
         return np.einsum("tij,tkj->tki", motion.rotation, vectors)
 
     return NodeMotion(
-        body.positions(motion, numbers),
-        motion.velocity[:, None] + in_space(velocity),
-        motion.acceleration[:, None] + in_space(acceleration),
+        motion.position[:, None] + turned(place),
+        motion.velocity[:, None] + turned(velocity),
+        motion.acceleration[:, None] + turned(acceleration),
     )

@@ -25,7 +25,25 @@ def motion_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
     tables = [body_table(numbers), joint_table(numbers)]
     if numbers["tracked"]:
         tables += [motion_table(numbers), place_table(numbers)]
+    if numbers.get("sensors"):
+        tables.append(sensor_table(numbers))
     return tables[:3] + [table for table in tables[3:] if table.rows]
+
+
+def sensor_table(numbers: Mapping[str, Any]) -> TextTable:
+    """What each channel of each sensor read, smallest, largest and last; numbers as of its `plain`."""
+    rows = []
+    for name, channels in numbers["sensors"].items():
+        for row, (channel, told) in enumerate(channels.items()):
+            alike = [each for each in channels.values() if each["quantity"] == told["quantity"]]
+            scale = [each[extreme] for each in alike for extreme in ("smallest", "largest")]
+            cells = [name if row == 0 else "", headed(channel, told["unit"])]
+            for extreme in ("smallest", "largest"):
+                value = float(without_noise(told[extreme], like=scale))
+                cells += [_number(value), _number(told[f"time of {extreme}"] if value else 0.0)]
+            rows.append([*cells, _number(float(without_noise(told["last"], like=scale)))])
+    time = headed("at time", numbers["units"].get("time", ""))
+    return TextTable("Sensors", ("sensor", "channel", "smallest", time, "largest", time, "at the end"), rows)
 
 
 def body_table(numbers: Mapping[str, Any]) -> TextTable:

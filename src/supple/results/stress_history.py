@@ -1,8 +1,8 @@
-"""Von Mises stress and strain over time of any elastic body, reduced or full."""
+"""Stress and strain over time of any elastic body, reduced, full or intrinsic."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,11 +46,9 @@ def von_mises_history(
     ------
     ModelError   as for stress_modes
     """
-    if body.kind == "reduced":
+    if isinstance(body, ReducedBody):
         return stress_modes(body, model, nodes).von_mises(coordinates)
-    if isinstance(body, IntrinsicBody):
-        return _of_intrinsic_body(body, stress_recovery(model), von_mises, coordinates, nodes)
-    return _of_full_body(body, stress_recovery(model), von_mises, coordinates, nodes)
+    return _measured(body, stress_recovery(model), von_mises, coordinates, nodes)
 
 
 def von_mises_strain_history(
@@ -60,43 +58,67 @@ def von_mises_strain_history(
     nodes: ArrayLike | None = None,
 ) -> Array:
     """Von Mises equivalent strain (t, N): as von_mises_history, with the same parameters and errors."""
-    if body.kind == "reduced":
+    if isinstance(body, ReducedBody):
         return strain_modes(body, model, nodes).von_mises(coordinates)
-    if isinstance(body, IntrinsicBody):
-        return _of_intrinsic_body(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
-    return _of_full_body(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
+    return _measured(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
 
 
-def _of_full_body(
-    body: FullBody,
+def stress_history(
+    body: ReducedBody | FullBody | IntrinsicBody,
+    model: FiniteElementModel,
+    coordinates: Array,
+    nodes: ArrayLike,
+) -> Array:
+    """Stress (t, N, l, 6), xx yy zz yz xz xy in the body's axes, of l layers: as von_mises_history.
+
+    l = 1 of solids, 3 of shells: bottom, middle, top.
+    """
+    if isinstance(body, ReducedBody):
+        return stress_modes(body, model, nodes).at(coordinates)
+    return np.array(list(_fields(body, stress_recovery(model), coordinates, nodes)))
+
+
+def strain_history(
+    body: ReducedBody | FullBody | IntrinsicBody,
+    model: FiniteElementModel,
+    coordinates: Array,
+    nodes: ArrayLike,
+) -> Array:
+    """Strain (t, N, l, 6) with engineering shears: as stress_history."""
+    if isinstance(body, ReducedBody):
+        return strain_modes(body, model, nodes).at(coordinates)
+    return np.array(list(_fields(body, strain_recovery(model), coordinates, nodes)))
+
+
+def _measured(
+    body: FullBody | IntrinsicBody,
     recovery: StressRecovery,
     measure: Callable[[Array], Array],
     coordinates: Array,
     nodes: ArrayLike | None,
 ) -> Array:
+    return np.array([measure(field).max(axis=1) for field in _fields(body, recovery, coordinates, nodes)])
+
+
+def _fields(
+    body: FullBody | IntrinsicBody, recovery: StressRecovery, coordinates: Array, nodes: ArrayLike | None
+) -> Iterator[Array]:
+    """(N, l, 6) at one instant after the other, for all of them would not fit in memory.
+
+    Of an intrinsic body: of the linear displacements of its modes, into which only strains, and so section
+    loads, enter.
+    """
     chosen = slice(None) if nodes is None else node_numbers(nodes, len(body.nodes))
+    if isinstance(body, IntrinsicBody):
+        linear = recovery.linearized()
+        yield from (linear.at_nodes(body.nodal_basis @ q)[chosen] for q in np.asarray(coordinates))
+        return
     if body.is_linear:
         recovery = recovery.linearized()
     flexible, interfaces = body.body, body.interfaces
     recovery = tied_recovery(recovery, flexible.nodes, flexible.dofs_per_node, interfaces)
-    nodal = (
-        with_virtual_freedoms(
+    for q in np.asarray(coordinates):
+        nodal = with_virtual_freedoms(
             flexible.expansion @ q, [i.motion @ q for i in interfaces], interfaces, flexible.dofs_per_node
         )
-        for q in np.asarray(coordinates)
-    )
-    return np.array([measure(recovery.at_nodes(u)[chosen]).max(axis=1) for u in nodal])
-
-
-def _of_intrinsic_body(
-    body: IntrinsicBody,
-    recovery: StressRecovery,
-    measure: Callable[[Array], Array],
-    coordinates: Array,
-    nodes: ArrayLike | None,
-) -> Array:
-    """Of the linear displacements of its modes: only strains, and so section loads, enter them."""
-    chosen = slice(None) if nodes is None else node_numbers(nodes, len(body.nodes))
-    linear = recovery.linearized()
-    nodal = (body.nodal_basis @ q for q in np.asarray(coordinates))
-    return np.array([measure(linear.at_nodes(u)[chosen]).max(axis=1) for u in nodal])
+        yield recovery.at_nodes(nodal)[chosen]

@@ -12,13 +12,14 @@ import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import zip_longest
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.jax_settings import before_compiled_code
+from supple.algebra.kept_programs import KeptProgram
 from supple.arguments import checked_arguments
 from supple.body.full_body import FullBody
 from supple.errors import ConvergenceError, ModelError
@@ -70,13 +71,19 @@ class BatchSolution:
         return self
 
 
-def _stacked_leaves(trees: Sequence[Any]) -> tuple[list[Any], tuple[int | None, ...]]:
-    """Leaves that differ stacked along a new first axis, leaves that are equal kept once; and the axes."""
+def _stacked_leaves(
+    trees: Sequence[Any], before: Sequence[int | None] = ()
+) -> tuple[list[Any], tuple[int | None, ...]]:
+    """Leaves that differ stacked along a new first axis, leaves that are equal kept once; and the axes.
+
+    before : the axes of cases that went before, by which these are stacked, too
+    """
     leaves = [jax.tree.leaves(tree) for tree in trees]
     stacked, axes = [], []
-    for column in zip(*leaves, strict=True):
+    for column, earlier in zip_longest(zip(*leaves, strict=True), before):
         first = np.asarray(column[0])
-        if all(leaf is column[0] or np.array_equal(np.asarray(leaf), first) for leaf in column[1:]):
+        alike = all(leaf is column[0] or np.array_equal(np.asarray(leaf), first) for leaf in column[1:])
+        if alike and earlier is None:
             stacked.append(first)
             axes.append(None)
         else:
@@ -86,7 +93,7 @@ def _stacked_leaves(trees: Sequence[Any]) -> tuple[list[Any], tuple[int | None, 
 
 
 @lru_cache(maxsize=32)
-def _mapped_march(model_structure: Any, model_axes: tuple[int | None, ...]) -> Any:
+def _mapped_march(model_structure: Any, model_axes: tuple[int | None, ...]) -> KeptProgram:
     """The compiled march over cases, for one pattern of shared and differing numbers."""
 
     def over_cases(leaves: list[Any], settings: Any, states: State, times: Any) -> Any:
@@ -95,7 +102,7 @@ def _mapped_march(model_structure: Any, model_axes: tuple[int | None, ...]) -> A
 
         return jax.vmap(one_case, in_axes=(list(model_axes), 0))(leaves, states)
 
-    return jax.jit(over_cases)
+    return KeptProgram(over_cases, MARCHING)
 
 
 @checked_arguments
@@ -147,8 +154,10 @@ def simulate_batch(
     failures: dict[int, str] = {}
     seconds = compile_seconds = 0.0
     statistics = Statistics()
+    axes: tuple[int | None, ...] = ()
     for begin in range(0, len(cases), chunk):
-        part = _marched_together(cases[begin : begin + chunk], run, stops, settings)
+        together = cases[begin : begin + chunk]
+        part, axes = _marched_together(together, min(chunk, len(cases)), run, stops, settings, axes)
         for solution in part.solutions:
             peaks = limits.observe(peaks, solution)
             statistics = statistics + solution.statistics
@@ -184,15 +193,29 @@ class _Part(NamedTuple):
     compile_seconds: float
 
 
-def _marched_together(cases: Sequence[System], run: Run, stops: Stops, settings: Controls) -> _Part:
+def _marched_together(
+    cases: Sequence[System],
+    size: int,
+    run: Run,
+    stops: Stops,
+    settings: Controls,
+    before: tuple[int | None, ...],
+) -> tuple[_Part, tuple[int | None, ...]]:
+    """What became of a chunk of cases, by the program for so many; and the axes of what differs in them.
+
+    before : those of the chunks that went before
+    """
     began = clock.perf_counter()
     models, states = _starts(cases, run)
-    leaves, axes = _stacked_leaves(models)
-    start = jax.tree.map(lambda *items: jnp.stack(items), *states)
+    # Fewer cases repeat the last one: the last chunk shares the program of the others.
+    more = size - len(cases)
+    leaves, axes = _stacked_leaves([*models, *models[-1:] * more], before)
+    start = jax.tree.map(lambda *items: np.stack(items), *states, *states[-1:] * more)
     ends, outputs = stops.on_the_way(float(run.times[0]), run.times[1:])
-    arguments = leaves, settings, start, jnp.asarray(ends)
-    lowered = _mapped_march(jax.tree.structure(models[0]), axes).lower(*arguments)
-    program = lowered.compile(compiler_options=MARCHING)
+    # So do stops, up to a power of two: runs nearly as long share a program.
+    padded = np.pad(ends, (0, 2 ** (len(ends) - 1).bit_length() - len(ends)), mode="edge")
+    arguments = leaves, settings, start, padded
+    program = _mapped_march(jax.tree.structure(models[0]), axes).compiled(*arguments)
     ready = clock.perf_counter()
     final, history = jax.device_get(program(*arguments))
     seconds = clock.perf_counter() - ready
@@ -211,9 +234,9 @@ def _marched_together(cases: Sequence[System], run: Run, stops: Stops, settings:
     undamped = bool(cases[0].joints) and not damps_joint_forces(run.second_order_method)
     failures = {
         int(own): failure_message(float(final.time[own]), final.relative_residual[own], undamped=undamped)
-        for own in np.flatnonzero(final.failed)
+        for own in np.flatnonzero(final.failed[: len(cases)])
     }
-    return _Part(solutions, failures, seconds, ready - began)
+    return _Part(solutions, failures, seconds, ready - began), axes
 
 
 def _starts(cases: Sequence[System], run: Run) -> tuple[list[Model], list[State]]:

@@ -87,6 +87,8 @@ class RestingState(NamedTuple):
     system: System
     """As it was placed"""
     model: Model
+    slices: tuple[slice, ...]
+    """Of each body's freedoms"""
     turning: Turning
     state: StaticState
     iterations: int
@@ -114,25 +116,23 @@ def resting_state(
     if system.bodies_of(FullBody):
         machine, configuration, *_ = consistent_start(FullSystem(still), time)
         statics, model = FullStatics(machine, turning if spin else None), machine.model
+        slices = machine.slices
         frames = tuple(np.zeros(6) for _ in machine.interiors)
     else:
         compiled, configuration, *_ = consistent_start(CompiledMachine(still, build_model(still)), time)
         statics, model, frames = CompiledStatics(compiled, turning if spin else None), compiled.model, ()
+        slices = compiled.slices
     start = StaticState(configuration, np.zeros(len(model.active)), frames)
     state, iterations = search_equilibrium(statics, start, time, search, progress)
-    return RestingState(still, model, turning, state, iterations)
+    return RestingState(still, model, slices, turning, state, iterations)
 
 
 def _one_instant(found: RestingState, time: float) -> Solution:
     """The equilibrium as a motion of one instant."""
     system, state = placed_at_rest(found), found.state
-    sizes = np.array([6 + placed.body.n_coordinates for placed in system.bodies])
-    slices = tuple(
-        slice(int(end - size), int(end)) for end, size in zip(np.cumsum(sizes), sizes, strict=True)
-    )
     configuration = Configuration(*(np.asarray(part)[None] for part in state.configuration))
     moving = placed_velocity(system)[None]
-    bodies = body_motions(system, slices, configuration, moving, np.zeros_like(moving))
+    bodies = body_motions(system, found.slices, configuration, moving, np.zeros_like(moving))
     multipliers = joint_multipliers(system, found.model.active, np.asarray(state.multipliers))
     times, of_instant = np.array([time]), {name: own[None] for name, own in multipliers.items()}
     return Solution(

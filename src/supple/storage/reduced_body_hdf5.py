@@ -1,9 +1,9 @@
 """Reduced bodies as HDF5 files: everything a simulation needs of a body, kept without its mesh.
 
-Format "supple-reduced-body", version 1 (any HDF5 reader opens it):
+Format "supple-reduced-body", version 2 (any HDF5 reader opens it):
 
     attributes   format             "supple-reduced-body"
-                 version            1
+                 version            2
                  name               of the body
                  frame              "mean-axis", or "nodal-fixed" with the attribute frame_interface
                  rotation_limit     rad
@@ -11,7 +11,8 @@ Format "supple-reduced-body", version 1 (any HDF5 reader opens it):
                  the arrays of ReducedBody; cubic, quartic, rotation_basis, damping_cubic and damping_quartic
                  where the body has them
     interfaces/<i>      i = 0, 1, ...: attributes name, cubic_turn; datasets position (3,), motion (6, r)
-    condensed           datasets fields (n_nodal, m) and amplitudes (m, n2), where the body has them
+    condensed           datasets fields (n_nodal, m), amplitudes (m, n2) and, since version 2, moments (12, n2),
+                        where the body has them
     report              the fields of ReductionReport, as in hdf5_record
 
 Numbers are stored as they are, so that reading gives back the very bits. Arrays carry a checksum, and the
@@ -48,7 +49,8 @@ from supple.storage.hdf5_record import (
 )
 
 FORMAT = "supple-reduced-body"
-VERSION = 1
+VERSION = 2
+"""2: the condensed motion has inertia, which files of version 1 do not hold and bodies from them lack."""
 
 _ARRAYS = (
     "gram",

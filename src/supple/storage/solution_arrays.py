@@ -16,7 +16,7 @@ from supple.integrate.solution import LARGEST
 
 Array = NDArray[np.float64]
 
-_COUNTS = ("steps", "iterations", "rejected_steps")
+_COUNTS = ("steps", "iterations", "rejected_steps", "factorizations")
 
 
 def to_arrays(solution: Solution) -> dict[str, Array]:
@@ -76,7 +76,7 @@ def statistics_row(statistics: Statistics) -> Array:
 
 
 def statistics_from_rows(rows: Array) -> Statistics:
-    """Statistics of a run from those of its parts, rows (k, 7) of `statistics_row`."""
+    """Statistics of a run from those of its parts, rows (k, 9) of `statistics_row`."""
     names = [field.name for field in fields(Statistics)]
     totals: dict[str, Any] = {
         name: float(column.max(initial=0.0) if name in LARGEST else column.sum())

@@ -15,6 +15,7 @@ from supple.viz.rms_error import plot_error_over_parameter, plot_rms_error
 from supple.viz.run_pictures import animate_run, draw_machine, draw_run
 from supple.viz.scene import Actor, Scene, scene_of
 from supple.viz.self_correction import RoundErrors, plot_rounds, plot_self_correction
+from supple.viz.sensor_plot import plot_readings
 from supple.viz.style import PUBLISHED, REFERENCE, SOLID, Stroke
 from supple.viz.time_history import Panel, Series, plot_time_history
 
@@ -47,6 +48,7 @@ __all__ = [
     "plot_machine",
     "plot_mesh",
     "plot_mode_shapes",
+    "plot_readings",
     "plot_response_errors",
     "plot_rms_error",
     "plot_rounds",

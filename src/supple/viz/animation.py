@@ -99,17 +99,23 @@ def animate(
         paths = [axes.plot([], [], color=COLOURS[1], linewidth=0.9, zorder=1.5)[0] for _ in traced_nodes]
         traced = camera.project(positions[:, list(traced_nodes)])[0]
         frames, digits = [], _digits(times)
+        # What does not move, the bar and its numbers, is drawn once.
+        axes.set_visible(False)
+        canvas.draw()
+        axes.set_visible(True)
+        still = canvas.copy_from_bbox(figure.bbox)
         for i, time in enumerate(times):
             frame_values = None if values is None else values[i]
             if skin is not None:
                 picture = render(positions[i], skin, camera, page, values=frame_values, colouring=colouring)
-                image.set_data(picture)
+                image.set_data((255.0 * picture + 0.5).astype(np.uint8))
             if drawn is not None:
                 drawn.show(i)
             clock.set_text(measured(f"t = {time:.{digits}f}", units.time))
             for k, line in enumerate(paths):
                 line.set_data(*traced[: i + 1, k].T)
-            canvas.draw()
+            canvas.restore_region(still)
+            axes.draw(canvas.get_renderer())
             frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
             if progress is not None:
                 progress((i + 1) / len(times))

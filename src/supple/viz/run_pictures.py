@@ -42,8 +42,8 @@ ElasticBody = ReducedBody | FullBody | IntrinsicBody
 Elements = Mapping[str, FiniteElementModel]
 
 N_MODES = 6
-N_FRAMES = 100
-FRAMES_PER_SECOND = 20.0
+N_FRAMES = 60
+FRAMES_PER_SECOND = 12.0
 # A picture of the deformed body searches so many instants for the largest deflection.
 N_INSTANTS = 200
 # Deflections smaller than this share of the body's diagonal are drawn enlarged to it.

@@ -93,10 +93,8 @@ def render(
     colour = base * brightness[seen.triangle, None] + gloss[seen.triangle, None]
     colour *= 1.0 - 0.25 * _on_mesh_line(corners, skin.mesh_lines, seen.triangle, seen.weights)[:, None]
 
-    picture = np.zeros((shape[0] * shape[1], 4))
-    picture[seen.pixel, :3] = np.clip(colour, 0.0, 1.0)
-    picture[seen.pixel, 3] = 1.0
-    return _average(picture.reshape(*shape, 4), k)
+    row, column = np.divmod(seen.pixel, fine.n_columns)
+    return _average(np.clip(colour, 0.0, 1.0), row // k, column // k, (page.n_rows, page.n_columns))
 
 
 def show(axes: Axes, picture: Array, page: Page) -> AxesImage:
@@ -127,10 +125,15 @@ def _on_mesh_line(corners: Array, lined: NDArray[np.bool_], triangle: IntArray, 
     return (distance < 0.4 * _SUPERSAMPLING).astype(float)
 
 
-def _average(picture: Array, k: int) -> Array:
-    """Mean over blocks of k by k pixels; colours weigh by how much of the block they cover."""
-    rows, columns = picture.shape[0] // k, picture.shape[1] // k
-    picture[..., :3] *= picture[..., 3:]
-    mean = picture.reshape(rows, k, columns, k, 4).mean(axis=(1, 3))
-    mean[..., :3] /= np.where(mean[..., 3:] > 0.0, mean[..., 3:], 1.0)
-    return mean
+def _average(colours: Array, row: IntArray, column: IntArray, shape: tuple[int, int]) -> Array:
+    """Picture (rows, columns, 4) of the mean colours of the fine pixels (p, 3) that each pixel holds.
+
+    row, column : (p,)      of the pixel; it is as opaque as much of it they cover
+    """
+    pixel, n_pixels = row * shape[1] + column, shape[0] * shape[1]
+    number = np.bincount(pixel, minlength=n_pixels)
+    picture = np.zeros((n_pixels, 4))
+    for channel, values in enumerate(colours.T):
+        picture[:, channel] = np.bincount(pixel, values, n_pixels) / np.maximum(number, 1)
+    picture[:, 3] = number / _SUPERSAMPLING**2
+    return picture.reshape(*shape, 4)

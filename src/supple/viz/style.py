@@ -151,6 +151,9 @@ def save_figure(figure: Figure, path: Path | str) -> Path:
         )
     # Without the date, the same data gives the same file.
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(picture_format)
+    # Laid out once: matplotlib would do it for a trial and again for the picture.
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
     with replacing(path) as temporary:
         figure.savefig(temporary, format=picture_format, metadata=undated)
     return path

@@ -94,6 +94,9 @@ def plot_time_history(
             if max(abs(limit) for limit in axes.get_ylim()) >= _LARGE:
                 # 0.4 M instead of a power of ten in the corner, where the legend stands.
                 axes.yaxis.set_major_formatter(EngFormatter())
+            else:
+                # 0.006 instead of a power of ten in the corner, where the legend stands.
+                axes.ticklabel_format(axis="y", scilimits=(-4, 4))
             axes.margins(x=0.0)
             if n_columns == 1 and (i == 0 or labels[i] != labels[0]) and any(labels[i]):
                 legend_above(axes, len(panel.series))

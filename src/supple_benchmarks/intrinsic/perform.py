@@ -3,24 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
-from supple.storage import write_json
-from supple.terminal import bar, progress_bars
+from supple_benchmarks.growing_report import keep_report
 from supple_benchmarks.intrinsic.report import tables
 from supple_benchmarks.intrinsic.run import run_intrinsic
-from supple_benchmarks.printed import print_files, print_tables
 
 __all__ = ["perform"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Run the benchmark; the report is rewritten after every study, so that a stop loses none."""
+    """Run the benchmark, its report in the folder unless a file is named."""
     target = json or folder / "intrinsic.json"
-    target.parent.mkdir(parents=True, exist_ok=True)
-    report: dict[str, Any] = {}
-    with progress_bars() as bars:
-        for report in run_intrinsic(quick, lambda label: bar(bars, label)):
-            write_json(target, report)
-    print_tables(tables(report))
-    print_files(target, [])
+    keep_report(target, lambda started: run_intrinsic(quick, started), tables)

@@ -12,10 +12,11 @@ from supple.body.full_body import FullBody
 from supple.integrate import FloatingMotion, Solution
 from supple.machine.system import System
 from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.condensed_inertia import condensed_momenta
 from supple.multibody.equations.configuration import AnyArray
 from supple.multibody.equations.floating_inertia import FloatingState, frame_momenta, kinetic_energy
 from supple.multibody.equations.model import BodyGroup
-from supple.multibody.equations.polynomial_force import polynomial_energy
+from supple.multibody.equations.polynomial_force import Quartic, polynomial_energy
 from supple.multibody.full.full_inertia import FullInertia
 
 __all__ = ["Balances", "balances"]
@@ -53,7 +54,7 @@ def balances(system: System, solution: Solution) -> Balances:
     parts: list[Balances | None] = [None] * len(placed)
     for group in build_model(system).groups:
         for number, index in enumerate(group.members):
-            arrays = jax.tree.map(lambda leaf, number=number: leaf[number], _Arrays.of(group))
+            arrays = jax.tree.map(lambda leaf, i=number: leaf[min(i, len(leaf) - 1)], _Arrays.of(group))
             motion = solution.bodies[placed[index].name]
             moving = _Motion(*(jnp.asarray(getattr(motion, name)) for name in _Motion._fields))
             parts[index] = _of_reduced_body(arrays, jnp.asarray(gravity), moving)
@@ -70,12 +71,14 @@ class _Arrays(NamedTuple):
     gram: jax.Array
     stiffness: jax.Array
     cubic: jax.Array | None
-    quartic: jax.Array | None
+    quartic: Quartic | None
+    moments: jax.Array | None
+    """Of the condensed motion"""
 
     @classmethod
     def of(cls, group: BodyGroup) -> _Arrays:
         """The arrays of a group of bodies."""
-        return cls(group.gram, group.stiffness, group.cubic, group.quartic)
+        return cls(group.gram, group.stiffness, group.cubic, group.quartic, group.inertia.condensed)
 
 
 class _Motion(NamedTuple):
@@ -105,10 +108,15 @@ def _of_reduced_body(body: _Arrays, gravity: jax.Array, motion: _Motion) -> Bala
         )
         local_velocity = rotation.T @ now.velocity
         linear, angular = frame_momenta(body.gram, floating, local_velocity)
+        kinetic = kinetic_energy(body.gram, floating, local_velocity)
         mass = body.gram[0, 0]
         centre = _first_moment(body.gram, coordinates)
+        if body.moments is not None:
+            added = condensed_momenta(body.moments, floating, local_velocity)
+            linear, angular = linear + added.linear, angular + added.angular
+            kinetic, centre = kinetic + added.kinetic, centre + added.first_moment
         return Balances(
-            kinetic=kinetic_energy(body.gram, floating, local_velocity),
+            kinetic=kinetic,
             strain=polynomial_energy(body.stiffness, body.cubic, body.quartic, coordinates),
             potential=-gravity @ (mass * position + rotation @ centre),
             momentum=rotation @ linear,

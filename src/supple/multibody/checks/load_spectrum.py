@@ -15,10 +15,8 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeGuard
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from scipy.fft import dst
 
@@ -26,6 +24,7 @@ from supple.algebra import lowest_modes, read_only
 from supple.body import FlexibleBody, Frame
 from supple.errors import LoadSpectrumWarning, ModelError
 from supple.machine.laws import Constant, TimeLaw
+from supple.machine.laws.sampled_law import sampled
 from supple.machine.system import System
 from supple.reduction import ReducedBody
 from supple.units import UNNAMED, UnitSystem, measured
@@ -94,28 +93,20 @@ def load_spectra(system: System, times: np.ndarray) -> tuple[LoadSpectrum, ...]:
     steps = np.diff(times)
     if len(times) < 3 or not np.allclose(steps, steps[:1], rtol=1e-6, atol=0.0):
         raise ModelError("spectrum of the loads: give at least three evenly spaced times")
-    histories = [(load.label, _values(load.law, times)) for load in system.loads if _varies(load.law)] + [
-        (f"joint '{joint.name}'", _accelerations(joint.law, times))
+    histories = [
+        (load.label, sampled(law, times)[0]) for load in system.loads if _varies(law := load.law)
+    ] + [
+        (f"joint '{joint.name}'", sampled(law, times, order=2)[2])
         for joint in system.joints
-        if _varies(joint.law)
+        if _varies(law := joint.law)
     ]
     return tuple(
         _spectrum(label, np.asarray(history).reshape(len(times), -1), times) for label, history in histories
     )
 
 
-def _varies(law: TimeLaw | None) -> bool:
+def _varies(law: TimeLaw | None) -> TypeGuard[TimeLaw]:
     return law is not None and not isinstance(law, Constant)
-
-
-@jax.jit
-def _values(law: Any, times: Any) -> jax.Array:
-    return jax.vmap(law)(times)
-
-
-@jax.jit
-def _accelerations(law: Any, times: Any) -> jax.Array:
-    return jax.vmap(jax.jacfwd(jax.jacfwd(lambda time: jnp.asarray(law(time)))))(times)
 
 
 def _spectrum(label: str, history: np.ndarray, times: np.ndarray) -> LoadSpectrum:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.machine import System
 from supple.multibody.equations.balance import balance
 from supple.multibody.equations.build_model import build_model
@@ -36,7 +36,7 @@ class CompiledMachine:
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Constraints and their derivatives."""
-        terms = joint_terms(self.model, jnp.asarray(float(time)), configuration, jnp.asarray(velocity))
+        terms = joint_terms(self.model, np.asarray(float(time)), configuration, velocity)
         return JointTerms(*map(np.asarray, terms))
 
     def metric(self, configuration: Configuration) -> np.ndarray:
@@ -71,7 +71,7 @@ class CompiledMachine:
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment."""
-        return jax.tree.map(np.asarray, _moved(self.model, configuration, jnp.asarray(increment)))
+        return jax.tree.map(np.asarray, _moved(self.model, configuration, increment))
 
 
 class CompiledStart(NamedTuple):
@@ -97,22 +97,24 @@ def compiled_start(system: System, time: float) -> CompiledStart:
     model = machine.model
     terms = machine.joint_terms(time, configuration, velocity)
     mass = machine.metric(configuration)
-    forces = np.asarray(_forces(model, jnp.asarray(float(time)), configuration, jnp.asarray(velocity)))
+    forces = np.asarray(_forces(model, np.asarray(float(time)), configuration, velocity))
     solution = _bordered_solve(mass, terms.jacobian, -forces, -terms.acceleration_bias)
     return CompiledStart(model, configuration, velocity, solution[: len(mass)], solution[len(mass) :], change)
 
 
-_moved = jax.jit(advance, compiler_options=STARTING)
-_mass = jax.jit(mass_matrix, compiler_options=STARTING)
-
-
-@partial(jax.jit, compiler_options=STARTING)
-def _forces(model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array) -> jax.Array:
+def _forces_without_acceleration(
+    model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array
+) -> jax.Array:
     """The residual without accelerations and multipliers, (n,)."""
     still = SystemMotion(
         time, configuration, velocity, jnp.zeros_like(velocity), jnp.zeros(len(model.active))
     )
     return balance(model, still).residual
+
+
+_moved = KeptProgram(advance, STARTING)
+_mass = KeptProgram(mass_matrix, STARTING)
+_forces = KeptProgram(_forces_without_acceleration, STARTING)
 
 
 def _bordered_solve(

@@ -6,14 +6,13 @@ import time as clock
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joint_forces, leg_size
+from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joint_forces
 from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.compiled.compiled_machine import compiled_start
-from supple.multibody.compiled.programs import compiled_march
+from supple.multibody.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
 from supple.multibody.compiled.time_step import Controls, State
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.floating_solution import (
@@ -29,8 +28,6 @@ from supple.multibody.equations.stops import Stops, stepping_instants
 __all__ = ["CompiledEngine", "as_solution", "controls", "initial_state"]
 
 WARNING = Validity()
-_SHORTEST = 16
-"""Output times of the shortest program: the compiler unrolls shorter loops, which can change last digits."""
 
 
 def controls(run: Run) -> Controls:
@@ -56,30 +53,30 @@ def initial_state(
     """
     start = compiled_start(system, time)
     report_start(start.change, validity)
-    acceleration = jnp.asarray(start.acceleration)
     return start.model, _state(
         time=time,
         step=first_step,
         configuration=start.configuration,
         velocity=start.velocity,
-        acceleration=acceleration,
-        auxiliary=acceleration,
+        acceleration=start.acceleration,
+        auxiliary=start.acceleration,
         multipliers=start.multipliers,
     )
 
 
 def _state(**known: Any) -> State:
-    count = jnp.zeros((), dtype=int)
+    # In NumPy: the program takes it as it is, and JAX would compile one for every line here.
+    count = np.zeros((), dtype=int)
     fresh: dict[str, Any] = {
         "steps": count,
         "iterations": count,
         "rejected_steps": count,
-        "failed": jnp.zeros((), dtype=bool),
-        "largest_error": jnp.zeros(()),
-        "largest_turn": jnp.zeros(()),
+        "failed": np.zeros((), dtype=bool),
+        "largest_error": np.zeros(()),
+        "largest_turn": np.zeros(()),
     }
-    arrays: dict[str, Any] = jax.tree.map(lambda leaf: jnp.asarray(np.asarray(leaf)), known)
-    return State(**arrays, **fresh, relative_residual=jnp.zeros(4))
+    arrays: dict[str, Any] = jax.tree.map(np.asarray, known)
+    return State(**arrays, **fresh, relative_residual=np.zeros(4))
 
 
 class CompiledEngine:
@@ -88,11 +85,9 @@ class CompiledEngine:
     def __init__(self, system: System, run: Run) -> None:
         self._system = system
         self._run = run
-        self._controls = controls(run)
+        self._controls = jax.device_put(controls(run))
         self._model: Model | None = None
         self._stops = Stops(run.times, stepping_instants([system], run))
-        self._length = max(_SHORTEST, self._stops.most(leg_size(len(run.times))))
-        self._program: Any = None
 
     def start(self, time: float) -> State:
         """Consistent positions, velocities, accelerations and multipliers."""
@@ -124,20 +119,24 @@ class CompiledEngine:
         )
 
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
-        """To each of the output times, in one call of the compiled program."""
+        """To each of the output times, in a few calls of the compiled program."""
         began = clock.perf_counter()
         stops, outputs = self._stops.on_the_way(float(state.time), times)
-        # A short leg repeats its end, where nothing is left to do: all legs share one program.
-        padded = jnp.asarray(np.pad(stops, (0, max(self._length - len(stops), 0)), mode="edge"))
-        if self._program is None:
-            self._program = compiled_march(self._model, self._controls, state, padded)
+        # The last stops are repeated, where nothing is left to do: all calls share one program.
+        calls = np.pad(stops, (0, -len(stops) % STOPS_AT_ONCE), mode="edge").reshape(-1, STOPS_AT_ONCE)
+        program = COMPILED_MARCH.compiled(self._model, self._controls, state, calls[0])
         ready = clock.perf_counter()
-        last, states = self._program(self._model, self._controls, state, padded)
-        states = jax.device_get(states)
-        before, after = jax.device_get(state), jax.tree.map(lambda leaf: leaf[-1], states)
-        if len(stops) > len(times):
-            states = jax.tree.map(lambda leaf: leaf[outputs], states)
-        n_reached = int(np.sum(~states.failed[: len(times)]))
+        last, parts = state, []
+        for number, own in enumerate(calls):
+            last, states = program(self._model, self._controls, last, own)
+            left = len(stops) - number * STOPS_AT_ONCE
+            parts.append(jax.tree.map(lambda leaf, left=left: leaf[:left], jax.device_get(states)))
+            if parts[-1].failed[-1]:
+                break
+        states = parts[0] if len(parts) == 1 else jax.tree.map(lambda *own: np.concatenate(own), *parts)
+        before, after = jax.device_get((state, last))
+        states = jax.tree.map(lambda leaf: leaf[outputs[outputs < len(leaf)]], states)
+        n_reached = int(np.sum(~states.failed))
         return Leg(
             states=jax.tree.map(lambda leaf: leaf[:n_reached], states),
             n_reached=n_reached,

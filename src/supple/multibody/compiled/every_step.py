@@ -10,11 +10,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.errors import RedundantConstraintWarning, StartWarning
 from supple.integrate import Run, Solution, Statistics
 from supple.machine import System
 from supple.multibody.compiled.engine import as_solution, controls, initial_state
 from supple.multibody.compiled.time_step import Controls, State, substep
+from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, stepping_instants
 
@@ -46,10 +48,12 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
         model, state = initial_state(system, run.times[0], run.step_control.first)
     times = solution.times
     stops, _ = Stops(run.times, stepping_instants([system], run)).on_the_way(float(times[0]), times[1:])
+    # As many as a power of two, the last one repeated: runs nearly as long share a program.
+    stops = np.pad(stops, (0, 2 ** max(7, (len(stops) - 1).bit_length()) - len(stops)), mode="edge")
     model = jax.device_put(model)
     parts = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)]
     while state.time < times[-1] and not state.failed:
-        state, states = _march_steps(model, controls(run), state, jnp.asarray(stops))
+        state, states = _march_steps(model, controls(run), state, stops)
         parts.append(jax.tree.map(np.asarray, states))
     states = jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
     # Once at its end, or failed, a march repeats its last state.
@@ -58,8 +62,7 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
     return EveryStep(taken, np.searchsorted(taken.times, times))
 
 
-@jax.jit
-def _march_steps(model: Model, settings: Controls, start: State, stops: jax.Array) -> tuple[State, State]:
+def _next_steps(model: Model, settings: Controls, start: State, stops: jax.Array) -> tuple[State, State]:
     """The next accepted steps on the way to some stops (k,): the last state, and all of them stacked."""
 
     def next_step(state: State, _: None) -> tuple[State, State]:
@@ -72,3 +75,6 @@ def _march_steps(model: Model, settings: Controls, start: State, stops: jax.Arra
         return taken, taken
 
     return jax.lax.scan(next_step, start, None, length=_STEPS_AT_ONCE)
+
+
+_march_steps = KeptProgram(_next_steps, MARCHING)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.compiled.elimination import solve_bordering_column
 from supple.multibody.compiled.step_equations import kinds_of_rows
@@ -76,7 +74,7 @@ class CompiledStatics:
                 [size * rows, np.zeros((m, m)), (size / k * np.asarray(terms.constraint_residual))[:, None]],
             ]
         )
-        change = -np.asarray(_solved(jnp.asarray(bordered)))
+        change = -np.asarray(_solved(bordered))
         return StaticCorrection(k * change[:n], size * change[n:])
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
@@ -94,10 +92,10 @@ class CompiledStatics:
         return steady_motion(self.machine.model, *motion)
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def balanced(model: Model, motion: SystemMotion) -> Balance:
+def _balanced(model: Model, motion: SystemMotion) -> Balance:
     """The terms of the equations of motion, by a program compiled quickly."""
     return balance(model, motion)
 
 
-_solved = jax.jit(solve_bordering_column, compiler_options=STARTING)
+balanced = KeptProgram(_balanced, STARTING)
+_solved = KeptProgram(solve_bordering_column, STARTING)

@@ -267,19 +267,29 @@ def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> S
     return jax.tree.map(lambda a, b: jnp.where(accepted, a, b), after, before)
 
 
-@jax.jit
-def march(model: Model, controls: Controls, start: State, output_times: jax.Array) -> tuple[State, State]:
-    """Simulate to each of the output times (k,); the final state, and the states there, stacked.
+def march(model: Model, controls: Controls, start: State, stops: jax.Array) -> tuple[State, State]:
+    """Simulate to each of the stops (k,), ascending; the final state, and the states there, stacked.
 
-    After a failure the state stays where it was: the caller looks at `failed`.
+    It ends with the first stop that repeats the one before; the rows behind it are zero. After a failure the
+    state stays where it was: the caller looks at `failed`.
     """
+    rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), start)
 
-    def to_output(state: State, end: jax.Array) -> tuple[State, State]:
+    def unfinished(march: tuple[jax.Array, State, State]) -> jax.Array:
+        row = march[0]
+        return (row < len(stops)) & ((row == 0) | (stops[row] > stops[row - 1]))
+
+    def to_stop(march: tuple[jax.Array, State, State]) -> tuple[jax.Array, State, State]:
+        row, state, states = march
         state = jax.lax.while_loop(
-            lambda s: (s.time < end) & ~s.failed,
-            partial(substep, model, controls, end),
+            lambda s: (s.time < stops[row]) & ~s.failed,
+            partial(substep, model, controls, stops[row]),
             state,
         )
-        return state, state
+        states = jax.tree.map(
+            lambda every, own: jax.lax.dynamic_update_index_in_dim(every, own, row, 0), states, state
+        )
+        return row + 1, state, states
 
-    return jax.lax.scan(to_output, start, output_times)
+    start = jax.tree.map(jnp.asarray, start)
+    return jax.lax.while_loop(unfinished, to_stop, (jnp.asarray(0), start, rows))[1:]

@@ -120,6 +120,13 @@ def _stacked(trees: Sequence[Any]) -> Any:
     return jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *trees)
 
 
+def _shared(trees: Sequence[Any]) -> Any:
+    """As `_stacked`; trees of one and the same arrays once, with a leading axis of one."""
+    first = jax.tree.leaves(trees[0])
+    same = all(a is b for tree in trees for a, b in zip(jax.tree.leaves(tree), first, strict=True))
+    return _stacked(trees[:1] if same else trees)
+
+
 def _stacked_laws(laws: Sequence[Any]) -> Any:
     """As JAX arrays, which laws take for a group's and do not check again; None without laws."""
     if laws[0] is None:
@@ -140,19 +147,23 @@ def rigid_gram(body: RigidBody) -> np.ndarray:
     return np.block([[mass * np.eye(3), -mass * cross], [mass * cross, inertia]])
 
 
-_ELASTIC = ("stiffness", "cubic", "quartic", "damping", "damping_cubic", "damping_quartic")
+_ELASTIC = ("stiffness", "damping")
+_TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
 
 
 def _arrays(body: Any, length: float) -> dict[str, Any]:
     """Inertia and elasticity of a rigid or reduced body."""
     scale = length * np.sqrt(body.mass)
     if isinstance(body, RigidBody):
-        empty, gram = np.zeros((0, 0)), rigid_gram(body)
-        elastic = dict.fromkeys(_ELASTIC) | {"stiffness": empty, "damping": empty}
+        empty, gram, condensed = np.zeros((0, 0)), rigid_gram(body), None
+        elastic = {**dict.fromkeys(_TENSORS), **dict.fromkeys(_ELASTIC, empty)}
     else:
         gram = body.gram
-        elastic = {name: getattr(body, name) for name in _ELASTIC}
-    return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": scale, **elastic}
+        # A body made linear has no motion that follows its coordinates.
+        condensed = None if body.condensed is None or body.is_linear else body.condensed.moments
+        elastic = {name: getattr(body, name) for name in (*_ELASTIC, "cubic", "damping_cubic")}
+        elastic |= {"quartic": body.quartic_blocks, "damping_quartic": body.damping_quartic_blocks}
+    return {"gram": gram, "inertia": inertia_arrays(gram, condensed), "coordinate_scale": scale, **elastic}
 
 
 def _body_groups(system: System, places: _BodyPlaces, length: float) -> tuple[BodyGroup, ...]:
@@ -165,7 +176,10 @@ def _body_groups(system: System, places: _BodyPlaces, length: float) -> tuple[Bo
     for group in _grouped(found, lambda each: _structure(each[1])):
         members = tuple(index for index, _ in group)
         velocities, coordinates = places.pair(members)
-        arrays = _stacked([arrays for _, arrays in group])
+        arrays = {
+            name: (_shared if name in _TENSORS else _stacked)([own[name] for _, own in group])
+            for name in group[0][1]
+        }
         groups.append(BodyGroup(members, velocities, coordinates, **arrays))
     return tuple(groups)
 

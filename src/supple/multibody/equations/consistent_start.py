@@ -10,7 +10,6 @@ Constraint equations that repeat others are found by orthogonalising the rows of
 from __future__ import annotations
 
 import warnings
-from functools import partial
 from typing import Generic, NamedTuple, Protocol, Self, TypeVar
 
 import jax
@@ -18,6 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 import scipy.linalg
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning
 from supple.machine import System
 from supple.multibody.equations.balance import constraint_jacobian
@@ -51,25 +51,20 @@ class JointTerms(NamedTuple):
     """`d2g/dt2` while the velocities stay constant, (m,)"""
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def joint_terms(
-    model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array
-) -> JointTerms:
+def _terms(model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array) -> JointTerms:
     """Constraints, their Jacobian, and their first two time derivatives at constant velocity."""
 
     def residual_after(duration: jax.Array) -> jax.Array:
         return constraints(model, time + duration, advance(model, configuration, duration * velocity))
 
-    def rate_after(duration: jax.Array) -> jax.Array:
-        return jax.jvp(residual_after, (duration,), (jnp.ones(()),))[1]
+    def with_rate(duration: jax.Array) -> tuple[jax.Array, jax.Array]:
+        return jax.jvp(residual_after, (duration,), (jnp.ones(()),))
 
-    rate, bias = jax.jvp(rate_after, (jnp.zeros(()),), (jnp.ones(()),))
-    return JointTerms(
-        residual=constraints(model, time, configuration),
-        jacobian=constraint_jacobian(model, time, configuration),
-        rate=rate,
-        acceleration_bias=bias,
-    )
+    (residual, rate), (_, bias) = jax.jvp(with_rate, (jnp.zeros(()),), (jnp.ones(()),))
+    return JointTerms(residual, constraint_jacobian(model, time, configuration), rate, bias)
+
+
+joint_terms = KeptProgram(_terms, STARTING)
 
 
 class StartingMachine(Protocol):

@@ -14,15 +14,18 @@ the same few lines for every kind. For small motions `(dr, dphi)` of the frames,
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.algebra import read_only
 from supple.algebra.rotation import skew
 from supple.algebra.small_product import small_product
 from supple.machine.pose import Pose
+from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.marker import (
     Marker,
     frame_motion,
@@ -89,11 +92,15 @@ def affine_form(constraint: Constraint, value: Any) -> Affine:
 
     Constants of the compiled program for a joint without a law, of which `value` is None.
     """
-    if value is None:
-        with jax.ensure_compile_time_eval():
-            coefficients, constant = _affine(constraint, None)
-        return np.asarray(coefficients), np.asarray(constant)
-    return _affine(constraint, value)
+    return _constant(constraint) if value is None else _affine(constraint, value)
+
+
+@lru_cache(maxsize=64)
+def _constant(constraint: Constraint) -> Affine:
+    """The affine form of a joint without a law, by one small program, compiled aside of one being traced."""
+    program = jax.jit(lambda: _affine(constraint, None)).lower().compile(compiler_options=STARTING)
+    coefficients, constant = map(read_only, program())
+    return coefficients, constant
 
 
 def _axial(matrix: jax.Array) -> jax.Array:

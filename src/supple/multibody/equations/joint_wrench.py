@@ -21,6 +21,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from supple.machine import GROUND, At, Joint, System
+from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.joint_linearization import affine_form
 
 __all__ = ["joint_wrenches"]
@@ -89,13 +90,11 @@ def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:
     law = joint.law
     if law is None:
         return np.broadcast_to(affine_form(constraint, None)[0], (len(times), joint.n_constraints, 12))
-    values = np.asarray(jax.vmap(lambda time: jnp.asarray(law(time)))(jnp.asarray(times)))
-    n_blocks = -(-len(times) // _BLOCK)
-    padded = np.concatenate([values, np.repeat(values[-1:], n_blocks * _BLOCK - len(values), axis=0)])
-    blocks = (_linearized(constraint, block) for block in np.split(padded, n_blocks))
+    padded = np.pad(times, (0, -len(times) % _BLOCK), mode="edge").reshape(-1, _BLOCK)
+    blocks = (_linearized(constraint, law, block) for block in padded)
     return np.concatenate([np.asarray(block) for block in blocks])[: len(times)]
 
 
-@partial(jax.jit, static_argnums=0)
-def _linearized(constraint: Callable[..., jax.Array], values: jax.Array) -> jax.Array:
-    return jax.vmap(lambda value: affine_form(constraint, value)[0])(values)
+@partial(jax.jit, static_argnums=0, compiler_options=STARTING)
+def _linearized(constraint: Callable[..., jax.Array], law: Any, times: jax.Array) -> jax.Array:
+    return jax.vmap(lambda time: affine_form(constraint, jnp.asarray(law(time)))[0])(times)

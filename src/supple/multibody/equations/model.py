@@ -41,7 +41,9 @@ class BodyGroup:
     stiffness: Any
     """(k, r, r)"""
     cubic: Any
+    """(k, n2, r), or (1, n2, r) of equal bodies; None of linear ones"""
     quartic: Any
+    """(k, n2, n2), or (1, n2, n2), or `PairBlocks` of such"""
     damping: Any
     """(k, r, r), undeformed"""
     damping_cubic: Any

@@ -61,13 +61,16 @@ class Places:
 def over(function: Callable[..., Any], *arguments: Any) -> Any:
     """The function of every member of a group; arguments and result have a leading axis.
 
-    A single member is computed by itself: its program is as if there were no groups.
+    A single member is computed by itself: its program is as if there were no groups. An array with a leading
+    axis of one is shared by all members: products with it become products of matrices.
     """
-    leaves = jax.tree.leaves(arguments)
-    if all(leaf.shape[0] == 1 for leaf in leaves):
-        own = jax.tree.map(lambda leaf: leaf[0], arguments)
+    leaves, structure = jax.tree.flatten(arguments)
+    shared = [leaf.shape[0] == 1 for leaf in leaves]
+    own = structure.unflatten([leaf[0] if once else leaf for leaf, once in zip(leaves, shared, strict=True)])
+    if all(shared):
         return jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], function(*own))
-    return jax.vmap(function)(*arguments)
+    axes = structure.unflatten([None if once else 0 for once in shared])
+    return jax.vmap(function, in_axes=axes)(*own)
 
 
 def assembled_vector(n: int, parts: Iterable[tuple[Places, Any]]) -> jax.Array:

@@ -15,7 +15,7 @@ The last bracket is also the derivative of the unbalanced force of a steady stat
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
@@ -23,6 +23,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.cross import cross_matrices
+from supple.algebra.kept_programs import KeptProgram
 from supple.integrate import StepFactors
 from supple.multibody.equations.balance import Balance, Linearization, tangent
 from supple.multibody.equations.compiler_options import STARTING
@@ -37,6 +38,7 @@ __all__ = [
     "linear_equations",
     "steady_motion",
     "step_matrix",
+    "turning_velocities",
 ]
 
 
@@ -66,14 +68,27 @@ def steady_motion(
     model: Model, turning: Turning, time: float, configuration: Configuration, multipliers: AnyArray
 ) -> SystemMotion:
     """The motion of bodies that turn without any other change of what they see."""
+    velocity, acceleration = turning_velocities(
+        turning, configuration, model.frames.starts, model.n_velocities
+    )
+    return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers)
+
+
+def turning_velocities(
+    turning: Turning, configuration: Configuration, frame_starts: Sequence[int], n: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities and accelerations (n,) of bodies that turn steadily, their frames from `frame_starts` on.
+
+    The angular velocities are constant, in space and in the body's axes.
+    """
     w = turning.angular_velocities
-    velocity, acceleration = np.zeros((2, model.n_velocities))
-    places = np.array(model.frames.starts)[:, None] + np.arange(3)
+    velocity, acceleration = np.zeros((2, n))
+    places = np.array(frame_starts)[:, None] + np.arange(3)
     moving = np.cross(w, configuration.origins - turning.point)
     velocity[places] = moving
     velocity[places + 3] = np.einsum("bji,bj->bi", configuration.rotations, w)
     acceleration[places] = np.cross(w, moving)
-    return SystemMotion(jnp.asarray(float(time)), configuration, velocity, acceleration, multipliers)
+    return velocity, acceleration
 
 
 def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms: Balance) -> LinearEquations:
@@ -96,15 +111,17 @@ def step_matrix(
     model: Model, motion: SystemMotion, terms: Balance, by_position: float, by_velocity: float
 ) -> np.ndarray:
     """`M + by_velocity C + by_position K` (n, n), by one compiled program whatever the factors are."""
-    factors = StepFactors(jnp.asarray(by_position), jnp.asarray(by_velocity))
+    factors = StepFactors(np.asarray(by_position), np.asarray(by_velocity))
     return np.asarray(_tangent(model, motion, terms.linearization, factors))
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def _tangent(
+def _tangent_of_step(
     model: Model, motion: SystemMotion, linearization: Linearization, factors: StepFactors
 ) -> jax.Array:
     return tangent(model, motion, linearization, jnp.zeros(model.n_velocities), factors)
+
+
+_tangent = KeptProgram(_tangent_of_step, STARTING)
 
 
 def in_turning_axes(model: Model, configuration: Configuration) -> np.ndarray:

@@ -3,9 +3,10 @@
 Unknown are the accelerations of frames, reduced and rigid bodies and interfaces (the border), the joint
 multipliers, and per full body the six multipliers of its frame conditions. Behind the border an interior is
 
-    x = particular + by_interface c + by_frame y + by_multiplier mu
+    x = particular + responses [c, y, mu]
 
-with `c` the generalised interface forces, which are the border's own rows for the interface motions.
+with `c` the generalised interface forces, which are the border's own rows for the interface motions, `y` the
+accelerations of its frame and `mu` the multipliers of its frame conditions.
 """
 
 from __future__ import annotations
@@ -14,9 +15,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
 
-from supple.multibody.full.full_interior import Elimination
+from supple.multibody.full.elimination import LoadedElimination
 
 __all__ = ["Border", "BorderedChange", "EliminatedInterior", "solve_bordered"]
 
@@ -43,11 +43,7 @@ class EliminatedInterior(NamedTuple):
 
     part: slice
     """Its frame and interface motions in the border"""
-    out: Elimination
-    interface_rows: csr_array
-    """(6 p, n_own)"""
-    frame_rows: np.ndarray
-    """Frame conditions, (6, n_own)"""
+    out: LoadedElimination
     frame_residual: np.ndarray
     """(6,)"""
     frame_target: np.ndarray
@@ -95,26 +91,19 @@ def _condense(interior: EliminatedInterior, mu: slice, matrix: np.ndarray, right
     """Replace the rows of one full body by those of its eliminated interior."""
     part, out = interior.part, interior.out
     frame, interface = slice(part.start, part.start + 6), slice(part.start + 6, part.stop)
-    forces = matrix[interface].copy()  # generalised interface forces per unknown
-
-    def through(left: np.ndarray | csr_array) -> tuple[np.ndarray, np.ndarray]:
-        """Matrix and particular part of `left @ x` in terms of the unknowns."""
-        total = (left @ out.by_interface) @ forces
-        total[:, frame] += left @ out.by_frame
-        total[:, mu] += left @ out.by_multiplier
-        return total, left @ out.particular
-
-    on_frame, particular = through(out.frame_rows)
-    matrix[frame] += on_frame
+    p = interface.stop - interface.start
+    # All that the rest of the machine sees of the interior, per unknown: `c` stands in the interface's rows.
+    seen = out.seen_responses[:, :p] @ matrix[interface]
+    seen[:, frame] += out.seen_responses[:, p : p + 6]
+    seen[:, mu] += out.seen_responses[:, p + 6 :]
+    matrix[frame] += seen[:6]
     matrix[frame, frame] += out.frame_corner
-    right[frame] = -interior.frame_residual - particular
-    moved, particular = through(interior.interface_rows)
-    matrix[interface] = moved
-    matrix[interface, interface] -= np.eye(interface.stop - interface.start)
-    right[interface] = -particular
-    fixed, particular = through(interior.frame_rows)
-    matrix[mu] += fixed
-    right[mu] = interior.frame_target - particular
+    right[frame] = -interior.frame_residual - out.seen[:6]
+    matrix[interface] = seen[6 : 6 + p]
+    matrix[interface, interface] -= np.eye(p)
+    right[interface] = -out.seen[6 : 6 + p]
+    matrix[mu] += seen[6 + p :]
+    right[mu] = interior.frame_target - out.seen[6 + p :]
 
 
 def _behind(
@@ -124,5 +113,4 @@ def _behind(
     part, out = interior.part, interior.out
     interface = (border.matrix[part] @ solution[: len(border.matrix)])[6:]
     interface = interface + (border.rows.T[part] @ solution[joints])[6:] * border.scale
-    by_frame = out.by_frame @ solution[part][:6]
-    return out.particular + out.by_interface @ interface + by_frame + out.by_multiplier @ solution[mu]
+    return out.behind(np.concatenate([interface, solution[part][:6], solution[mu]]))

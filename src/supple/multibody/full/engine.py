@@ -1,6 +1,6 @@
 """The full-order engine: machines with bodies that keep all their finite-element freedoms, as references.
 
-A Python loop over time steps is unavoidable here: each iteration is one sparse factorisation.
+A Python loop over time steps is unavoidable here: each iteration solves with sparse factors.
 """
 
 from __future__ import annotations
@@ -25,6 +25,10 @@ from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.step_size import next_step
 from supple.multibody.equations.stops import Stops, stepping_instants
 from supple.multibody.full.full_system import FullState, FullSystem
+from supple.multibody.full.implicit_step import ImplicitStep
+from supple.multibody.full.kept_tangent import KeptTangent, numbers_of, tangent_of
+from supple.multibody.full.newton import NewtonIteration, modified_newton
+from supple.multibody.full.predictor import Earlier, earlier_numbers, earlier_of, predicted, unknowns_of
 
 __all__ = ["FullEngine", "March"]
 
@@ -37,22 +41,29 @@ class March(NamedTuple):
     steps: int = 0
     iterations: int = 0
     rejected_steps: int = 0
+    factorizations: int = 0
+    decades: float = 0.0
     largest_error: float = 0.0
     largest_turn: float = 0.0
+    earlier: Earlier | None = None
+    """None before the first step"""
+    kept: KeptTangent | None = None
 
 
 class FullEngine:
     """An `Engine` of sparse bordered Newton steps; `March` is its state."""
 
-    def __init__(self, system: System, run: Run) -> None:
+    def __init__(self, system: System, run: Run, iteration: NewtonIteration = modified_newton) -> None:
         self._run = run
-        self._machine = FullSystem(system)
+        self._iteration = iteration
+        self._every = FullSystem(system)
+        """With all constraint equations"""
+        self._machine = self._every
         self._stops = Stops(run.times, stepping_instants([system], run))
 
     def start(self, time: float) -> March:
         """Consistent positions and velocities on the joints and in the frames, first accelerations."""
-        every = FullSystem(self._machine.system)
-        self._machine, configuration, velocity, change = consistent_start(every, time)
+        self._machine, configuration, velocity, change = consistent_start(self._every, time)
         report_start(change, self._run.validity)
         self._machine.check_frames(configuration)
         state = self._machine.accelerated(self._machine.state_at(time, configuration, velocity))
@@ -65,7 +76,7 @@ class FullEngine:
         one, which keeps the order of accuracy but not the last digits.
         """
         known = last.engine_state
-        machine = self._machine
+        machine = self._every
         instant = last_instant(machine.system, last)
         if "active" in known:
             self._machine = machine = machine.restricted(tuple(int(index) for index in known["active"]))
@@ -79,9 +90,12 @@ class FullEngine:
             multipliers=instant.multipliers[list(machine.model.active)],
             frame_multipliers=tuple(known.get("frame_multipliers", fresh.frame_multipliers)),
         )
-        for interior, factored_for in zip(machine.interiors, known.get("factored_for", ()), strict=False):
-            interior.factor_again(factored_for)
-        return March(state, float(known.get("step", self._run.step_control.first)))
+        return March(
+            state,
+            float(known.get("step", self._run.step_control.first)),
+            earlier=earlier_of(machine, known.get("earlier", np.empty(0))),
+            kept=tangent_of(machine, known.get("kept_tangent", np.empty(0))),
+        )
 
     def march(self, state: March, times: np.ndarray) -> Leg[March]:
         """Step by step to each of the output times."""
@@ -103,11 +117,13 @@ class FullEngine:
             steps=state.steps - before.steps,
             iterations=state.iterations - before.iterations,
             rejected_steps=state.rejected_steps - before.rejected_steps,
+            factorizations=state.factorizations - before.factorizations,
+            decades=state.decades - before.decades,
             seconds=clock.perf_counter() - began,
             largest_error=state.largest_error,
             largest_turn=state.largest_turn,
         )
-        return Leg((reached, state.step), len(reached), state, statistics, stopped)
+        return Leg((reached, state), len(reached), state, statistics, stopped)
 
     def _to_output(self, march: March, end: float) -> tuple[March, np.ndarray | None]:
         """Steps up to an output time; the relative residual instead of None when the smallest step fails."""
@@ -116,20 +132,28 @@ class FullEngine:
             remaining = end - march.state.time
             # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
             h = remaining / max(np.ceil(remaining / march.step * (1 - 1e-9)), 1.0)
-            new, residual, iterations, converged = self._machine.step(
-                march.state, h, method, self._run.tolerances
-            )
+            rule = StepRule(method.coefficients, h)
+            step = ImplicitStep(self._machine, march.state, h, rule, self._run.tolerances)
+            found = self._iteration(step, predicted(march.state, march.earlier, h), march.kept)
+            new, converged = found.state, found.converged
             error = self._local_error(march.state, new, h) if converged else np.inf
             proposed = (
                 float(next_step(h, march.step, error, control.tolerance, control.largest))
                 if converged
                 else h / 2
             )
-            march = march._replace(step=proposed, iterations=march.iterations + iterations)
+            march = march._replace(
+                step=proposed,
+                iterations=march.iterations + found.iterations,
+                factorizations=march.factorizations + found.factorizations,
+                decades=march.decades + found.decades,
+                kept=found.kept,
+            )
             if converged and error <= control.tolerance:
                 if h >= remaining * (1 - 1e-9):
                     new = new._replace(time=end)
                 march = march._replace(
+                    earlier=Earlier(unknowns_of(march.state), h),
                     state=new,
                     steps=march.steps + 1,
                     largest_error=max(march.largest_error, float(error)),
@@ -138,7 +162,7 @@ class FullEngine:
             else:
                 march = march._replace(rejected_steps=march.rejected_steps + 1)
                 if march.step < control.least:
-                    return march, residual
+                    return march, found.relative_residual
         return march, None
 
     def _local_error(self, start: FullState, end: FullState, h: float) -> float:
@@ -156,7 +180,7 @@ class FullEngine:
 
     def solution(self, leg: Leg[March]) -> Solution:
         """The motion of a leg."""
-        states, step = leg.states
+        states, last = leg.states
         machine = self._machine
         configuration = Configuration(
             *(
@@ -185,8 +209,9 @@ class FullEngine:
             engine_state={
                 "active": np.array(active, dtype=float),
                 "auxiliary": states[-1].auxiliary,
-                "step": np.array(step),
+                "step": np.array(last.step),
                 "frame_multipliers": np.array(states[-1].frame_multipliers),
-                "factored_for": np.array([interior.factored_for for interior in machine.interiors]),
+                "earlier": earlier_numbers(machine, last.earlier),
+                "kept_tangent": numbers_of(machine, last.kept),
             },
         )

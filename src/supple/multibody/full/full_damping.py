@@ -31,13 +31,9 @@ class FullDamping:
     columns: Array
     retardation_time: float
 
-    def force(self, coordinates: Array, rates: Array) -> Array:
-        """D(q) q_dot, (n,)."""
-        force = self.constant @ rates + self.columns @ (self.columns.T @ rates)
-        if self.retardation_time:
-            by_strain = self.full.body.force.strain_rate_force(coordinates, rates)
-            force = force + self.retardation_time * by_strain
-        return force
+    def force(self, rates: Array) -> Array:
+        """(C + W W^T) q_dot, (n,); what follows the strain rate comes with the elastic force."""
+        return self.constant @ rates + self.columns @ (self.columns.T @ rates)
 
     def with_modes(self, factor: SparseFactor, by_velocity: float) -> SparseFactor | LowRankUpdate:
         """The factor of a tangent that lacks W W^T, with it."""

@@ -9,11 +9,12 @@ massless body (`build_model`). Eliminating the interior,
     x = - S^-1 ( r + B^T c + F y + D^T dmu ),      w = B x,      D x = - D q / k,
 
 with `c` the generalised interface forces and `y` the frame's accelerations, leaves a small dense system.
-A Python loop over time steps is unavoidable here: each iteration is one sparse factorisation.
+A Python loop over time steps is unavoidable here: each iteration solves with sparse factors.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -27,7 +28,7 @@ import numpy as np
 from supple.algebra.rotation import rotation_exp
 from supple.body import FullBody
 from supple.errors import ModelError
-from supple.integrate import StepFactors, StepRule, TimeIntegrator, Tolerances
+from supple.integrate import StepFactors
 from supple.machine import NodalLoad, System
 from supple.multibody.equations.balance import Balance, Linearization, balance, tangent
 from supple.multibody.equations.build_model import build_model, is_on_full_nodes
@@ -39,13 +40,16 @@ from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.step_size import position_rounding
 from supple.multibody.full.bordered_solve import Border, EliminatedInterior, solve_bordered
+from supple.multibody.full.elimination import Elimination
 from supple.multibody.full.full_interior import (
     FullInterior,
     InteriorState,
     prepare_interior,
+    tangent_point,
 )
+from supple.multibody.full.full_tangent import Factored, FullTangent, TangentPoint
 
-__all__ = ["FullState", "FullSystem"]
+__all__ = ["Evaluation", "FullState", "FullSystem"]
 
 
 class FullState(NamedTuple):
@@ -78,7 +82,7 @@ def _border_matrices(
     )
 
 
-class _Evaluation(NamedTuple):
+class Evaluation(NamedTuple):
     """Residuals at one iterate."""
 
     border_motion: SystemMotion
@@ -155,7 +159,7 @@ class FullSystem:
             + np.concatenate([increment[part.start + 6 : part.stop] for part in self.slices]),
         )
 
-    def evaluate(self, state: FullState, by_position: float) -> _Evaluation:
+    def evaluate(self, state: FullState, by_position: float) -> Evaluation:
         """All residuals at a state; `by_position`, of the step, scales those of the constraints."""
         configuration = self.border_configuration(state.configuration)
         motion = SystemMotion(
@@ -191,7 +195,7 @@ class FullSystem:
         relative = np.sqrt(unbalanced) / np.where(scale > 0, scale, 1.0)
         of_joints = terms.constraint_residual
         constraint = self._relative_constraint(state, np.concatenate([of_joints, *gaps]), by_position)
-        return _Evaluation(
+        return Evaluation(
             motion,
             terms,
             of_joints,
@@ -237,7 +241,7 @@ class FullSystem:
 
     def correction(
         self,
-        evaluation: _Evaluation,
+        evaluation: Evaluation,
         targets: tuple[np.ndarray, tuple[np.ndarray, ...]],
         increments: np.ndarray,
         factors: StepFactors,
@@ -246,13 +250,42 @@ class FullSystem:
 
         targets : what the constraint rows and the frame conditions of each full body must become
         """
+        turns = self.turns(increments)
+        eliminations = self.eliminated(evaluation.interior_states, turns, factors, FullTangent.serving)
+        return self.correction_behind(eliminations, evaluation, targets, increments, factors)
+
+    def turns(self, increments: np.ndarray) -> np.ndarray:
+        """Rotations of the full bodies' frames among increments (n,), (b, 3)."""
+        return np.array([increments[self.slices[each.index]][3:6] for each in self.interiors])
+
+    def eliminated(
+        self,
+        states: tuple[InteriorState, ...],
+        turns: np.ndarray,
+        factors: StepFactors,
+        factor: Callable[[FullTangent, TangentPoint], Factored],
+    ) -> tuple[Elimination, ...]:
+        """Every interior eliminated, by the `factor` of its tangent."""
+        return tuple(
+            interior.eliminate(state, turn, factors, factor(interior.tangent, tangent_point(state, factors)))
+            for interior, state, turn in zip(self.interiors, states, turns, strict=True)
+        )
+
+    def correction_behind(
+        self,
+        eliminations: tuple[Elimination, ...],
+        evaluation: Evaluation,
+        targets: tuple[np.ndarray, tuple[np.ndarray, ...]],
+        increments: np.ndarray,
+        factors: StepFactors,
+    ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+        """As `correction`, with interiors that are eliminated already."""
         model = self.model
-        motion = evaluation.border_motion
         matrix, rows, rows_by_increment = (
             np.asarray(x)
             for x in _border_matrices(
                 model,
-                motion,
+                evaluation.border_motion,
                 evaluation.border.linearization,
                 self.to_border(increments),
                 StepFactors(*map(np.float64, factors)),
@@ -262,22 +295,23 @@ class FullSystem:
         border = Border(
             matrix, rows, rows_by_increment, evaluation.border.residual, joint_targets, float(model.mass)
         )
-        eliminated = []
-        for number, interior in enumerate(self.interiors):
-            residual = evaluation.interior_residuals[number]
-            turn = increments[self.slices[interior.index]][3:6]
-            out = interior.eliminate(evaluation.interior_states[number], residual[6:], turn, factors)
-            eliminated.append(
-                EliminatedInterior(
-                    model.slices[interior.index],
-                    out,
-                    interior.interface_rows,
-                    interior.frame_rows,
-                    residual[:6],
-                    frame_targets[number],
-                )
+        behind = [
+            EliminatedInterior(
+                model.slices[interior.index],
+                elimination.loaded(residual[6:], state.rotation),
+                residual[:6],
+                frame_target,
             )
-        change = solve_bordered(border, eliminated)
+            for interior, elimination, residual, state, frame_target in zip(
+                self.interiors,
+                eliminations,
+                evaluation.interior_residuals,
+                evaluation.interior_states,
+                frame_targets,
+                strict=True,
+            )
+        ]
+        change = solve_bordered(border, behind)
         parts = [change.border[part] for part in model.slices]
         for interior, own in zip(self.interiors, change.interiors, strict=True):
             parts[interior.index] = np.concatenate([parts[interior.index][:6], own])
@@ -379,51 +413,6 @@ class FullSystem:
             multipliers=multipliers,
             frame_multipliers=frame_multipliers,
         )
-
-    def step(
-        self, start: FullState, h: float, method: TimeIntegrator, tolerances: Tolerances
-    ) -> tuple[FullState, np.ndarray, int, bool]:
-        """One time step: the new state, its relative residual, the iterations, and whether it converged."""
-        rule = StepRule(method.coefficients, h)
-        by_position = rule.factors.by_position
-        acceleration, multipliers = start.acceleration, start.multipliers
-        frame_multipliers = start.frame_multipliers
-        moved = np.inf
-        iteration = 0
-        while True:
-            auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
-            increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
-            state = FullState(
-                start.time + h,
-                self.moved(start.configuration, increments),
-                rule.new_velocity(start.velocity, start.auxiliary, auxiliary),
-                acceleration,
-                auxiliary,
-                multipliers,
-                frame_multipliers,
-            )
-            evaluation = self.evaluate(state, by_position)
-            relative = evaluation.relative_residual
-            rounding = position_rounding(self.model.length, state.configuration.origins)
-            settled = moved <= rounding and relative[3] <= 1e-6
-            if np.all(relative <= tolerances.residual) or settled:
-                return state, relative, iteration, True
-            if not np.isfinite(relative).all() or iteration == tolerances.max_iterations:
-                return state, relative, iteration, False
-            targets = (
-                -evaluation.constraint_residual / by_position,
-                tuple(-residual / by_position for residual in evaluation.frame_residuals),
-            )
-            change, joint_change, frame_change = self.correction(
-                evaluation, targets, increments, rule.factors
-            )
-            acceleration = acceleration + change
-            multipliers = multipliers + joint_change
-            frame_multipliers = tuple(
-                old + new for old, new in zip(frame_multipliers, frame_change, strict=True)
-            )
-            moved = by_position * np.max(abs(change) / self.position_scale)
-            iteration += 1
 
 
 _mass_matrix = jax.jit(mass_matrix, compiler_options=STARTING)

@@ -9,7 +9,7 @@ import numpy as np
 from supple.integrate import StepFactors
 from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.static_search import StaticCorrection, StaticState, Unbalance
-from supple.multibody.equations.steady_motion import Turning
+from supple.multibody.equations.steady_motion import Turning, turning_velocities
 from supple.multibody.full.full_system import FullState, FullSystem
 
 __all__ = ["FullStatics"]
@@ -61,17 +61,9 @@ class FullStatics:
     def _still(self, state: StaticState, time: float) -> FullState:
         velocity = acceleration = np.zeros(self.machine.n)
         if self.turning is not None:
-            velocity, acceleration = self._turned(self.turning, state.configuration)
+            starts = [part.start for part in self.machine.slices]
+            velocity, acceleration = turning_velocities(
+                self.turning, state.configuration, starts, self.machine.n
+            )
         multipliers = state.multipliers, state.frame_multipliers
         return FullState(time, state.configuration, velocity, acceleration, acceleration, *multipliers)
-
-    def _turned(self, turning: Turning, configuration: Configuration) -> tuple[np.ndarray, np.ndarray]:
-        """Velocities and accelerations of bodies that turn steadily, (n,) each."""
-        velocity, acceleration = np.zeros((2, self.machine.n))
-        moving = np.cross(turning.angular_velocities, configuration.origins - turning.point)
-        places = np.array([part.start for part in self.machine.slices])[:, None] + np.arange(3)
-        velocity[places] = moving
-        acceleration[places] = np.cross(turning.angular_velocities, moving)
-        in_body = np.einsum("bji,bj->bi", configuration.rotations, turning.angular_velocities)
-        velocity[places + 3] = in_body
-        return velocity, acceleration

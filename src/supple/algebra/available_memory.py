@@ -1,0 +1,55 @@
+"""Memory that this process may still take, asked before it is needed: the system kills what asks for more."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from supple.errors import MemoryShortageError
+
+__all__ = ["available_memory", "in_words", "require_memory"]
+
+_SYSTEM = Path("/proc/meminfo")
+_GROUP = Path("/sys/fs/cgroup")
+"""Where a container's own limit stands, of version 2."""
+
+
+def available_memory() -> int | None:
+    """Bytes that the system, or the container, has left; None where neither says so."""
+    left = [number for number in (_of_system(), _of_group()) if number is not None]
+    return min(left, default=None)
+
+
+def _of_system() -> int | None:
+    try:
+        lines = _SYSTEM.read_text(encoding="ascii").splitlines()
+    except OSError:
+        return None
+    return next((1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:")), None)
+
+
+def _of_group() -> int | None:
+    try:
+        limit = (_GROUP / "memory.max").read_text(encoding="ascii").strip()
+        used = int((_GROUP / "memory.current").read_text(encoding="ascii"))
+    except (OSError, ValueError):
+        return None
+    return max(int(limit) - used, 0) if limit.isdigit() else None
+
+
+def require_memory(needed: float, what: str, remedy: str) -> None:
+    """MemoryShortageError where so many bytes are not left: what they are for, and what to do instead."""
+    available = available_memory()
+    if available is not None and needed > available:
+        raise MemoryShortageError(
+            f"{what} would take about {in_words(needed)} of memory, and {in_words(available)} are left: "
+            f"{remedy}"
+        )
+
+
+def in_words(size: float) -> str:
+    """A number of bytes, to two digits."""
+    for unit in ("B", "kB", "MB", "GB"):
+        if size < 999.5:
+            return f"{size:.2g} {unit}" if size < 99.5 else f"{size:.0f} {unit}"
+        size /= 1000
+    return f"{size:.2g} TB" if size < 99.5 else f"{size:.0f} TB"

@@ -1,0 +1,162 @@
+"""Compiled programs kept by the structure of what they take: later processes neither trace nor compile them.
+
+JAX asks its own folder of programs with a program's text, and writing that takes longer than reading many
+programs. Here the question is what a program depends on (`program_digest`), which is known beforehand. Where
+the sources have changed the text decides, so that programs outlive all changes that do not concern them.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import zlib
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import lru_cache
+from itertools import count
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import jax
+from jax.core import Tracer
+from jax.experimental import serialize_executable
+
+from supple.algebra.jax_settings import count_program, when_given_back
+from supple.algebra.program_digest import digest_of_sources, program_digest, text_digest
+
+__all__ = ["KeptProgram"]
+
+_MOST_AT_HAND = 16
+"""Programs of one function that a process holds; the one used last stays longest."""
+
+
+class KeptProgram:
+    """A function of arrays, compiled once for all arguments that differ in numbers alone.
+
+    function : of pytrees, by position; its result holds arrays in tuples and named tuples
+    options : of the compiler
+    """
+
+    def __init__(
+        self, function: Callable[..., Any], options: Mapping[str, Any] = MappingProxyType({})
+    ) -> None:
+        self.function = function
+        self._options = dict(options)
+        self._at_hand: OrderedDict[Any, Any] = OrderedDict()
+        when_given_back(self._at_hand.clear)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """The function's result; as a part of another program where that is being traced."""
+        if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
+            return self.function(*arguments)
+        return self.compiled(*arguments)(*arguments)
+
+    def compiled(self, *arguments: Any) -> Any:
+        """The program for arguments like these."""
+        leaves, structure = jax.tree.flatten(arguments)
+        types = map(jax.typeof, leaves)
+        shapes = tuple((own.shape, str(own.dtype), own.weak_type) for own in types)
+        key = structure, shapes
+        if key not in self._at_hand:
+            self._at_hand[key] = self._found_or_built(arguments, structure, shapes)
+            if len(self._at_hand) > _MOST_AT_HAND:
+                self._at_hand.popitem(last=False)
+        self._at_hand.move_to_end(key)
+        return self._at_hand[key]
+
+    def _found_or_built(self, arguments: Any, structure: Any, shapes: Any) -> Any:
+        folder = _folder()
+        digest = program_digest(self.function, self._options, structure, shapes) if folder else None
+        if folder is None or digest is None:
+            return jax.jit(self.function).lower(*arguments).compile(compiler_options=self._options)
+        taken = jax.tree.structure((arguments, {}))
+        known = folder / "by-structure" / digest_of_sources()[:16] / digest
+        if known.exists() and (found := _read(folder / "by-text" / known.read_text("ascii"), taken)):
+            return found
+        return self._by_text(arguments, known, folder, taken)
+
+    def _by_text(self, arguments: Any, known: Path, folder: Path, taken: Any) -> Any:
+        """The program found by its text, or compiled; from now on it is known by its structure."""
+
+        def kept(*arguments: Any) -> Any:
+            return self.function(*arguments)
+
+        # By a name of its own: a program that JAX has read from its folder cannot be kept once more.
+        kept.__name__ = f"kept_{self.function.__name__.lstrip('_')}"
+        lowered = jax.jit(kept).lower(*arguments)
+        text = text_digest(lowered.as_text(), self._options)
+        file = folder / "by-text" / text
+        program = _read(file, taken)
+        if program is None:
+            with _not_kept_by_jax():
+                program = lowered.compile(compiler_options=self._options)
+            _write(file, program)
+        if file.exists():
+            _replace(known, text.encode("ascii"))
+        return program
+
+
+def _folder() -> Path | None:
+    """Where programs are kept; None where they are not."""
+    folder = getattr(jax.config, "jax_compilation_cache_dir", None)
+    enabled = getattr(jax.config, "jax_enable_compilation_cache", True)
+    if folder is None or not enabled or jax.default_backend() != "cpu":
+        return None
+    return Path(folder)
+
+
+@contextmanager
+def _not_kept_by_jax() -> Iterator[None]:
+    name = "jax_persistent_cache_min_compile_time_secs"
+    before = getattr(jax.config, name)
+    jax.config.update(name, float("inf"))
+    try:
+        yield
+    finally:
+        jax.config.update(name, before)
+
+
+def _read(file: Path, taken: Any) -> Any:
+    """A kept program that takes arguments of a structure, or None."""
+    if not file.exists():
+        return None
+    _bind_lapack()
+    try:
+        program, result = pickle.loads(zlib.decompress(file.read_bytes()))
+        found = serialize_executable.deserialize_and_load(program, taken, jax.tree.structure(result))
+    except Exception:
+        return None
+    count_program()
+    return found
+
+
+@lru_cache
+def _bind_lapack() -> None:
+    """Have JAX find the routines of LAPACK, which it does only as it writes a program that calls one."""
+    jax.jit(jax.lax.linalg.lu).lower(jax.ShapeDtypeStruct((1, 1), float))
+
+
+def _write(file: Path, program: Any) -> None:
+    """Keep a program, as far as that is possible."""
+    try:
+        content, _, of_result = serialize_executable.serialize(program)
+        result = jax.tree.unflatten(of_result, range(of_result.num_leaves))
+        _replace(file, zlib.compress(pickle.dumps((content, result)), 1))
+    except (ValueError, TypeError, AttributeError, pickle.PicklingError, jax.errors.JaxRuntimeError):
+        return
+
+
+def _replace(file: Path, content: bytes) -> None:
+    """Write a file at once or, where the folder takes none, not at all."""
+    temporary = file.with_name(f"{file.name}.{os.getpid()}-{next(_NUMBER)}")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        temporary.write_bytes(content)
+        temporary.replace(file)
+    except OSError:
+        temporary.unlink(missing_ok=True)
+
+
+_NUMBER = count()

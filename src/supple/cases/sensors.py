@@ -1,0 +1,154 @@
+"""The sensors of a case."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from supple import sensors
+from supple.cases.shared_rules import usable_names
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, tables, unknown
+from supple.machine import At, ForceElement, as_end
+
+
+class SensedCase(NamedTuple):
+    """What sensors find in a case."""
+
+    place: Callable[[str], tuple[str, Any]]
+    """The body of BODY.PLACE, and its interface or the nodes of its node set."""
+    bases: Mapping[str, At]
+    """Interfaces from which the parts of split bodies are seen."""
+    elements: Mapping[str, FiniteElementModel]
+    springs: Mapping[str, ForceElement]
+    """Those that have a name."""
+
+
+class PlaceSensor(CheckedTable):
+    """Where a place is, how it moves, or how it is deflected."""
+
+    kind: Literal["position", "velocity", "acceleration", "deflection"]
+    name: str = Field(description="its columns are NAME.x, NAME.y, ...")
+    at: str = Field(description="BODY.INTERFACE or BODY.NODE_SET, whose mean is taken")
+    seen_from: str | None = Field(
+        None, description="deflection: BODY.INTERFACE; the body's first one if left out"
+    )
+
+    def build(self, case: SensedCase) -> sensors.Sensor:
+        """The sensor."""
+        body, where = case.place(self.at)
+        at = sensors.Place(body, where if isinstance(where, str) else tuple(np.asarray(where).tolist()))
+        if self.kind == "deflection":
+            base = case.bases.get(body) if self.seen_from is None else as_end(self.seen_from)
+            return sensors.DeflectionSensor(self.name, at, base)
+        kinds = {
+            "position": sensors.PositionSensor,
+            "velocity": sensors.VelocitySensor,
+            "acceleration": sensors.AccelerationSensor,
+        }
+        return kinds[self.kind](self.name, at)
+
+
+class JointSensor(CheckedTable):
+    """How far a joint has turned and slid and how fast, or what it carries."""
+
+    kind: Literal["joint-motion", "joint-force"]
+    name: str = Field(description="its columns are NAME.angle, NAME.rate, ...; or NAME.Fx, ..., NAME.Mz")
+    joint: str = Field(description="its name")
+
+    def build(self, _: SensedCase) -> sensors.Sensor:
+        """The sensor."""
+        made = sensors.JointForceSensor if self.kind == "joint-force" else sensors.JointMotionSensor
+        return made(self.name, self.joint)
+
+
+class TensorSensor(CheckedTable):
+    """Stress or strain at a node of a body's elements; of a shell at its bottom, middle and top."""
+
+    kind: Literal["stress", "strain"]
+    name: str = Field(description="its columns are NAME.von Mises, NAME.top xx, ...")
+    at: str = Field(description="BODY.NODE_SET; of several nodes the one nearest their mean")
+    measure: Literal["von-mises", "principal", "xx", "yy", "zz", "yz", "xz", "xy"] = Field(
+        "von-mises", description="components are in the axes of the body"
+    )
+
+    def build(self, case: SensedCase) -> sensors.Sensor:
+        """The sensor."""
+        body, where = case.place(self.at)
+        if body not in case.elements or isinstance(where, str):
+            raise ModelError(f"sensor '{self.name}': '{self.at}' is no node set of a body with elements")
+        model, nodes = case.elements[body], np.asarray(where)
+        points = model.mesh.nodes[nodes]
+        node = int(nodes[np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1))])
+        own: Mapping[str, sensors.TensorMeasure] = {
+            "von-mises": sensors.VonMises(),
+            "principal": sensors.Principal(),
+        }
+        measure = own.get(self.measure) or sensors.Component(self.measure)
+        made = sensors.StrainSensor if self.kind == "strain" else sensors.StressSensor
+        return made(self.name, body, model, node, measure)
+
+
+class SpringSensor(CheckedTable):
+    """What a spring and damper carries."""
+
+    kind: Literal["spring-force"]
+    name: str = Field(description="its columns are NAME.Fx, ..., NAME.Mz; on the second end, global")
+    spring: str = Field(description="its name")
+
+    def build(self, case: SensedCase) -> sensors.Sensor:
+        """The sensor."""
+        return sensors.SpringForceSensor(self.name, case.springs[self.spring])
+
+
+class EnergyTable(CheckedTable):
+    """Energies of the whole machine."""
+
+    kind: Literal["energy"]
+    name: str = Field(description="its columns are NAME.kinetic, NAME.strain, ...")
+
+    def build(self, _: SensedCase) -> sensors.Sensor:
+        """The sensor."""
+        return sensors.EnergySensor(self.name)
+
+
+SensorTable = Annotated[
+    PlaceSensor | JointSensor | SpringSensor | TensorSensor | EnergyTable, Field(discriminator="kind")
+]
+
+
+def sensed_places(raw: Raw) -> Iterator[tuple[KeyPath, str, Any, bool]]:
+    """Every place that a sensor names: table, key, what stands there, whether it may be a node set."""
+    for path, each in tables(raw, "sensor"):
+        yield path, "at", each.get("at"), True
+        yield path, "seen_from", each.get("seen_from"), False
+
+
+def _elements_exist(raw: Raw) -> Mistakes:
+    for what in ("joint", "spring"):
+        known = [str(each["name"]) for _, each in tables(raw, what) if "name" in each]
+        for path, each in tables(raw, "sensor"):
+            name = each.get(what)
+            if isinstance(name, str) and name not in known:
+                yield (*path, what), unknown(what, name, known)
+
+
+def _names_differ(raw: Raw) -> Mistakes:
+    yield from usable_names(raw, "sensor")
+    for path, each in tables(raw, "sensor"):
+        name = each.get("name")
+        if isinstance(name, str) and not name.strip():
+            yield (*path, "name"), "the name of a sensor is empty; give it one, for the heads of its columns"
+
+
+def _sees_deflections(raw: Raw) -> Mistakes:
+    for path, each in tables(raw, "sensor"):
+        if each.get("seen_from") is not None and each.get("kind") != "deflection":
+            yield (*path, "seen_from"), 'only a sensor of kind "deflection" is seen from an interface'
+
+
+RULES = (_elements_exist, _names_differ, _sees_deflections)

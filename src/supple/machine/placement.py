@@ -1,0 +1,39 @@
+"""Vectors and rotations that place something in space, as they are given by users."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from supple.arguments import check_numbers
+from supple.errors import ModelError
+
+__all__ = ["rotation_matrix", "space_vector"]
+
+
+def space_vector(what: str, value: object) -> np.ndarray:
+    """Three finite numbers (3,), read-only; ModelError names what they are of."""
+    check_numbers(what, value)
+    array = np.array(value, dtype=float)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ModelError(f"{what} must be three finite numbers, got {value}")
+    array.setflags(write=False)
+    return array
+
+
+def rotation_matrix(what: str, value: object) -> np.ndarray:
+    """The matrix (3, 3), read-only, of a rotation given as a vector (3,), rad, or as a matrix.
+
+    Raises ModelError for a matrix that is not orthonormal or mirrors.
+    """
+    check_numbers(what, value)
+    matrix = np.array(value, dtype=float)
+    if matrix.shape == (3,):
+        space_vector(what, matrix)
+        matrix = Rotation.from_rotvec(matrix).as_matrix()
+    if matrix.shape != (3, 3) or not np.allclose(matrix.T @ matrix, np.eye(3), atol=1e-9):
+        raise ModelError(f"{what} must be a rotation vector (3,) or an orthonormal matrix (3, 3)")
+    if np.linalg.det(matrix) < 0:
+        raise ModelError(f"{what} mirrors it (determinant -1): swap two columns")
+    matrix.setflags(write=False)
+    return matrix

@@ -1,0 +1,99 @@
+"""What a full body's own equations leave of it once they are eliminated, for any load on them.
+
+With the factored tangent `S`, the loads `r`, and the unknowns `u`, which are generalised interface forces,
+accelerations of the frame and frame multipliers,
+
+    x = - S^-1 r + Z u,       Z = - S^-1 [B^T, F, D^T]
+
+and the rest of the machine sees `L x` of it: what it adds to the frame's equations, the motion of the
+interfaces, and the frame conditions, with `L = [E; B; D]`. Of the frame, all components here are the body's,
+so that an elimination still serves when the body has turned on.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from supple.algebra.low_rank_update import LowRankUpdate
+from supple.algebra.sparse_factor import SparseFactor
+
+__all__ = ["Elimination", "LoadedElimination", "elimination"]
+
+
+class LoadedElimination(NamedTuple):
+    """An eliminated interior under its loads; forces and motions of the frame are global."""
+
+    particular: np.ndarray
+    """`- S^-1 r`, (n,)"""
+    responses: np.ndarray
+    """`Z`, (n, k), k = 6 p + 12, the frame's components the body's"""
+    turn: np.ndarray
+    """The unknowns of these from those with global components, (k, k)"""
+    seen: np.ndarray
+    """`L` times the particular part, (k,)"""
+    seen_responses: np.ndarray
+    """`L Z`, (k, k)"""
+    frame_corner: np.ndarray
+    """Frame equations per acceleration of the frame, (6, 6)"""
+
+    def behind(self, unknowns: np.ndarray) -> np.ndarray:
+        """`x` (n,) for unknowns (k,)."""
+        return self.particular + self.responses @ (self.turn @ unknowns)
+
+
+class Elimination(NamedTuple):
+    """An eliminated interior, the frame's components the body's; built by `elimination`."""
+
+    factor: SparseFactor | LowRankUpdate
+    responses: np.ndarray
+    """`Z`, (n, k)"""
+    interface_rows: csr_array
+    """`B`, (6 p, n)"""
+    frame_rows: np.ndarray
+    """`D`, (6, n)"""
+    frame_equations: np.ndarray
+    """`E`, (6, n)"""
+    seen_responses: np.ndarray
+    """`L Z`, (k, k)"""
+    frame_corner: np.ndarray
+    """(6, 6)"""
+
+    def loaded(self, residual: np.ndarray, rotation: np.ndarray) -> LoadedElimination:
+        """Under unbalanced forces (n,), with the body's axes at a rotation (3, 3)."""
+        particular = -self.factor.solve(residual)
+        p = self.responses.shape[1] - 12
+        seen = _seen(self.frame_equations, self.interface_rows, self.frame_rows, particular)
+        # Unknowns: interface forces, frame, multipliers. Rows: frame, interfaces, frame conditions.
+        unknown, row, corner = np.eye(p + 12), np.eye(p + 12), np.eye(6)
+        unknown[p : p + 3, p : p + 3] = rotation.T
+        row[:3, :3] = corner[:3, :3] = rotation
+        return LoadedElimination(
+            particular,
+            self.responses,
+            unknown,
+            row @ seen,
+            row @ self.seen_responses @ unknown,
+            corner @ self.frame_corner @ corner.T,
+        )
+
+
+def elimination(
+    factor: SparseFactor | LowRankUpdate,
+    responses: np.ndarray,
+    interface_rows: csr_array,
+    frame_rows: np.ndarray,
+    frame_equations: np.ndarray,
+    frame_corner: np.ndarray,
+) -> Elimination:
+    """Everything of an elimination that does not depend on the loads."""
+    seen = _seen(frame_equations, interface_rows, frame_rows, responses)
+    return Elimination(factor, responses, interface_rows, frame_rows, frame_equations, seen, frame_corner)
+
+
+def _seen(
+    frame_equations: np.ndarray, interface_rows: csr_array, frame_rows: np.ndarray, motions: np.ndarray
+) -> np.ndarray:
+    return np.concatenate([frame_equations @ motions, interface_rows @ motions, frame_rows @ motions])

@@ -1,0 +1,122 @@
+"""The equations of one implicit step of the full engine: evaluated at an iterate, and solved once."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.integrate import StepRule, Tolerances
+from supple.multibody.equations.step_size import position_rounding
+from supple.multibody.full.full_system import Evaluation, FullState, FullSystem
+from supple.multibody.full.full_tangent import FullTangent
+from supple.multibody.full.kept_tangent import KeptTangent, kept_tangent
+from supple.multibody.full.predictor import Unknowns
+
+__all__ = ["ImplicitStep", "Iterate", "Stepped"]
+
+
+class Stepped(NamedTuple):
+    """The end of a step, and what it cost."""
+
+    state: FullState
+    relative_residual: np.ndarray
+    converged: bool
+    iterations: int
+    factorizations: int
+    decades: float
+    """Of the residual, gained by all iterations together"""
+    kept: KeptTangent | None
+    """For the next step; None where it shall make its own"""
+
+
+class Iterate(NamedTuple):
+    """Unknowns, and the exact equations there."""
+
+    unknowns: Unknowns
+    state: FullState
+    increments: np.ndarray
+    evaluation: Evaluation
+    converged: bool
+    distance: float
+    """Largest relative residual in parts of its tolerance"""
+
+
+class ImplicitStep(NamedTuple):
+    """The equations of one step, and how to solve them once."""
+
+    machine: FullSystem
+    start: FullState
+    h: float
+    rule: StepRule
+    tolerances: Tolerances
+
+    def at(self, unknowns: Unknowns, moved: float) -> Iterate:
+        """The exact equations at an iterate, which a correction has `moved`, relative to the machine."""
+        machine, start, rule = self.machine, self.start, self.rule
+        auxiliary = rule.auxiliary(unknowns.acceleration, start.acceleration, start.auxiliary)
+        increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
+        state = FullState(
+            start.time + self.h,
+            machine.moved(start.configuration, increments),
+            rule.new_velocity(start.velocity, start.auxiliary, auxiliary),
+            unknowns.acceleration,
+            auxiliary,
+            unknowns.multipliers,
+            unknowns.frame_multipliers,
+        )
+        evaluation = machine.evaluate(state, rule.factors.by_position)
+        relative = evaluation.relative_residual
+        rounding = position_rounding(machine.model.length, state.configuration.origins)
+        settled = moved <= rounding and relative[3] <= 1e-6
+        converged = bool(np.all(relative <= self.tolerances.residual) or settled)
+        distance = float(np.max(relative)) / self.tolerances.residual
+        return Iterate(unknowns, state, increments, evaluation, converged, distance)
+
+    def corrected(self, iterate: Iterate, tangent: KeptTangent | None, *, proven: bool) -> Iterate:
+        """The next iterate, by a kept tangent or, where that is None, the exact one of this iterate.
+
+        proven : whether the tangent converges fast, so that what is left is smaller than the correction
+        """
+        machine, by_position = self.machine, self.rule.factors.by_position
+        evaluation, increments = iterate.evaluation, iterate.increments
+        targets = (
+            -evaluation.constraint_residual / by_position,
+            tuple(-residual / by_position for residual in evaluation.frame_residuals),
+        )
+        if tangent is None:
+            eliminations = machine.eliminated(
+                evaluation.interior_states, machine.turns(increments), self.rule.factors, FullTangent.exact
+            )
+        else:
+            eliminations = tangent.eliminations
+        change, joint_change, frame_change = machine.correction_behind(
+            eliminations, evaluation, targets, increments, self.rule.factors
+        )
+        old = iterate.unknowns
+        frames = zip(old.frame_multipliers, frame_change, strict=True)
+        unknowns = Unknowns(
+            old.acceleration + change,
+            old.multipliers + joint_change,
+            tuple(before + new for before, new in frames),
+        )
+        moved = float(by_position * np.max(abs(change) / machine.position_scale))
+        return self.at(unknowns, moved if proven else np.inf)
+
+    def tangent(self, iterate: Iterate, *, symmetric: bool) -> KeptTangent:
+        """A tangent at an iterate, factored, to be kept."""
+        turns, states = self.machine.turns(iterate.increments), iterate.evaluation.interior_states
+        return kept_tangent(self.machine, states, turns, self.rule.factors, symmetric=symmetric)
+
+    def ended(self, at: Iterate, began: float, iterations: int, factorizations: int) -> Stepped:
+        """The outcome of an iteration that began at a distance."""
+        converged = at.converged and at.distance > 0
+        return Stepped(
+            at.state,
+            at.evaluation.relative_residual,
+            at.converged,
+            iterations,
+            factorizations,
+            float(np.log10(began / at.distance)) if converged else 0.0,
+            None,
+        )

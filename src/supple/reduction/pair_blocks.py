@@ -1,0 +1,75 @@
+"""The quartic tensor as blocks of pairs: what the symmetries of a body leave of it.
+
+In a body with planes of symmetry every shape is even or odd in each of them. A term of the strain energy that
+is odd as a whole is zero, so that the packed products `g_l g_m` fall into classes, two for one plane and four
+for two, and the matrix of pairs couples none with another. What is zero is neither stored nor multiplied:
+with two planes a quarter is left. A body without symmetry has one block, the matrix itself.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+__all__ = ["PairBlocks", "pair_blocks"]
+
+Array = NDArray[np.float64]
+
+_LARGEST_SHARE = 0.75
+"""Of the numbers of the whole matrix: with more than that the order of the pairs is left alone."""
+_FEWEST_PAIRS = 100
+"""Of a matrix worth splitting: below, the fixed time of a product outweighs its numbers."""
+_SMALLEST_BLOCK = 16
+"""Pairs; smaller classes go together, for the same reason."""
+
+
+class PairBlocks(NamedTuple):
+    """A matrix Q (n2, n2) of packed pairs by its blocks; `Q m2`, `m2_(lm) = g_l g_m`, becomes (r, r)."""
+
+    first: tuple[NDArray[np.int32], ...]
+    """(n_b,) the coordinate l of every pair of a block"""
+    second: tuple[NDArray[np.int32], ...]
+    """(n_b,) m"""
+    matrices: tuple[Array, ...]
+    """(n_b, n_b)"""
+    position: NDArray[np.int32]
+    """(r, r): where a pair stands in the products of all blocks, one after the other, and a zero behind"""
+
+
+def pair_blocks(packed: Array) -> Array | PairBlocks:
+    """The blocks of a matrix (n2, n2) of packed pairs, by its zeros; the matrix itself where they are few."""
+    n2 = len(packed)
+    if n2 < _FEWEST_PAIRS:
+        return packed
+    blocks = _coupled(packed)
+    if sum(len(block) ** 2 for block in blocks) > _LARGEST_SHARE * n2**2:
+        return packed
+    r = round((np.sqrt(8 * n2 + 1) - 1) / 2)
+    ordered = np.concatenate([*blocks, np.arange(0)])
+    number = np.full(n2, len(ordered), dtype=np.int32)
+    number[ordered] = np.arange(len(ordered))
+    first, second = (side.astype(np.int32) for side in np.triu_indices(r))
+    position = np.empty((r, r), dtype=np.int32)
+    position[first, second] = position[second, first] = number
+    return PairBlocks(
+        tuple(first[block] for block in blocks),
+        tuple(second[block] for block in blocks),
+        tuple(packed[np.ix_(block, block)] for block in blocks),
+        position,
+    )
+
+
+def _coupled(packed: Array) -> list[NDArray[np.intp]]:
+    """Classes of pairs that the matrix couples, the small ones together; pairs without a number in none."""
+    present = packed != 0
+    alone = ~(present.any(axis=0) | present.any(axis=1))
+    _, label = connected_components(csr_array(present), directed=False)
+    label[alone] = -1
+    sizes = np.bincount(label[~alone])
+    blocks = [np.flatnonzero(label == i) for i in np.flatnonzero(sizes >= _SMALLEST_BLOCK)]
+    rest = np.flatnonzero(~alone & (sizes[label] < _SMALLEST_BLOCK)) if sizes.size else np.arange(0)
+    return [*blocks, rest] if rest.size else blocks

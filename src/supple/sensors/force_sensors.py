@@ -1,0 +1,82 @@
+"""Forces and moments in joints and springs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.integrate import JOINT_AXES, Solution
+from supple.machine import System
+from supple.machine.forces import ForceElement
+from supple.sensors.end_motion import both_ends
+from supple.sensors.joint_motion_sensor import joint_named
+from supple.sensors.reading import Channel, Quantity
+
+__all__ = ["JointForceSensor", "SpringForceSensor"]
+
+Array = NDArray[np.float64]
+
+
+def _six(axes: str) -> tuple[Channel, ...]:
+    parts = (("F", Quantity.FORCE), ("M", Quantity.MOMENT))
+    return tuple(Channel(f"{letter}{axis}", quantity, axes) for letter, quantity in parts for axis in "xyz")
+
+
+@dataclass(frozen=True)
+class JointForceSensor:
+    """Force and moment of a joint on its second end, along its axes on the first end, (t, 6).
+
+    joint : its name
+    """
+
+    name: str
+    joint: str
+
+    def channels(self, system: System) -> Sequence[Channel]:
+        """Fx, Fy, Fz, Mx, My, Mz."""
+        joint_named(system, self.joint, self.name)
+        return _six(JOINT_AXES)
+
+    def values(self, system: System, solution: Solution) -> Array:
+        """(t, 6)."""
+        joint_named(system, self.joint, self.name)
+        return np.asarray(solution.joint_forces[self.joint])
+
+
+@dataclass(frozen=True, eq=False)
+class SpringForceSensor:
+    """Force and moment of a spring, damper or torque on its second end, global components, (t, 6).
+
+    element : ForceElement      of the machine's loads, or one that is only imagined there
+    """
+
+    name: str
+    element: ForceElement
+
+    def channels(self, _: System) -> Sequence[Channel]:
+        """Fx, Fy, Fz, Mx, My, Mz."""
+        return _six("global")
+
+    def values(self, system: System, solution: Solution) -> Array:
+        """(t, 6)."""
+        ends = both_ends(system, solution, self.element, self.name)
+        law, parameters = self.element.law, jnp.asarray(self.element.parameters, dtype=float)
+        return np.asarray(
+            _on_second(type(self.element).wrenches, law, parameters, *ends, jnp.asarray(solution.times))
+        )
+
+
+@partial(jax.jit, static_argnums=0)
+def _on_second(wrenches: Any, law: Any, parameters: Any, first: Any, second: Any, times: Any) -> jax.Array:
+    def at(one: Any, other: Any, time: Any) -> jax.Array:
+        value = None if law is None else law(time)
+        return jnp.concatenate(wrenches(one, other, value, parameters)[1])
+
+    return jax.vmap(at)(first, second, times)

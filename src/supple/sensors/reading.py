@@ -1,0 +1,167 @@
+"""Readings of sensors: channels over time, and the files that hold them."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.algebra import read_only
+from supple.errors import ModelError
+from supple.storage.atomic_write import replacing
+from supple.units import UNNAMED, UnitSystem, labelled
+
+__all__ = ["Channel", "Quantity", "Reading", "as_dataset", "write_readings", "write_readings_hdf5"]
+
+Array = NDArray[np.float64]
+
+
+class Quantity(Enum):
+    """What a channel measures; its unit follows from those of the model."""
+
+    LENGTH = "length"
+    VELOCITY = "velocity"
+    ACCELERATION = "acceleration"
+    ANGLE = "angle"
+    ANGULAR_VELOCITY = "angular velocity"
+    FORCE = "force"
+    MOMENT = "moment"
+    STRESS = "stress"
+    STRAIN = "strain"
+    ENERGY = "energy"
+
+    def unit(self, units: UnitSystem) -> str:
+        """The name of its unit, "" where nothing is said of it; angles are in rad, strains are numbers."""
+        known = {Quantity.ANGLE: "rad", Quantity.STRAIN: ""}
+        return known[self] if self in known else str(getattr(units, self.value.replace(" ", "_")))
+
+
+class Channel(NamedTuple):
+    """One column of a sensor."""
+
+    name: str
+    """"x", "angle", ..."""
+    quantity: Quantity
+    axes: str
+    """What its component is along, in words; "" of a scalar"""
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What one sensor read.
+
+    name : of the sensor;   channels : of its columns
+    times : (t,)            values : (t, c), in the units of the model
+    """
+
+    name: str
+    channels: tuple[Channel, ...]
+    times: Array
+    values: Array
+
+    def __post_init__(self) -> None:
+        if np.shape(self.values) != (len(self.times), len(self.channels)):
+            raise ModelError(
+                f"sensor '{self.name}': values of shape {np.shape(self.values)} for {len(self.times)} times "
+                f"and {len(self.channels)} channels"
+            )
+        object.__setattr__(self, "times", read_only(self.times))
+        object.__setattr__(self, "values", read_only(self.values))
+
+    def heads(self, units: UnitSystem = UNNAMED) -> Iterator[str]:
+        """Heads of its columns, such as "tip.x (m)"."""
+        for channel in self.channels:
+            own = f"{self.name}.{channel.name}" if channel.name else self.name
+            yield labelled(own, channel.quantity.unit(units))
+
+    def plain(self, units: UnitSystem = UNNAMED) -> dict[str, Any]:
+        """By channel: unit, axes, smallest, largest and last value, and when they are met."""
+        told = {}
+        for channel, column in zip(self.channels, self.values.T, strict=True):
+            low, high = int(np.argmin(column)), int(np.argmax(column))
+            told[channel.name or self.name] = {
+                "quantity": channel.quantity.value,
+                "unit": channel.quantity.unit(units),
+                "axes": channel.axes,
+                "smallest": float(column[low]),
+                "time of smallest": float(self.times[low]),
+                "largest": float(column[high]),
+                "time of largest": float(self.times[high]),
+                "last": float(column[-1]),
+            }
+        return told
+
+
+def write_readings(path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Path:
+    """Write readings of one run as a table, `time, SENSOR.CHANNEL (unit), ...`, with all their digits (CSV).
+
+    Raises
+    ------
+    ModelError          no reading, or readings of different times
+    ResultFileError     the file cannot be written
+    """
+    times = _common_times(readings)
+    heads = [labelled("time", units.time), *(head for each in readings for head in each.heads(units))]
+    rows = np.column_stack([times, *(each.values for each in readings)])
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(heads)
+        writer.writerows(rows.tolist())
+    return Path(path)
+
+
+def write_readings_hdf5(
+    path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED
+) -> Path:
+    """Write readings of one run as HDF5: `time` (t,), and (t, c) by sensor with channels, units and axes.
+
+    Raises
+    ------
+    ModelError          no reading, or readings of different times
+    ResultFileError     the file cannot be written
+    """
+    times = _common_times(readings)
+    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+        file.create_dataset("time", data=times).attrs["unit"] = units.time
+        for each in readings:
+            values = file.create_dataset(each.name, data=each.values)
+            values.attrs["channels"] = [channel.name for channel in each.channels]
+            values.attrs["quantities"] = [channel.quantity.value for channel in each.channels]
+            values.attrs["units"] = [channel.quantity.unit(units) for channel in each.channels]
+            values.attrs["axes"] = [channel.axes for channel in each.channels]
+    return Path(path)
+
+
+def as_dataset(readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Any:
+    """Readings of one run as an `xarray.Dataset` over `time`: a variable per channel, with unit and axes.
+
+    Raises ModuleNotFoundError where xarray is not installed, ModelError as `write_readings`.
+    """
+    import xarray  # an optional dependency
+
+    times = _common_times(readings)
+    variables = {}
+    for each in readings:
+        for channel, column in zip(each.channels, each.values.T, strict=True):
+            name = f"{each.name}.{channel.name}" if channel.name else each.name
+            told = {"units": channel.quantity.unit(units), "axes": channel.axes}
+            variables[name] = ("time", column, {key: word for key, word in told.items() if word})
+    time = ("time", times, {"units": units.time} if units.time else {})
+    return xarray.Dataset(variables, coords={"time": time})
+
+
+def _common_times(readings: Sequence[Reading]) -> Array:
+    if not readings:
+        raise ModelError("there is no reading to write: give at least one sensor")
+    times = readings[0].times
+    for each in readings:
+        if not np.array_equal(each.times, times):
+            raise ModelError(f"sensor '{each.name}' was read at other times than '{readings[0].name}'")
+    return times

@@ -1,0 +1,66 @@
+"""What every sensor is: a name, channels, and how they are read off a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.integrate import Solution
+from supple.machine import System
+from supple.sensors.reading import Channel, Quantity, Reading
+
+__all__ = ["Channel", "Quantity", "Sensor", "read_sensors", "vector_channels"]
+
+Array = NDArray[np.float64]
+
+
+class Sensor(Protocol):
+    """Reads channels off the motion of a machine."""
+
+    @property
+    def name(self) -> str:
+        """In tables and files; unique among the sensors of a run."""
+        ...
+
+    def channels(self, system: System, /) -> Sequence[Channel]:
+        """What it measures, one entry per column of its values.
+
+        Raises ModelError for a place, joint or force that the machine does not have.
+        """
+        ...
+
+    def values(self, system: System, solution: Solution, /) -> Array:
+        """(t, c) at the output times, in the units of the model."""
+        ...
+
+
+def vector_channels(quantity: Quantity, axes: str) -> tuple[Channel, ...]:
+    """Of three components along x, y and z."""
+    return tuple(Channel(name, quantity, axes) for name in "xyz")
+
+
+def read_sensors(sensors: Sequence[Sensor], system: System, solution: Solution) -> tuple[Reading, ...]:
+    """The readings of some sensors over a run.
+
+    Raises
+    ------
+    ModelError  two sensors of one name; a place, joint, force or body that the machine does not have; a
+                quantity that the form of the body cannot tell
+    """
+    names = [sensor.name for sensor in sensors]
+    for name in names:
+        if names.count(name) > 1:
+            raise ModelError(f"sensor name '{name}' is used {names.count(name)} times: names must differ")
+    return tuple(
+        Reading(
+            sensor.name,
+            tuple(sensor.channels(system)),
+            np.asarray(solution.times),
+            sensor.values(system, solution),
+        )
+        for sensor in sensors
+    )

@@ -1,0 +1,38 @@
+"""A benchmark of several studies: its report is rewritten after each, and printed in the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from supple.storage import write_json
+from supple.terminal import bar, progress_bars
+from supple_benchmarks.printed import print_files, print_tables
+from supple_benchmarks.table import Table
+
+__all__ = ["Report", "StudyBar", "keep_report"]
+
+Report = Mapping[str, Any]
+StudyBar = Callable[[str], Any]
+"""Makes the progress of a study from its name."""
+
+
+def keep_report(
+    target: Path,
+    studies: Callable[[StudyBar], Iterator[Report]],
+    tables: Callable[[Any], Iterable[Table]],
+    draw: Callable[[Any], Sequence[Path]] = lambda _: [],
+) -> None:
+    """Write each report that the studies give, longer every time, so that a stop loses one study at most.
+
+    target : of the report;   tables, draw : of the last one, which is whole
+    """
+    target.parent.mkdir(parents=True, exist_ok=True)
+    report: Report = {}
+    with progress_bars() as bars:
+        for report in studies(lambda label: bar(bars, label)):
+            write_json(target, report)
+    pictures = draw(report)
+    print_tables(tables(report))
+    print_files(target, pictures)

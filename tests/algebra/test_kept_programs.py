@@ -1,0 +1,109 @@
+"""Kept programs: found by structure without tracing, by text where sources changed, and never a wrong one."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from supple.algebra import kept_programs
+from supple.algebra.jax_settings import keep_compiled_programs
+from supple.algebra.kept_programs import KeptProgram
+from supple.algebra.rotation import rotation_exp
+from supple.machine import Constant, Ramp, TimeFunction
+
+_SETTINGS = ("jax_enable_compilation_cache", "jax_compilation_cache_dir")
+
+
+@pytest.fixture
+def kept(tmp_path, monkeypatch):
+    """The folder, empty."""
+    monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
+    before = {name: getattr(jax.config, name) for name in _SETTINGS}
+    jax.config.update("jax_enable_compilation_cache", True)
+    yield keep_compiled_programs(tmp_path)
+    for name, value in before.items():
+        jax.config.update(name, value)
+
+
+@pytest.fixture
+def traced(monkeypatch):
+    """Functions that were traced, in their order: no process but the first one should trace any."""
+    seen = []
+    jit = jax.jit
+
+    def counted(function, **options):
+        seen.append(function.__name__)
+        return jit(function, **options)
+
+    monkeypatch.setattr(kept_programs.jax, "jit", counted)
+    kept_programs._bind_lapack()
+    seen.clear()
+    return seen
+
+
+VECTOR = np.array([0.3, -0.2, 0.5])
+
+
+def test_later_process_neither_traces_nor_compiles(kept, traced):
+    first = KeptProgram(rotation_exp)(VECTOR)
+    assert traced == ["kept_rotation_exp"]
+    again = KeptProgram(rotation_exp)(VECTOR)
+    assert traced == ["kept_rotation_exp"]
+    np.testing.assert_array_equal(first, again)
+    np.testing.assert_array_equal(KeptProgram(rotation_exp)(2 * VECTOR), rotation_exp(2 * VECTOR))
+
+
+def test_changed_sources_are_traced_and_found_by_their_text(kept, traced, monkeypatch):
+    first = KeptProgram(rotation_exp)(VECTOR)
+    programs = sorted((kept / "by-text").iterdir())
+    monkeypatch.setattr(kept_programs, "digest_of_sources", lambda: "of another version")
+    np.testing.assert_array_equal(KeptProgram(rotation_exp)(VECTOR), first)
+    assert traced == 2 * ["kept_rotation_exp"]
+    assert sorted((kept / "by-text").iterdir()) == programs
+
+
+def test_broken_file_is_built_anew(kept, traced):
+    first = KeptProgram(rotation_exp)(VECTOR)
+    (file,) = (kept / "by-text").iterdir()
+    file.write_bytes(file.read_bytes()[:-9])
+    np.testing.assert_array_equal(KeptProgram(rotation_exp)(VECTOR), first)
+    assert traced == 2 * ["kept_rotation_exp"]
+    KeptProgram(rotation_exp)(VECTOR)
+    assert len(traced) == 2
+
+
+def value_of(law, time):
+    """The value of a law, an argument like any other."""
+    return jnp.asarray(law(time))
+
+
+def test_function_of_the_users_own_is_not_kept(kept, traced):
+    """It is known by its name alone: another of the same name would be given this one's values."""
+    for factor in (2.0, 3.0):
+        law = TimeFunction(lambda time, factor=factor: factor * time)
+        program = KeptProgram(Ramp.__call__)
+        assert float(program(Ramp(1.0, 2.0), 0.7)) == pytest.approx(float(Ramp(1.0, 2.0)(0.7)), rel=1e-14)
+        assert float(KeptProgram(TimeFunction.__call__)(law, 5.0)) == 5.0 * factor
+    assert traced == ["kept_call__", "__call__", "__call__"]
+
+
+def test_functions_of_other_packages_are_not_kept(kept, traced):
+    KeptProgram(value_of)(Constant(3.0), 1.0)
+    KeptProgram(value_of)(Constant(3.0), 1.0)
+    assert traced == ["value_of", "value_of"]
+    assert not list(kept.rglob("by-*"))
+
+
+def test_shapes_and_options_have_programs_of_their_own(kept, traced):
+    KeptProgram(rotation_exp)(VECTOR)
+    KeptProgram(rotation_exp)(VECTOR.astype(np.float32))
+    KeptProgram(rotation_exp, {"xla_backend_optimization_level": 1})(VECTOR)
+    assert len(traced) == 3
+    assert len(list((kept / "by-text").iterdir())) == 3
+
+
+def test_part_of_another_program():
+    """While another program is traced, it becomes a piece of it."""
+    program = KeptProgram(rotation_exp)
+    stacked = np.array([VECTOR, 2 * VECTOR])
+    np.testing.assert_allclose(jax.vmap(program)(stacked), jax.vmap(rotation_exp)(stacked), rtol=1e-15)

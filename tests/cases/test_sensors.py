@@ -1,0 +1,83 @@
+"""`[[sensor]]`: what it reads is what Python reads, in files, table and report."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from supple.cases import read_case
+from supple.cli.main import app
+from supple.errors import CaseError
+
+SENSORS = """
+[[sensor]]
+name = "tip"
+kind = "deflection"
+at = "strip.TIP"
+
+[[sensor]]
+name = "clamp load"
+kind = "joint-force"
+joint = "clamp"
+
+[[sensor]]
+name = "fibre"
+kind = "stress"
+at = "strip.ROOT"
+measure = "xx"
+
+[[sensor]]
+name = "energy"
+kind = "energy"
+"""
+
+
+@pytest.fixture
+def case(case_folder):
+    path = case_folder / "strip.toml"
+    text = path.read_text().replace("duration = 0.4", "duration = 0.04").replace("pictures = false", "")
+    path.write_text('units = { length = "m", mass = "kg", time = "s" }\n' + text + SENSORS)
+    return path
+
+
+def test_a_run_writes_what_its_sensors_read(case, tmp_path):
+    out = tmp_path / "out"
+    result = CliRunner().invoke(app, ["run", str(case), "-o", str(out), "--no-errors"])
+    assert result.exit_code == 0, result.output
+    assert "Sensors" in result.output
+    with (out / "sensors.csv").open(newline="") as file:
+        heads, *rows = csv.reader(file)
+    assert heads[:5] == ["time (s)", "tip.x (m)", "tip.y (m)", "tip.z (m)", "clamp load.Fx (N)"]
+    assert "fibre.top xx (Pa)" in heads
+    table = dict(zip(heads, np.array(rows, dtype=float).T, strict=True))
+    report = json.loads((out / "strip.json").read_text())
+    told = report["sensors"]["tip"]["z"]
+    assert told["smallest"] == table["tip.z (m)"].min() < 0
+    assert report["tracked"]["strip.TIP"]["last deflection"][2] == pytest.approx(told["last"])
+    assert table["fibre.top xx (Pa)"][-1] > 0 > table["fibre.bottom xx (Pa)"][-1]
+    assert (out / "sensors.h5").exists()
+    assert (out / "sensors.png").stat().st_size > 5_000
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "cause"),
+    [
+        ('joint = "clamp"', 'joint = "clam"', "did you mean 'clamp'"),
+        ('at = "strip.TIP"', 'at = "strip.TOP"', "there is no node set named 'TOP'"),
+        ('at = "strip.TIP"', 'at = "stripe.TIP"', "did you mean 'strip'"),
+        ('name = "energy"', 'name = "tip"', "names must differ"),
+        ('name = "energy"', 'name = " "', "is empty"),
+        ('kind = "joint-force"', 'kind = "joint-force"\nseen_from = "strip.root"', "seen_from"),
+        ('at = "strip.ROOT"', 'at = "strip.root"', "no node set of a body with elements"),
+        ('measure = "xx"', 'measure = "xxx"', "measure"),
+    ],
+)
+def test_a_mistake_is_named(case, before, after, cause):
+    case.write_text(case.read_text().replace(before, after))
+    with pytest.raises(Exception, match=cause) as seen:
+        _ = read_case(case).sensors
+    assert isinstance(seen.value, CaseError) or "sensor 'fibre'" in str(seen.value)
