@@ -86,7 +86,9 @@ class KeptProgram:
         # By a name of its own: a program that JAX has read from its folder cannot be kept once more.
         kept.__name__ = f"kept_{self.function.__name__.lstrip('_')}"
         lowered = jax.jit(kept).lower(*arguments)
-        text = text_digest(lowered.as_text(), self._options)
+        # With the arguments: the text has none of those that the program does not use, but the program asks.
+        taken_types = [str(jax.typeof(leaf)) for leaf in jax.tree.leaves(arguments)]
+        text = text_digest(f"{taken_types}\n{lowered.as_text()}", self._options)
         file = folder / "by-text" / text
         program = _read(file, taken)
         if program is None:

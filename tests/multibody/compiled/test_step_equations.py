@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections import OrderedDict
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
@@ -26,9 +26,9 @@ from supple.machine import (
     System,
     TorsionSpringDamper,
 )
-from supple.multibody.compiled import programs, step_equations
+from supple.multibody.compiled import step_equations
 from supple.multibody.compiled.elimination import solve_bordering_column
-from supple.multibody.compiled.engine import initial_state
+from supple.multibody.compiled.engine import controls, initial_state
 from supple.multibody.compiled.step_equations import (
     LinearizedStep,
     step_fronts,
@@ -36,11 +36,11 @@ from supple.multibody.compiled.step_equations import (
     tree_layout,
     tree_solution,
 )
+from supple.multibody.compiled.time_step import march
 from supple.multibody.compiled.tree_elimination import TreeLayout
 from supple.multibody.equations.balance import balance
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import SystemMotion, advance
-from supple.simulation import simulate
 
 STEP = 0.01
 Z = (0.0, 0.0, 1.0)
@@ -300,11 +300,18 @@ def test_small_machines_stay_dense():
 
 
 def test_motion_is_that_of_the_dense_matrix(monkeypatch):
-    run = Run(0.05, 0.01, step=FixedStep(1e-3), tolerances=Tolerances(1e-10))
-    along_tree = simulate(hanging_chain(), run)
+    settings = controls(Run(0.05, 0.01, step=FixedStep(1e-3), tolerances=Tolerances(1e-10)))
+    model, state = model_of(hanging_chain())
+    stops = np.linspace(0.01, 0.05, 5)
+
+    def marched():
+        end, _ = jax.jit(partial(march), compiler_options=STARTING)(model, settings, state, stops)
+        return end
+
+    monkeypatch.setattr(step_equations, "tree_layout", TreeLayout.of)
+    along_tree = marched()
     monkeypatch.setattr(step_equations, "tree_layout", lambda _: None)
-    monkeypatch.setattr(programs, "_PROGRAMS", OrderedDict())
-    jax.clear_caches()
-    dense = simulate(hanging_chain(), run)
-    for name, motion in dense.bodies.items():
-        np.testing.assert_allclose(along_tree.bodies[name].position, motion.position, rtol=0, atol=1e-12)
+    dense = marched()
+    origins = dense.configuration.origins
+    assert dense.time == stops[-1]
+    np.testing.assert_allclose(along_tree.configuration.origins, origins, rtol=0, atol=1e-12)

@@ -40,7 +40,7 @@ __all__ = [
 
 _LEAST = 4
 """Bodies below which a dense matrix is always solved faster."""
-_LOOP = 3e4
+_LOOP = 4e4
 """Multiplications that take as long as the calls of one body's elimination."""
 
 
