@@ -55,15 +55,21 @@ def _resident(entry: str) -> float | None:
 
 def keep(name: str, rows: list[dict[str, Any]], file: Path | None = None, **beside: Any) -> None:
     """Print the rows as a table and write them with the machine's description, to a file or the results."""
+    print(table_of(rows))
+    content = {"rows": rows, "machine": describe_computer() | beside}
+    path = write_json(file or RESULTS / f"{name}.json", content)
+    print(f"written to {path}")
+
+
+def table_of(rows: list[dict[str, Any]]) -> str:
+    """The rows in columns, under their keys."""
     heads = list(dict.fromkeys(key for row in rows for key in row))
     table = [heads] + [[_text(row.get(head)) for head in heads] for row in rows]
     widths = [max(len(line[i]) for line in table) for i in range(len(heads))]
-    for line in table:
-        print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
-    path = write_json(
-        file or RESULTS / f"{name}.json", {"rows": rows, "machine": describe_computer() | beside}
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in table
     )
-    print(f"written to {path}")
 
 
 def _text(value: Any) -> str:

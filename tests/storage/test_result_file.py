@@ -299,7 +299,7 @@ def test_another_version_is_refused(tmp_path, solution):
     path = write_solution(tmp_path / "run.h5", solution, case=CASE)
     with h5py.File(path, "r+") as file:
         file.attrs["version"] = 1
-    with pytest.raises(ResultFileError, match="format version 1, and this supple reads version 3"):
+    with pytest.raises(ResultFileError, match="format version 1, and this supple reads version 4"):
         read_solution(path)
 
 

@@ -165,4 +165,12 @@ def cost_numbers(cost: Statistics) -> dict[str, float]:
         "compile_seconds": cost.compile_seconds,
         "largest local error of a step": cost.largest_error,
         "largest turn in a step, rad": cost.largest_turn,
+        **_tangent_numbers(cost),
     }
+
+
+def _tangent_numbers(cost: Statistics) -> dict[str, float]:
+    """Of an engine that keeps a factored tangent; none of the others."""
+    if not cost.factorizations or cost.contraction is None:
+        return {}
+    return {"factorizations": cost.factorizations, "residual left by an iteration": cost.contraction}

@@ -170,8 +170,11 @@ def error_lines(numbers: Mapping[str, Any]) -> list[str]:
 
 def cost_line(cost: Statistics) -> str:
     """Steps, iterations and seconds in one line."""
+    kept = ""
+    if cost.factorizations and cost.contraction is not None:
+        kept = f", {cost.factorizations} factors, {cost.contraction:.2g} of the residual left by an iteration"
     return (
-        f"{cost.steps} steps, {cost.iterations} Newton iterations, {cost.rejected_steps} cuts; "
+        f"{cost.steps} steps, {cost.iterations} Newton iterations{kept}, {cost.rejected_steps} cuts; "
         f"{cost.seconds:.2f} s of simulation after {cost.compile_seconds:.1f} s of compilation"
     )
 

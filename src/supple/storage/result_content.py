@@ -21,7 +21,7 @@ from supple.storage.run_inputs import Inputs
 from supple.storage.solution_arrays import Array, from_arrays, statistics_from_rows, statistics_row
 
 FORMAT = "supple-result"
-VERSION = 3
+VERSION = 4
 
 TEXTS = ("case", "metadata", "inputs", "layout")
 """Of the header, in the order of its seal."""

@@ -15,9 +15,9 @@ Format "supple-result", version 3, an HDF5 file (any HDF5 reader opens it):
     joint_forces/<name>        (t, 6) force and moment of each joint; its attributes `columns`, `acts_on`,
                                `axes` and `unit` say which component, on which end, along which axes
     multipliers/<name>         (t, m) Lagrange multipliers of each joint, to continue the run
-    commits      (k, 9)        one row per chunk written: its first row and its number of times, then its
-                               steps, iterations, rejected steps, seconds, seconds of compilation, and the
-                               largest local error and turn of a step
+    commits      (k, 11)       one row per chunk written: its first row and its number of times, then its
+                               steps, iterations, rejected steps, seconds, seconds of compilation, the
+                               largest local error and turn of a step, factorizations, and decades gained
     engine_state/<key>         (k, ...) what the engine needs to go on exactly, one row per chunk, or absent
     seals/header, chunks, end  (32,), (k, 64), (32,) digests of all that is above, see `result_seals`
 

@@ -19,13 +19,15 @@ from supple.body import (
 )
 from supple.errors import AccuracyError, ConvergenceError
 from supple.fem import Isotropic, solid_model
-from supple.integrate import AdaptiveStep, FixedStep, Run, Tolerances
+from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run, StepRule, Tolerances
 from supple.integrate.run import run as march
-from supple.machine import GROUND, At, Ball, DeadForce, FollowerForce, Placed, Revolute, System
+from supple.machine import GROUND, At, Ball, DeadForce, Fixed, FollowerForce, Placed, Revolute, System
 from supple.mesh import CellType, block
 from supple.multibody import FullEngine
 from supple.multibody.full.full_tangent import FullTangent
 from supple.multibody.full.newton import exact_newton, modified_newton
+from supple.results.run_summary import cost_numbers
+from supple.results.run_tables import cost_line
 from supple.simulation import simulate
 
 pytestmark = pytest.mark.filterwarnings("ignore::supple.errors.StartWarning")
@@ -55,22 +57,18 @@ def pendulum(body, spin=(0.5, -1.0, 2.0)):
 
 
 def closed_loop():
-    """Two beams and a rigid coupler on two pivots of the ground: a four-bar in its plane."""
-    left = Placed(FullBody(beam("left"), NodalFixedFrame("root"), DAMPING), rotation=[0, -np.pi / 2, 0])
-    right = Placed(
-        FullBody(beam("right"), MeanAxisFrame(), DAMPING), position=[1, 0, 0], rotation=[0, -np.pi / 2, 0]
-    )
+    """Two beams and a rigid coupler on two pivots of a plate that stands: a four-bar in its plane."""
+    upright = [0, -np.pi / 2, 0]
+    left = Placed(FullBody(beam("left"), NodalFixedFrame("root"), DAMPING), rotation=upright)
+    right = Placed(FullBody(beam("right"), MeanAxisFrame(), DAMPING), position=[1, 0, 0], rotation=upright)
     ends = {"a": [-0.5, 0, 0], "b": [0.5, 0, 0]}
     coupler = Placed(RigidBody("coupler", 20.0, [0, 0, 0], 2.0 * np.eye(3), ends), position=[0.5, 0, 1.0])
-    pins = [
-        (GROUND, At("left", "root"), "p"),
-        (At("left", "tip"), At("coupler", "a"), "q"),
-        (At("coupler", "b"), At("right", "tip"), "r"),
-    ]
-    joints = [Revolute(first=a, second=b, axis=(0, 1, 0), name=name) for a, b, name in pins]
-    held = Ball(first=GROUND, second=At("right", "root"), point=[1, 0, 0], name="s")
-    push = FollowerForce(first=At("coupler", "a"), force=[60.0, 0.0, 0.0])
-    return System((left, right, coupler), (*joints, held), (push,), (0, 0, -9.81))
+    plate = Placed(RigidBody("plate", 1.0, [0, 0, 0], np.eye(3), {"o": [0, 0, 0], "s": [1, 0, 0]}))
+    pins = [("plate.o", "left.root"), ("left.tip", "coupler.a"), ("coupler.b", "right.tip")]
+    joints = [Revolute(first=a, second=b, axis=(0, 1, 0), name=b) for a, b in pins]
+    joints += [Ball(first="plate.s", second="right.root"), Fixed(first=GROUND, second="plate.o")]
+    push = FollowerForce(first="coupler.a", force=[60.0, 0.0, 0.0])
+    return System((left, right, coupler, plate), joints, (push,), (0, 0, -9.81))
 
 
 def options(h=5e-3, duration=0.1, residual=1e-9, step=None):
@@ -88,7 +86,7 @@ def assert_same_motion(one, other, rtol):
     for name, motion in one.bodies.items():
         for field in STATES:
             own, expected = getattr(motion, field), getattr(other.bodies[name], field)
-            np.testing.assert_allclose(own, expected, atol=rtol * max(1.0, np.abs(expected).max()))
+            np.testing.assert_allclose(own, expected, atol=rtol * max(1.0, np.abs(expected).max(initial=0.0)))
 
 
 @pytest.fixture(scope="module")
@@ -101,9 +99,18 @@ def test_it_is_newtons_motion_with_a_tenth_of_the_factors(full):
     assert_same_motion(modified, exact, 1e-7)
     assert exact.statistics.factorizations == exact.statistics.iterations >= exact.statistics.steps
     assert modified.statistics.factorizations <= 0.1 * exact.statistics.factorizations
-    assert modified.statistics.contraction < 0.1
+    contraction = modified.statistics.contraction
+    assert contraction is not None
+    assert 1e-4 < contraction < 0.1
+    numbers = cost_numbers(modified.statistics)
+    assert numbers["factorizations"] == modified.statistics.factorizations
+    assert numbers["residual left by an iteration"] == contraction
+    assert f"{modified.statistics.factorizations} factors, {contraction:.2g}" in cost_line(
+        modified.statistics
+    )
 
 
+@pytest.mark.slow
 def test_a_closed_loop_of_two_full_bodies_moves_the_same():
     modified, exact = both(closed_loop(), options())
     assert np.ptp(exact.bodies["coupler"].position[:, 0]) > 1e-3  # it moves
@@ -137,8 +144,8 @@ def test_a_linear_body_keeps_one_factor(full):
 
 def test_a_factor_is_renewed_where_the_motion_outgrows_it(full):
     """The beam swings through a quarter turn and bends; one factor does not serve all of it."""
-    modified = simulate(pendulum(full, spin=(0.5, -6.0, 2.0)), options(duration=0.5))
-    assert 2 <= modified.statistics.factorizations < 0.5 * modified.statistics.iterations
+    modified = simulate(pendulum(full, spin=(0.5, -10.0, 2.0)), options(h=1e-2, duration=0.2))
+    assert 2 <= modified.statistics.factorizations < modified.statistics.steps
 
 
 def test_high_spin_takes_the_unsymmetric_tangent(monkeypatch):
@@ -146,7 +153,7 @@ def test_high_spin_takes_the_unsymmetric_tangent(monkeypatch):
     model = solid_model(block(1.0, 0.2, 0.2, 3, 1, 1, CellType.TETRA4), Isotropic(5e7, 0.3, 1000.0))
     ends = (AveragingInterface("root", "root"), AveragingInterface("tip", "tip"))
     body = FullBody(flexible_body("beam", model, ends), MeanAxisFrame(), DAMPING)
-    system = System((Placed(body, angular_velocity=[0.1, 0.2, 40.0]),))
+    system = System((Placed(body, angular_velocity=[0.1, 0.2, 20.0]),))
     kinds = []
     for name in ("exact", "symmetric"):
         original = getattr(FullTangent, name)
@@ -156,13 +163,15 @@ def test_high_spin_takes_the_unsymmetric_tangent(monkeypatch):
             return original(self, point)
 
         monkeypatch.setattr(FullTangent, name, noted)
-    run = options(h=2e-2, duration=0.2)
+    run = options(h=1e-2, duration=0.1)
     engine = FullEngine(system, run)
     started = engine.start(0.0)
     kinds.clear()
     leg = engine.march(started, run.times[1:])
-    assert kinds[:2] == ["symmetric", "exact"]
-    assert len(kinds) < 0.5 * leg.statistics.iterations
+    first = kinds.index("exact")
+    assert set(kinds[:first]) == {"symmetric"}
+    assert set(kinds[first:]) == {"exact"}
+    assert len(kinds) == leg.statistics.factorizations < 0.2 * leg.statistics.iterations
     exact = march(FullEngine(system, run, exact_newton), run.times)
     assert_same_motion(engine.solution(leg), exact.at(slice(1, None)), 1e-6)
 
@@ -180,9 +189,7 @@ def test_the_residual_reached_is_the_one_stated(full):
     run = options(residual=1e-8)
     engine = FullEngine(pendulum(full), run)
     state = engine.march(engine.start(0.0), run.times[1:]).last
-    machine = engine._machine
-    from supple.integrate import GeneralizedAlpha, StepRule
-
+    machine = engine.machine
     by_position = StepRule(GeneralizedAlpha(0.8).coefficients, 5e-3).factors.by_position
     assert machine.evaluate(state.state, by_position).relative_residual.max() <= 1e-8
 
@@ -207,9 +214,9 @@ def test_no_iteration_converges_and_the_run_says_so(full):
 @pytest.mark.parametrize("cut", [0.1, 0.2])
 def test_a_resumed_run_goes_on_bit_by_bit(full, cut):
     """With the tangent it had kept, made again, and the accelerations that it extrapolates."""
-    system = pendulum(full, spin=(0.5, -6.0, 2.0))
-    whole, part = simulate(system, options(duration=0.3)), simulate(system, options(duration=cut))
-    rest = simulate(system, options(duration=0.3), resume=part)
+    system = pendulum(full, spin=(0.5, -10.0, 2.0))
+    whole, part = (simulate(system, options(h=1e-2, duration=duration)) for duration in (0.3, cut))
+    rest = simulate(system, options(h=1e-2, duration=0.3), resume=part)
     assert whole.statistics.factorizations > 1
     left = len(rest.times)
     for name, array in rest.bodies["beam"].arrays().items():

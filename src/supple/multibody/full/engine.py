@@ -61,6 +61,11 @@ class FullEngine:
         self._machine = self._every
         self._stops = Stops(run.times, stepping_instants([system], run))
 
+    @property
+    def machine(self) -> FullSystem:
+        """The equations; those constraints that are active, once it has started."""
+        return self._machine
+
     def start(self, time: float) -> March:
         """Consistent positions and velocities on the joints and in the frames, first accelerations."""
         self._machine, configuration, velocity, change = consistent_start(self._every, time)

@@ -37,9 +37,14 @@ class Iterate(NamedTuple):
     state: FullState
     increments: np.ndarray
     evaluation: Evaluation
+    reached: bool
+    """Whether the stated tolerance is"""
     converged: bool
+    """Whether the step's share of it is"""
     distance: float
-    """Largest relative residual in parts of its tolerance"""
+    """Largest relative residual in parts of that share"""
+    moved: float
+    """By the last correction, in parts of the machine; infinite at the first iterate"""
 
 
 class ImplicitStep(NamedTuple):
@@ -50,9 +55,14 @@ class ImplicitStep(NamedTuple):
     h: float
     rule: StepRule
     tolerances: Tolerances
+    share: float = 1.0
+    """Of the tolerance, to iterate to"""
 
-    def at(self, unknowns: Unknowns, moved: float) -> Iterate:
-        """The exact equations at an iterate, which a correction has `moved`, relative to the machine."""
+    def at(self, unknowns: Unknowns, moved: float = np.inf, *, trusted: bool = False) -> Iterate:
+        """The exact equations at an iterate, which a correction has moved so far.
+
+        trusted : whether what is left to move is no more than that
+        """
         machine, start, rule = self.machine, self.start, self.rule
         auxiliary = rule.auxiliary(unknowns.acceleration, start.acceleration, start.auxiliary)
         increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
@@ -68,15 +78,16 @@ class ImplicitStep(NamedTuple):
         evaluation = machine.evaluate(state, rule.factors.by_position)
         relative = evaluation.relative_residual
         rounding = position_rounding(machine.model.length, state.configuration.origins)
-        settled = moved <= rounding and relative[3] <= 1e-6
-        converged = bool(np.all(relative <= self.tolerances.residual) or settled)
-        distance = float(np.max(relative)) / self.tolerances.residual
-        return Iterate(unknowns, state, increments, evaluation, converged, distance)
+        settled = trusted and moved <= rounding and relative[3] <= 1e-6
+        reached = bool(np.all(relative <= self.tolerances.residual) or settled)
+        distance = float(np.max(relative)) / (self.share * self.tolerances.residual)
+        converged = reached and (distance <= 1 or settled)
+        return Iterate(unknowns, state, increments, evaluation, reached, converged, distance, moved)
 
-    def corrected(self, iterate: Iterate, tangent: KeptTangent | None, *, proven: bool) -> Iterate:
+    def corrected(self, iterate: Iterate, tangent: KeptTangent | None, *, trusted: bool) -> Iterate:
         """The next iterate, by a kept tangent or, where that is None, the exact one of this iterate.
 
-        proven : whether the tangent converges fast, so that what is left is smaller than the correction
+        trusted : as of `at`
         """
         machine, by_position = self.machine, self.rule.factors.by_position
         evaluation, increments = iterate.evaluation, iterate.increments
@@ -101,7 +112,7 @@ class ImplicitStep(NamedTuple):
             tuple(before + new for before, new in frames),
         )
         moved = float(by_position * np.max(abs(change) / machine.position_scale))
-        return self.at(unknowns, moved if proven else np.inf)
+        return self.at(unknowns, moved, trusted=trusted)
 
     def tangent(self, iterate: Iterate, *, symmetric: bool) -> KeptTangent:
         """A tangent at an iterate, factored, to be kept."""
@@ -110,13 +121,13 @@ class ImplicitStep(NamedTuple):
 
     def ended(self, at: Iterate, began: float, iterations: int, factorizations: int) -> Stepped:
         """The outcome of an iteration that began at a distance."""
-        converged = at.converged and at.distance > 0
+        known = at.reached and at.distance > 0
         return Stepped(
             at.state,
             at.evaluation.relative_residual,
-            at.converged,
+            at.reached,
             iterations,
             factorizations,
-            float(np.log10(began / at.distance)) if converged else 0.0,
+            float(np.log10(began / at.distance)) if known else 0.0,
             None,
         )

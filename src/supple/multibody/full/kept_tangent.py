@@ -35,6 +35,8 @@ class KeptTangent(NamedTuple):
     factors: StepFactors
     symmetric: bool
     """Whether the interiors' tangents are their symmetric parts"""
+    proven: bool = False
+    """Whether an iteration with it has gained tenfold"""
 
 
 def kept_tangent(
@@ -64,7 +66,7 @@ def numbers_of(machine: FullSystem, tangent: KeptTangent | None) -> np.ndarray:
     """What a kept tangent was made for, as one row of numbers; NaN where there is none."""
     if tangent is None:
         return np.full(_size(machine), np.nan)
-    of_step = [*tangent.factors, float(tangent.symmetric)]
+    of_step = [*tangent.factors, float(tangent.symmetric), float(tangent.proven)]
     parts = [np.ravel(getattr(state, name)) for state in tangent.states for name in _FIELDS]
     return np.concatenate([of_step, np.ravel(tangent.turns), *parts]).astype(float)
 
@@ -74,7 +76,7 @@ def tangent_of(machine: FullSystem, numbers: np.ndarray) -> KeptTangent | None:
     if len(numbers) != _size(machine) or not np.isfinite(numbers).all():
         return None
     b = len(machine.interiors)
-    of_step, turns, left = np.split(numbers, [3, 3 + 3 * b])
+    of_step, turns, left = np.split(numbers, [4, 4 + 3 * b])
     states = []
     for interior in machine.interiors:
         n = interior.full.n_coordinates
@@ -95,8 +97,10 @@ def tangent_of(machine: FullSystem, numbers: np.ndarray) -> KeptTangent | None:
             )
         )
     factors = StepFactors(float(of_step[0]), float(of_step[1]))
-    return kept_tangent(machine, tuple(states), turns.reshape(b, 3), factors, symmetric=bool(of_step[2]))
+    turns = turns.reshape(b, 3)
+    tangent = kept_tangent(machine, tuple(states), turns, factors, symmetric=bool(of_step[2]))
+    return tangent._replace(proven=bool(of_step[3]))
 
 
 def _size(machine: FullSystem) -> int:
-    return 3 + sum(3 + 19 + interior.full.n_coordinates for interior in machine.interiors)
+    return 4 + sum(3 + 19 + interior.full.n_coordinates for interior in machine.interiors)
