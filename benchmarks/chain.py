@@ -1,26 +1,32 @@
-"""Chains of equal bodies: compile time, and time per step and body, beside Exudyn.
+"""Chains of equal bodies: compile time, and time per step, beside Exudyn and MuJoCo where they are installed.
 
-Run with one thread: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/chain.py
+Run with one thread: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/chain.py [--quick] [--json FILE]
 Rods on ball joints, hung at one end, fall from rest along x. Rigid rods, and slender solid ones by eight
-fixed-interface modes and the constraint modes of their two ends, in a mean-axis frame. Compiling is measured
-in a process without kept programs; steps in turns with Exudyn, which solves the same equations.
+fixed-interface modes and the constraint modes of their two ends, in a mean-axis frame. All seconds are of the
+processor. Compiling is measured in a process without kept programs, steps in turns with Exudyn, which solves
+the same equations at the same step and tolerance, by modified and by full Newton: the faster one counts.
+MuJoCo has no flexible body of this kind; its rigid chain takes steps of Runge-Kutta's fourth order.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import subprocess
 import sys
 from dataclasses import replace
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter
+from time import process_time
 from typing import Any
 
+import jax
 import numpy as np
-from exudyn_run import TimedRun, best_of, exudyn, timed_run
+from exudyn_run import Outcome, TimedRun, best_of, timed_run
 from measure import keep
+from mujoco_chain import MUJOCO, in_mujoco
 
 from supple.body import AveragingInterface, MeanAxisFrame, RigidBody, flexible_body
 from supple.export import interface_nodes, write_exudyn
@@ -28,10 +34,12 @@ from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, block
+from supple.multibody.compiled.engine import controls, initial_state
+from supple.multibody.compiled.programs import COMPILED_MARCH
 from supple.reduction import CraigBampton, NoDerivatives, ReducedBody, reduce
 from supple.simulation import simulate
 
-NUMBERS = (1, 2, 4, 8, 16, 32)
+NUMBERS, QUICK = (1, 2, 4, 8, 16, 32, 64), (1, 8)
 LENGTH, WIDTH, GRAVITY = 1.0, 0.1, (0.0, 0.0, -9.81)
 DURATION, OUTPUT_STEP, STEP, TOLERANCE, REPEATS = 0.2, 0.1, 1e-3, 1e-6, 2
 STEEL = Isotropic(youngs_modulus=2.1e11, poissons_ratio=0.3, density=7850.0)
@@ -80,29 +88,40 @@ def run_options() -> Run:
 
 
 def in_supple(rod: Any, n: int) -> TimedRun:
+    """The march alone: the compiled program, from the start to the output times."""
     system, run = chain(rod, n), run_options()
+    model, state = initial_state(system, 0.0, STEP)
+    settings, times = controls(run), run.times[1:]
+    program = COMPILED_MARCH.compiled(model, settings, state, times)
 
-    def timed() -> Any:
-        solution = simulate(system, run)
-        cost = solution.statistics
-        last = system.bodies[-1].body
-        tip = solution.bodies[last.name]
-        place = np.asarray(last.interface("far").position)
-        if isinstance(last, ReducedBody):
-            place = place + (tip.coordinates @ last.interface("far").motion.T)[:, :3]
-        position = tip.position + np.einsum(
-            "tij,tj->ti", tip.rotation, np.broadcast_to(place, tip.position.shape)
-        )
-        return cost.steps, cost.iterations, cost.seconds, position
+    def timed() -> Outcome:
+        last, _ = jax.block_until_ready(program(model, settings, state, times))
+        body, place = system.bodies[-1].body, last.configuration
+        position = np.asarray(body.interface("far").position)
+        if isinstance(body, ReducedBody):
+            position = position + body.interface("far").motion[:3] @ place.coordinates[-body.n_coordinates :]
+        tip = place.origins[-1] + place.rotations[-1] @ position
+        return int(last.steps), int(last.iterations), 0.0, np.asarray(tip)[None]
+
+    return timed
+
+
+def by_processor(run: TimedRun) -> TimedRun:
+    """The run with its seconds of the processor."""
+
+    def timed() -> Outcome:
+        began = process_time()
+        steps, iterations, _, positions = run()
+        return steps, iterations, process_time() - began, positions
 
     return timed
 
 
 def compile_seconds(kind: str, n: int) -> float:
-    """Wall time from the system to the first state, in a new process that finds no kept programs."""
+    """From the system to the first state, in a new process that finds no kept programs."""
     with TemporaryDirectory() as folder:
         shown = subprocess.run(
-            [sys.executable, __file__, kind, str(n)],
+            [sys.executable, __file__, "--only", kind, str(n)],
             env=os.environ | {"JAX_COMPILATION_CACHE_DIR": folder},
             capture_output=True,
             text=True,
@@ -111,8 +130,8 @@ def compile_seconds(kind: str, n: int) -> float:
     return float(shown.stdout.split()[-1])
 
 
-def in_exudyn(rod: Any, n: int, file: Path) -> TimedRun:
-    exu = exudyn()
+def in_exudyn(rod: Any, n: int, file: Path, *, modified_newton: bool) -> TimedRun:
+    import exudyn as exu
     from exudyn import itemInterface as items  # noqa: N813
     from exudyn.FEM import ObjectFFRFreducedOrderInterface
     from exudyn.rigidBodyUtilities import RigidBodyInertia
@@ -177,7 +196,7 @@ def in_exudyn(rod: Any, n: int, file: Path) -> TimedRun:
         step=STEP,
         output_step=OUTPUT_STEP,
         tolerance=TOLERANCE,
-        modified_newton=True,
+        modified_newton=modified_newton,
     )
 
 
@@ -185,26 +204,49 @@ RODS = {"rigid": rigid_rod, "flexible": flexible_rod}
 
 
 def row(kind: str, rod: Any, n: int, file: Path) -> dict[str, Any]:
-    runs = {"supple": in_supple(rod, n), "Exudyn": in_exudyn(rod, n, file)}
-    best = best_of(runs, REPEATS)
+    runs = {"supple": in_supple(rod, n)}
+    if find_spec("exudyn"):
+        for newton in (True, False):
+            runs[f"exudyn {newton}"] = in_exudyn(rod, n, file, modified_newton=newton)
+    if MUJOCO and kind == "rigid":
+        across, along = rod.inertia[1, 1], rod.inertia[0, 0]
+        runs["mujoco"] = in_mujoco(
+            n, rod.mass, LENGTH / 2, (along, across, across), duration=DURATION, step=STEP, gravity=GRAVITY[2]
+        )
+    best = best_of({code: by_processor(run) for code, run in runs.items()}, REPEATS)
     steps, iterations, seconds, tip = best["supple"]
-    _, _, their_seconds, their_tip = best["Exudyn"]
+    theirs = {code: 1e6 * own[2] / own[0] for code, own in best.items()}
+    exudyn = [cost for code, cost in theirs.items() if code.startswith("exudyn")]
     return {
-        "bodies": f"{n} {kind}",
-        "start and compile, s": compile_seconds(kind, n),
-        "iterations / step": iterations / steps,
-        "us / step and body": 1e6 * seconds / steps / n,
-        "Exudyn, modified Newton, us / step and body": 1e6 * their_seconds / steps / n,
-        "ends apart, m": float(np.linalg.norm(tip[-1] - their_tip[-1])),
+        "kind": kind,
+        "bodies": n,
+        "compile_s": compile_seconds(kind, n),
+        "us_per_step": 1e6 * seconds / steps,
+        "exudyn_us_per_step": min(exudyn, default=None),
+        "mujoco_us_per_step": theirs.get("mujoco"),
+        "iterations_per_step": iterations / steps,
+        "ends_apart_m": max(
+            (float(np.linalg.norm(tip[-1] - own[3][-1])) for code, own in best.items() if code != "supple"),
+            default=None,
+        ),
     }
 
 
+def in_own_process(kind: str, n: int) -> None:
+    system = chain(RODS[kind](), n)
+    began = process_time()
+    cost = simulate(system, run_options()).statistics
+    print(process_time() - began - cost.seconds)
+
+
 def main() -> None:
-    if len(sys.argv) == 3:  # the process of its own
-        system = chain(RODS[sys.argv[1]](), int(sys.argv[2]))
-        began = perf_counter()
-        cost = simulate(system, run_options()).statistics
-        print(perf_counter() - began - cost.seconds)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="chains of 1 and 8 bodies")
+    parser.add_argument("--json", type=Path, help="file to write; else among the kept results")
+    parser.add_argument("--only", nargs=2, metavar=("KIND", "BODIES"), help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.only:
+        in_own_process(options.only[0], int(options.only[1]))
         return
     rows = []
     with TemporaryDirectory() as folder:
@@ -213,8 +255,9 @@ def main() -> None:
             file = Path(folder) / "rod.npz"
             if isinstance(rod, ReducedBody):
                 file = write_exudyn(file, rod)
-            rows += [row(kind, rod, n, file) for n in NUMBERS]
-    keep("chain", rows, exudyn=version("exudyn"))
+            rows += [row(kind, rod, n, file) for n in (QUICK if options.quick else NUMBERS)]
+    peers = {name: version(name) for name in ("exudyn", "mujoco") if find_spec(name)}
+    keep("chain", rows, options.json, **peers)
 
 
 if __name__ == "__main__":

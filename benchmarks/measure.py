@@ -53,10 +53,11 @@ def _resident(entry: str) -> float | None:
     return None
 
 
-def keep(name: str, rows: list[dict[str, Any]], **beside: Any) -> None:
-    """Print the rows as a table and write them with the machine's description."""
+def keep(name: str, rows: list[dict[str, Any]], file: Path | None = None, **beside: Any) -> None:
+    """Print the rows as a table and write them with the machine's description, to a file or the results."""
     print(table_of(rows))
-    path = write_json(RESULTS / f"{name}.json", {"rows": rows, "machine": describe_computer() | beside})
+    content = {"rows": rows, "machine": describe_computer() | beside}
+    path = write_json(file or RESULTS / f"{name}.json", content)
     print(f"written to {path}")
 
 

@@ -12,7 +12,15 @@ import numpy as np
 
 import supple.algebra.jax_settings  # noqa: F401 - 64-bit floats, before the first array
 
-__all__ = ["euler_parameters", "rotation_exp", "rotation_log", "rotation_right_jacobian", "skew", "unskew"]
+__all__ = [
+    "euler_parameters",
+    "right_jacobian_slope",
+    "rotation_exp",
+    "rotation_log",
+    "rotation_right_jacobian",
+    "skew",
+    "unskew",
+]
 
 # Below this squared angle the trigonometric quotients are replaced by their series (error < 1e-17).
 _SMALL_SQUARED_ANGLE = 1e-2
@@ -72,6 +80,22 @@ def rotation_right_jacobian(psi: jax.Array) -> jax.Array:
     _, versine, cubic = _angle_quotients(psi @ psi)
     matrix = skew(psi)
     return jnp.eye(3) - versine * matrix + cubic * (jnp.outer(psi, psi) - (psi @ psi) * jnp.eye(3))
+
+
+def right_jacobian_slope(psi: jax.Array, vector: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """`T(psi)^T vector` (3,), and its derivative for `psi`, (3, 3)."""
+    square = psi @ psi
+    (_, versine, cubic), (_, versine_slope, cubic_slope) = jax.jvp(
+        _angle_quotients, (square,), (jnp.ones_like(square),)
+    )
+    along, across = psi @ vector, jnp.cross(psi, vector)
+    bent = along * psi - square * vector
+    derivative = (
+        jnp.outer(versine_slope * across + cubic_slope * bent - cubic * vector, 2 * psi)
+        + cubic * (jnp.outer(psi, vector) + along * jnp.eye(3))
+        - versine * skew(vector)
+    )
+    return vector + versine * across + cubic * bent, derivative
 
 
 def euler_parameters(rotation: jax.Array) -> jax.Array:

@@ -94,4 +94,4 @@ def test_generalized_force_is_the_frame_motion_transposed(marker):
 def test_wrench_stiffness_is_the_derivative_at_constant_wrench(marker):
     wrench = jnp.asarray(RNG.standard_normal(6))
     expected = jax.jit(jax.jacfwd(lambda local: frame_motion(displaced(marker, local)).T @ wrench))(LOCAL)
-    np.testing.assert_allclose(wrench_stiffness(marker, wrench), expected, atol=1e-13)
+    np.testing.assert_allclose(wrench_stiffness(marker, wrench, frame_motion(marker)), expected, atol=1e-13)

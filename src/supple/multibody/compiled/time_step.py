@@ -1,13 +1,6 @@
 """One compiled time step, and the march from output time to output time.
 
-Unknown are the new accelerations and multipliers. With `k = beta h^2 kappa` the constraint equations are
-divided by `k`, so that every row of
-
-    [ S    G^T ] [ d vdot   ]     [ residual ]
-    [ G_T  0   ] [ d lambda ] = - [ g / k    ]
-
-has the size of a force or an acceleration whatever the step: the index-3 equations stay as well conditioned
-for h to 0 as the mass matrix (Bottasso, Bauchau & Cardona 2007).
+Unknown are the new accelerations and multipliers, which Newton's iteration finds (`step_equations`).
 """
 
 from __future__ import annotations
@@ -17,19 +10,17 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from supple.integrate import Coefficients, StepRule
-from supple.multibody.compiled.elimination import solve_bordering_column
 from supple.multibody.compiled.in_turn import in_turn
-from supple.multibody.equations.balance import Balance, Linearization, balance, tangent
+from supple.multibody.compiled.step_equations import LinearizedStep, correction, kinds_of_rows
+from supple.multibody.equations.balance import Balance, Linearization, balance
 from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion, advance
-from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import BodyGroup, Model
 from supple.multibody.equations.places import Places, assembled_vector
 from supple.multibody.equations.step_size import next_step, position_rounding
 
-__all__ = ["Controls", "State", "kinds_of_rows", "march", "position_scale", "substep"]
+__all__ = ["Controls", "State", "march", "position_scale", "substep"]
 
 
 class Controls(NamedTuple):
@@ -91,16 +82,6 @@ class _Iteration(NamedTuple):
     trial: _Trial
     change: jax.Array
     multiplier_change: jax.Array
-
-
-def kinds_of_rows(model: Model) -> np.ndarray:
-    """(3, n) rows that pick translations, rotations and deformations out of the velocity vector."""
-    kinds = np.zeros((3, model.n_velocities))
-    for part in model.slices:
-        kinds[0, part.start : part.start + 3] = 1
-        kinds[1, part.start + 3 : part.start + 6] = 1
-        kinds[2, part.start + 6 : part.stop] = 1
-    return kinds
 
 
 def position_scale(model: Model) -> jax.Array:
@@ -176,22 +157,10 @@ def _newton_correction(
     motion = SystemMotion(
         start.time + rule.h, trial.configuration, trial.velocity, trial.acceleration, trial.multipliers
     )
-    matrix = tangent(model, motion, linearization, trial.increments, rule.factors)
-    rows = constraint_rows(model, linearization.joints)
-    rows_by_increment = constraint_rows(model, linearization.joints, trial.increments)
-    n, m = model.n_velocities, trial.multipliers.shape[0]
-    bordered = jnp.block(
-        [
-            [matrix, model.mass * rows.T, trial.residual[:, None]],
-            [
-                model.mass * rows_by_increment,
-                jnp.zeros((m, m)),
-                (model.mass / rule.factors.by_position * trial.constraint_residual)[:, None],
-            ],
-        ]
-    )
-    correction = -solve_bordering_column(bordered)
-    return correction[:n], model.mass * correction[n:]
+    step = LinearizedStep(motion, linearization, trial.increments, rule.factors)
+    change = correction(model, step, trial.residual, trial.constraint_residual)
+    n = model.n_velocities
+    return change[:n], change[n:]
 
 
 def _correction_where_needed(

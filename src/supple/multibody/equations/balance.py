@@ -27,7 +27,7 @@ from supple.multibody.equations.joint_force import LinearizedJoints, constraint_
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.places import Block, assembled_matrix, assembled_vector
 
-__all__ = ["Balance", "Linearization", "balance", "constraint_jacobian", "tangent"]
+__all__ = ["Balance", "Linearization", "balance", "constraint_jacobian", "tangent", "tangent_blocks"]
 
 
 class Linearization(NamedTuple):
@@ -98,6 +98,18 @@ def tangent(
     Velocities and increments of the configuration follow the accelerations with the `factors` of the step;
     the linearisation is that of `balance` at the same motion.
     """
+    blocks = tangent_blocks(model, motion, linearization, increments, factors)
+    return assembled_matrix((model.n_velocities, model.n_velocities), blocks)
+
+
+def tangent_blocks(
+    model: Model,
+    motion: SystemMotion,
+    linearization: Linearization,
+    increments: jax.Array,
+    factors: StepFactors,
+) -> list[Block]:
+    """The contributions to `tangent`."""
     turns = turns_by_increment(model, increments)
     blocks = []
     for group, terms, matrices in zip(
@@ -120,4 +132,4 @@ def tangent(
     for forces in model.forces:
         blocks += marker_force.tangent(forces, motion, turns, minus)
     blocks += joint_force.tangent(model, motion, linearization.joints, turns, factors.by_position)
-    return assembled_matrix((model.n_velocities, model.n_velocities), blocks)
+    return blocks

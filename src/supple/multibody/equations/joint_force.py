@@ -31,6 +31,7 @@ from supple.multibody.equations.places import Block, Places, assembled_matrix, a
 __all__ = [
     "LinearizedJoints",
     "all_multipliers",
+    "constraint_blocks",
     "constraint_rows",
     "constraints",
     "force",
@@ -101,15 +102,21 @@ def constraint_rows(
 
     With `increments` (n,), for the increments that led here instead: `dpsi = T(increment) dincrement`.
     """
+    blocks = constraint_blocks(model, joints, increments)
+    return _active(model, assembled_matrix((model.n_equations, model.n_velocities), blocks))
+
+
+def constraint_blocks(
+    model: Model, joints: tuple[LinearizedJoints, ...], increments: jax.Array | None = None
+) -> Iterator[Block]:
+    """The contributions to `constraint_rows` of all equations, the redundant ones included."""
     turns = None if increments is None else turns_by_increment(model, increments)
-    blocks = []
     for own, each in zip(model.joints, joints, strict=True):
         for ends, part in zip((own.first, own.second), each.at.by_end, strict=True):
             if ends.velocities is not None:
                 own_turns = None if turns is None else turns_of(ends, turns)
                 columns = columns_on_velocities(ends, part, own_turns)
-                blocks.append(Block(own.rows, ends.velocities, columns))
-    return _active(model, assembled_matrix((model.n_equations, model.n_velocities), blocks))
+                yield Block(own.rows, ends.velocities, columns)
 
 
 def force(

@@ -173,23 +173,15 @@ def geometric_stiffness(
         jnp.concatenate([pull, _axial(on_second)]),
     )
     trace = jnp.trace(on_second) * jnp.eye(3)
-    zero = jnp.zeros((3, 3))
     swing = small_product(at.axes, skew(force))
     mixed = small_product(trace - on_first.T, at.rotation)
-
-    def framed(rows: int, columns: int, block: list[list[jax.Array]]) -> jax.Array:
-        return small_product(small_product(at.motions[rows].T, jnp.block(block)), at.motions[columns])
-
-    turned = at.motions[1][3:]
     tilted = small_product(skew(force), skew(at.offset)) - trace + on_first.T
+    (shift, turn), (other_shift, other_turn) = (jnp.split(motion, 2) for motion in at.motions)
+    pulled = small_product(swing.T, shift)
+    across = small_product(turn.T, small_product(mixed, other_turn) - small_product(swing.T, other_shift))
+    own = small_product(turn.T, pulled + small_product(tilted, turn)) + small_product(pulled.T, turn)
+    other = small_product(other_turn.T, small_product(on_second - trace, other_turn))
     return (
-        (
-            framed(0, 0, [[zero, swing], [swing.T, tilted]]) + wrench_stiffness(first, wrenches[0]),
-            framed(0, 1, [[zero, zero], [-swing.T, mixed]]),
-        ),
-        (
-            framed(1, 0, [[zero, -swing], [zero, mixed.T]]),
-            small_product(small_product(turned.T, on_second - trace), turned)
-            + wrench_stiffness(second, wrenches[1]),
-        ),
+        (own + wrench_stiffness(first, wrenches[0], at.motions[0]), across),
+        (across.T, other + wrench_stiffness(second, wrenches[1], at.motions[1])),
     )

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, skew
+from supple.algebra.rotation import right_jacobian_slope, rotation_exp, rotation_right_jacobian, skew
 from supple.algebra.small_product import small_product
 from supple.machine.pose import Pose, Wrench
 
@@ -160,20 +160,18 @@ def frame_motion(marker: Marker) -> jax.Array:
     return jnp.concatenate([shift, turn])
 
 
-def wrench_stiffness(marker: Marker, wrench: jax.Array) -> jax.Array:
+def wrench_stiffness(marker: Marker, wrench: jax.Array, motion: jax.Array) -> jax.Array:
     """Change of `frame_motion(marker)^T wrench` with the local freedoms while the wrench stays, (12, 12).
 
-    `wrench` (6,) is the force in global components and the moment in the joint's axes.
+    `wrench` (6,) is the force in global components and the moment in the joint's axes; `motion` (6, 12) is
+    the `frame_motion`.
     """
     arm = marker.offset + marker.displacement
     force = skew(small_product(marker.rotation.T, wrench[:3]))
-    moment = small_product(marker.axes, wrench[3:])
-    jacobian = _turning(marker.rotation_vector, marker.cubic_turn)
-    tilted = small_product(_tilt(marker), small_product(skew(moment), jacobian))
-    by_turn = jax.jacfwd(lambda theta: small_product(_turning(theta, marker.cubic_turn).T, moment))(
-        marker.rotation_vector
-    )
+    turned, turning = motion[3:, 3:6], motion[3:, 9:]
+    tilted = small_product(turned.T, small_product(skew(wrench[3:]), turning))
     zero = jnp.zeros((3, 3))
+    by_turn = _turning_slope(marker, small_product(marker.axes, wrench[3:]))
     of_spin = jnp.concatenate([zero, small_product(skew(arm), force), -force, -tilted], axis=1)
     return jnp.concatenate(
         [
@@ -183,3 +181,14 @@ def wrench_stiffness(marker: Marker, wrench: jax.Array) -> jax.Array:
             jnp.concatenate([zero, zero, zero, by_turn], axis=1),
         ]
     )
+
+
+def _turning_slope(marker: Marker, moment: jax.Array) -> jax.Array:
+    """Derivative of `(T(phi) dphi/dtheta)^T moment` for theta, (3, 3)."""
+    theta, cubic = marker.rotation_vector, marker.cubic_turn
+    stretch = 1 + cubic * (theta @ theta)
+    carried, slope = right_jacobian_slope(stretch * theta, moment)
+    by_theta = stretch * jnp.eye(3) + 2 * cubic * jnp.outer(theta, theta)
+    mixed = jnp.outer(theta, carried)
+    bent = 2 * cubic * (mixed + mixed.T + (theta @ carried) * jnp.eye(3))
+    return small_product(by_theta, small_product(slope, by_theta)) + bent
