@@ -55,13 +55,20 @@ def _resident(entry: str) -> float | None:
 
 def keep(name: str, rows: list[dict[str, Any]], **beside: Any) -> None:
     """Print the rows as a table and write them with the machine's description."""
+    print(table_of(rows))
+    path = write_json(RESULTS / f"{name}.json", {"rows": rows, "machine": describe_computer() | beside})
+    print(f"written to {path}")
+
+
+def table_of(rows: list[dict[str, Any]]) -> str:
+    """The rows in columns, under their keys."""
     heads = list(dict.fromkeys(key for row in rows for key in row))
     table = [heads] + [[_text(row.get(head)) for head in heads] for row in rows]
     widths = [max(len(line[i]) for line in table) for i in range(len(heads))]
-    for line in table:
-        print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
-    path = write_json(RESULTS / f"{name}.json", {"rows": rows, "machine": describe_computer() | beside})
-    print(f"written to {path}")
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in table
+    )
 
 
 def _text(value: Any) -> str:

@@ -20,6 +20,7 @@ from supple.body import (
     RigidInterface,
     flexible_body,
 )
+from supple.body.averaging_error import DEFLECTION_ERROR, section_softness
 from supple.body.internal_force import QuadraticStrainForce
 from supple.fem import (
     VON_KARMAN,
@@ -276,3 +277,37 @@ def test_a_bent_box_with_rigid_ends_is_the_same_in_mean_axes():
     moved_by = np.linalg.norm(own - [10.0, 0, 0])
     assert moved_by > 0.8
     assert np.linalg.norm(own - elsewhere) < 6e-3 * moved_by
+
+
+# --- what averaging on a section that yields costs
+
+
+@pytest.mark.slow
+def test_the_error_of_averaging_on_a_soft_ring_is_foretold():
+    """6 phi^2 c / C of the deflection of a box under a force at its tip, where the frame is."""
+    ends = [AveragingInterface("root", "root"), AveragingInterface("tip", "tip")]
+    body = box(*ends, n_length=6)
+    root, _ = body.interfaces
+    measured, foretold = [], []
+    for force in (0.0, 0.0, 3e5), (0.0, 0.0, 6e5):
+        own, elsewhere = (
+            clamped_tip(body, NodalFixedFrame(name), np.array(force)) for name in ("root", "tip")
+        )
+        deflection = own[2]
+        # A beam under a force at its end turns there by 3/2 of its deflection over its length.
+        turned = 1.5 * deflection / 10.0
+        measured.append(np.linalg.norm(own - elsewhere) / deflection)
+        foretold.append(DEFLECTION_ERROR * turned**2 * section_softness(body, root)[1])
+    assert measured[1] > 0.02
+    np.testing.assert_allclose(measured, foretold, rtol=0.3)
+    assert measured[1] / measured[0] == pytest.approx(4, rel=0.1)
+
+
+def test_sections_that_keep_their_shape_cost_nothing():
+    model = solid_model(block(2.0, 0.1, 0.1, 8, 1, 1, CellType.HEXA8), Isotropic(2e6, 0.0, 1000.0))
+    body = flexible_body("bar", model, [AveragingInterface("root", "root"), AveragingInterface("tip", "tip")])
+    assert section_softness(body, body.interfaces[0]).max() < 0.03
+    rigid = box(RigidInterface("root", "root"))
+    assert not section_softness(rigid, rigid.interfaces[0]).any()
+    linear = box(AveragingInterface("root", "root")).linearized()
+    assert not section_softness(linear, linear.interfaces[0]).any()

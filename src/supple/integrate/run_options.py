@@ -24,7 +24,8 @@ class Validity:
 
     strict : what passes a limit is an error (raised when it is seen) instead of a warning
     spin_ratio : part of a linear body's lowest frequency at which its spin becomes a mistake; at 0.3 the
-        missing centrifugal stiffness is already about 10 % of the elastic one
+        missing centrifugal stiffness is already about 10 % of the elastic one; likewise of a reduced body
+        whose condensed motion has no inertia
     """
 
     strict: bool = False

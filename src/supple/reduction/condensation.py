@@ -13,7 +13,7 @@ from scipy.sparse import csc_array
 
 from supple.body import FlexibleBody, Frame, NodalFixedFrame, frame_projector
 from supple.reduction.bases.guyan import interface_shapes
-from supple.reduction.condensed_moments import condensed_moments
+from supple.reduction.condensed_inertia import condensed_moments
 from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.reduction_basis import ReductionBasis
 

@@ -18,7 +18,7 @@ class CondensedMotion:
 
         z(gamma) = fields @ (amplitudes @ m2),   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
 
-    Its strain is the linear one alone, and its inertia the leading one (`condensed_moments`).
+    Its strain is the linear one alone, and its inertia the leading one (`condensed_inertia`).
 
     fields : (n_nodal, m)       orthonormal in the strain energy; interfaces rest
     amplitudes : (m, n2)        n2 = r(r+1)/2

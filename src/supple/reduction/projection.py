@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from supple.body import Damping, FlexibleBody, inertia_gram
+from supple.body.averaging_error import section_softness
 from supple.errors import AccuracyError
 from supple.reduction.condensation import Condensation
 from supple.reduction.locking import locking, warn_of_locking
@@ -77,7 +78,9 @@ def project(
         damping_cubic=None if material is None else time * material.cubic,
         damping_quartic=None if material is None else time * material.quartic,
         interfaces=tuple(
-            ReducedInterface(i.name, i.position, i.motion @ V, i.cubic_turn, i.tied_nodes)
+            ReducedInterface(
+                i.name, i.position, i.motion @ V, i.cubic_turn, i.tied_nodes, section_softness(body, i)
+            )
             for i in body.interfaces
         ),
         nodes=body.nodes,

@@ -38,6 +38,7 @@ class ReducedInterface:
     motion : (6, r) array      rows ux uy uz rx ry rz
     cubic_turn : float         as of BodyInterface
     tied_nodes : (k,) array    likewise
+    softness : (3,) array      of an averaging one, see `section_softness`; zeros else
     """
 
     name: str
@@ -45,6 +46,7 @@ class ReducedInterface:
     motion: np.ndarray
     cubic_turn: float = 0.0
     tied_nodes: np.ndarray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    softness: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self):
         _set_read_only(self)

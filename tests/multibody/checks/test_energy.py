@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -33,36 +31,9 @@ def motion(floating_blade, turned):
 
 
 @pytest.fixture(scope="module")
-def in_columns(floating_blade):
-    """The blade without the inertia of the motion that follows its columns."""
-    return replace(floating_blade, condensed=None)
-
-
-def balances_of(body, motion):
-    system = System((Placed(body),), gravity=GRAVITY)
+def kept(floating_blade, motion):
+    system = System((Placed(floating_blade),), gravity=GRAVITY)
     return balances(system, Solution(np.zeros(1), {"blade": motion}, {}, Statistics()))
-
-
-@pytest.fixture(scope="module")
-def kept(in_columns, motion):
-    return balances_of(in_columns, motion)
-
-
-@pytest.fixture(scope="module")
-def added(floating_blade, kept, motion):
-    """What the condensed motion adds to each."""
-    whole = balances_of(floating_blade, motion)
-    return type(whole)(*(one - other for one, other in zip(whole, kept, strict=True)))
-
-
-@pytest.fixture(scope="module")
-def condensed_motion(floating_blade, motion):
-    """z and dz/dt of the nodal freedoms (N, 6), body components."""
-    moved = floating_blade.condensed
-    first, second = np.triu_indices(floating_blade.r)
-    g, rate = motion.coordinates[0], motion.coordinate_rates[0]
-    products = g[first] * g[second], g[first] * rate[second] + rate[first] * g[second]
-    return tuple((moved.fields @ (moved.amplitudes @ each)).reshape(-1, 6) for each in products)
 
 
 @pytest.fixture(scope="module")
@@ -101,31 +72,6 @@ def test_potential_energy_is_that_of_the_weights(blade, kept, nodal):
 
 def test_strain_energy_is_that_of_the_tensors(floating_blade, kept, motion):
     np.testing.assert_allclose(kept.strain, floating_blade.tensors.energy(motion.coordinates[0]), rtol=1e-12)
-
-
-def test_the_condensed_motion_adds_its_work_against_the_rigid_motion(
-    blade, floating_blade, added, motion, condensed_motion
-):
-    """T_z and its momenta, linear in z, summed over the nodes."""
-    A, spin = motion.rotation[0], motion.angular_velocity[0]
-    z, rate = condensed_motion
-    assert np.abs(z).max() > 1e-3
-    rigid = np.zeros(rate.shape)
-    rigid[:, :3] = A.T @ motion.velocity[0] + np.cross(spin, blade.nodes)
-    rigid[:, 3:] = spin
-    moving = rate.copy()
-    moving[:, :3] += np.cross(spin, z[:, :3])
-    of_rigid, of_z = ((blade.nodal_mass @ each.ravel()).reshape(-1, 6) for each in (rigid, moving))
-    np.testing.assert_allclose(added.kinetic, (of_rigid * moving).sum(), rtol=1e-10)
-    linear = of_z[:, :3].sum(axis=0)
-    np.testing.assert_allclose(added.momentum[0], A @ linear, rtol=1e-10)
-    angular = np.cross(blade.nodes, of_z[:, :3]) + np.cross(z[:, :3], of_rigid[:, :3]) + of_z[:, 3:]
-    expected = A @ angular.sum(axis=0) + np.cross(motion.position[0], A @ linear)
-    np.testing.assert_allclose(added.angular_momentum[0], expected, rtol=1e-10)
-    weights = np.zeros(z.shape)
-    weights[:, :3] = A.T @ GRAVITY
-    np.testing.assert_allclose(added.potential, -z.ravel() @ (blade.nodal_mass @ weights.ravel()), rtol=1e-10)
-    assert added.strain == 0
 
 
 def test_total_is_the_sum(kept):

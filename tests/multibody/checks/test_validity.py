@@ -7,11 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from supple.body import FullBody, MeanAxisFrame
+from supple.body import AveragingInterface, FullBody, MeanAxisFrame, NodalFixedFrame, flexible_body
 from supple.errors import ValidityError, ValidityWarning
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FloatingMotion, Run, Solution, Statistics, Validity
 from supple.machine import Placed, System
+from supple.mesh import box_beam
 from supple.multibody.checks.validity import Peaks, watch
+from supple.reduction import CompressedDerivatives, CraigBampton, Rubin, reduce, reduction_basis
+from supple.reduction.condensed_inertia import missing_centrifugal_stiffness
 from supple.simulation import simulate
 
 
@@ -54,8 +58,22 @@ def test_linear_body_that_spins_near_its_lowest_frequency(linear):
     assert messages(linear, still(linear, spin=0.2 * lowest)) == []
 
 
-def test_nonlinear_body_may_spin(floating_blade):
-    assert messages(floating_blade, still(floating_blade, spin=1e3)) == []
+def test_nonlinear_body_may_spin(blade):
+    body = reduce(blade, MeanAxisFrame(), Rubin(n_columns=14), derivatives=CompressedDerivatives(2))
+    assert messages(body, still(body, spin=1e3)) == []
+
+
+def test_condensed_body_without_inertia_of_what_it_condensed_may_not(floating_blade):
+    """No static shapes in mean axes: the largest share of stiffness missing is told by its own number."""
+    flying_apart = missing_centrifugal_stiffness(floating_blade)[2] ** -0.5
+    assert messages(floating_blade, still(floating_blade, spin=0.29 * flying_apart)) == []
+    (message,) = messages(floating_blade, still(floating_blade, spin=0.4 * flying_apart))
+    assert "lacks up to 16 % of its stiffness" in message
+    about_itself = replace(
+        still(floating_blade).bodies["blade"], angular_velocity=np.tile([0.4 * flying_apart, 0, 0], (3, 1))
+    )
+    solution = Solution(np.array([0.0, 1.0, 2.0]), {"blade": about_itself}, {}, Statistics())
+    assert messages(floating_blade, solution) == []
 
 
 def test_spin_ratio_is_the_users(linear):
@@ -122,3 +140,31 @@ def test_peaks_keep_the_larger_with_its_time():
 def test_spin_ratio_must_be_positive(ratio):
     with pytest.raises(ValueError, match="spin_ratio must be positive, got"):
         Validity(spin_ratio=ratio)
+
+
+def test_a_soft_section_that_has_turned_with_its_averaging_interface():
+    """From 6 phi^2 c / C of one per cent, of reduced and of full bodies."""
+    ends = [AveragingInterface("root", "root"), AveragingInterface("tip", "tip")]
+    model = shell_model(
+        box_beam(10.0, 1.0, 0.5, 4, 2, 1), HomogeneousSection(Isotropic(7e10, 0.3, 2700.0), 0.04)
+    )
+    box = flexible_body("box", model, ends)
+    frame = NodalFixedFrame("root")
+    body = reduce(box, frame, CraigBampton(n_modes=2), derivatives=CompressedDerivatives(2))
+    tip = body.interfaces[1]
+    assert tip.softness[1] > 0.5
+    gamma = np.zeros(body.r)
+    gamma[0] = 1.0
+    turned = tip.motion[3:, 0]
+    share = 6 * (turned**2) @ tip.softness
+    for allowed, count in ((0.009, 0), (0.011, 1)):
+        size = np.sqrt(allowed / share)
+        assert len(messages(body, still(body, coordinates=size * gamma))) == count
+    (message,) = messages(body, still(body, coordinates=size * gamma))
+    assert "averaging interface" in message
+    assert "off by some 1.1 %" in message
+    full = FullBody(box, frame)
+    q = reduction_basis(box, frame, CraigBampton(n_modes=2), derivatives=CompressedDerivatives(2)).vectors[
+        :, 0
+    ]
+    assert messages(full, still(full, coordinates=size * q)) == [message]

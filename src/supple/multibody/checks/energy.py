@@ -12,7 +12,6 @@ from supple.body.full_body import FullBody
 from supple.integrate import FloatingMotion, Solution
 from supple.machine.system import System
 from supple.multibody.equations.build_model import build_model
-from supple.multibody.equations.condensed_inertia import condensed_momenta
 from supple.multibody.equations.configuration import AnyArray
 from supple.multibody.equations.floating_inertia import FloatingState, frame_momenta, kinetic_energy
 from supple.multibody.equations.model import BodyGroup
@@ -72,13 +71,11 @@ class _Arrays(NamedTuple):
     stiffness: jax.Array
     cubic: jax.Array | None
     quartic: Quartic | None
-    moments: jax.Array | None
-    """Of the condensed motion"""
 
     @classmethod
     def of(cls, group: BodyGroup) -> _Arrays:
         """The arrays of a group of bodies."""
-        return cls(group.gram, group.stiffness, group.cubic, group.quartic, group.inertia.condensed)
+        return cls(group.gram, group.stiffness, group.cubic, group.quartic)
 
 
 class _Motion(NamedTuple):
@@ -108,15 +105,10 @@ def _of_reduced_body(body: _Arrays, gravity: jax.Array, motion: _Motion) -> Bala
         )
         local_velocity = rotation.T @ now.velocity
         linear, angular = frame_momenta(body.gram, floating, local_velocity)
-        kinetic = kinetic_energy(body.gram, floating, local_velocity)
         mass = body.gram[0, 0]
         centre = _first_moment(body.gram, coordinates)
-        if body.moments is not None:
-            added = condensed_momenta(body.moments, floating, local_velocity)
-            linear, angular = linear + added.linear, angular + added.angular
-            kinetic, centre = kinetic + added.kinetic, centre + added.first_moment
         return Balances(
-            kinetic=kinetic,
+            kinetic=kinetic_energy(body.gram, floating, local_velocity),
             strain=polynomial_energy(body.stiffness, body.cubic, body.quartic, coordinates),
             potential=-gravity @ (mass * position + rotation @ centre),
             momentum=rotation @ linear,

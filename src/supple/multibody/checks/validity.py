@@ -1,9 +1,10 @@
 """Is the motion within what the kinematics can describe? Watched during every run, said with the number.
 
 Two limits are watched. A body without nonlinear terms has no geometric stiffness: spun faster than a good
-part of its lowest frequency, it bends too far, and past it diverges. And relative rotations beyond what the
-body's strains were derived for (about 0.3 rad where displacements or curvatures enter linearly) make the
-strains themselves wrong. Linear multibody codes pass both limits silently.
+part of its lowest frequency, it bends too far, and past it diverges. So does one whose condensed motion has
+no inertia, where the centrifugal stiffness that it lacks is a good part of the elastic one. And rotations
+beyond what the body's strains were derived for (about 0.3 rad where displacements or curvatures enter
+linearly) make the strains themselves wrong. Linear multibody codes pass both limits silently.
 """
 
 from __future__ import annotations
@@ -11,16 +12,22 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from supple.body import BodyForm
+from supple.body import BodyForm, FullBody
+from supple.body.averaging_error import DEFLECTION_ERROR, section_softness
 from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine.system import System
+from supple.reduction import ReducedBody
+from supple.reduction.condensed_inertia import missing_centrifugal_stiffness
 
 __all__ = ["Excess", "Peaks", "Watch", "watch"]
+
+SOFTENED_LIMIT = 0.01
+"""Share of a deflection by which averaging interfaces may err, estimated, before it is said."""
 
 LINEAR_ROTATION_LIMIT = 0.3
 """rad: rotations beyond which linear strains are off by more than about 5 % (1 - cos)."""
@@ -33,12 +40,16 @@ class Peaks(NamedTuple):
     spin_time: float = 0.0
     rotation: float = 0.0
     rotation_time: float = 0.0
+    softened: float = 0.0
+    """Largest error of a deflection by sections that average and yield, a share, with its time"""
+    softened_time: float = 0.0
 
     def merged(self, other: Peaks) -> Peaks:
         """The larger of both, each with its time."""
         spin = (self if self.spin >= other.spin else other)[:2]
-        rotation = (self if self.rotation >= other.rotation else other)[2:]
-        return Peaks(*spin, *rotation)
+        rotation = (self if self.rotation >= other.rotation else other)[2:4]
+        softened = (self if self.softened >= other.softened else other)[4:]
+        return Peaks(*spin, *rotation, *softened)
 
 
 class Excess(NamedTuple):
@@ -54,10 +65,18 @@ class _Limits:
 
     name: str
     spin: float
-    lowest_frequency: float
+    flying_apart: float
+    """Spin at which the stiffness lacking is as large as the elastic one"""
+    axes: np.ndarray
+    """(3,) what a spin about each axis of the body counts"""
+    is_linear: bool
     rotation: float
     rotation_basis: np.ndarray | None
     """(3 P, n) rotation vectors from coordinates"""
+    averaging: Any
+    """(3 k, n) mean rotations of the k averaging interfaces from coordinates, or None"""
+    softness: np.ndarray
+    """(3 k,) c / C of each, about each axis"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +88,12 @@ class Watch:
 
     def peaks(self, chunk: Solution) -> dict[str, Peaks]:
         """Largest spin and rotation of every flexible body in a part of a run."""
-        return {own.name: _peaks(own, chunk.times, chunk.bodies[own.name]) for own in self.limits}
+        return {
+            own.name: _peaks(own, chunk.times, chunk.bodies[own.name]).merged(
+                _softened(own, chunk.times, chunk.bodies[own.name])
+            )
+            for own in self.limits
+        }
 
     def observe(self, so_far: Mapping[str, Peaks], chunk: Solution) -> dict[str, Peaks]:
         """The peaks with a new chunk included; ValidityError at once when strict."""
@@ -86,17 +110,7 @@ class Watch:
         for own in self.limits:
             peak = peaks.get(own.name, Peaks())
             if peak.spin > own.spin:
-                found.append(
-                    Excess(
-                        own.name,
-                        f"body '{own.name}' is linear and spins at {peak.spin:.4g} rad per unit of time "
-                        f"(t = {peak.spin_time:.4g}), "
-                        f"{peak.spin / own.lowest_frequency:.2f} times its lowest frequency "
-                        f"{own.lowest_frequency:.4g}: without geometric stiffness its deflections "
-                        "are too large or diverge. Reduce it with modal derivatives, from a model with "
-                        "quadratic strains",
-                    )
-                )
+                found.append(Excess(own.name, _too_fast(own, peak)))
             if peak.rotation > own.rotation:
                 found.append(
                     Excess(
@@ -107,6 +121,8 @@ class Watch:
                         "(split = { parts = 2 } in a case file, split_body in Python)",
                     )
                 )
+            if peak.softened > SOFTENED_LIMIT:
+                found.append(Excess(own.name, _out_of_shape(own, peak)))
         return found
 
     def report(self, peaks: Mapping[str, Peaks]) -> None:
@@ -115,8 +131,33 @@ class Watch:
             warnings.warn(excess.message, ValidityWarning, stacklevel=3)
 
 
+def _too_fast(limits: _Limits, peak: Peaks) -> str:
+    spins = f"spins at {peak.spin:.4g} rad per unit of time (t = {peak.spin_time:.4g})"
+    if limits.is_linear:
+        return (
+            f"body '{limits.name}' is linear and {spins}, {peak.spin / limits.flying_apart:.2f} times its "
+            f"lowest frequency {limits.flying_apart:.4g}: without geometric stiffness its deflections "
+            "are too large or diverge. Reduce it with modal derivatives, from a model with quadratic strains"
+        )
+    missing = 100 * (peak.spin / limits.flying_apart) ** 2
+    return (
+        f"body '{limits.name}' {spins} and lacks up to {missing:.3g} % of its stiffness, that of centrifugal "
+        "force on motion which its columns leave out: its deflections are too large or diverge. Put "
+        "SteadyLoads(...) about its basis (steady = true in a case file), add derivatives, or take "
+        "MeanAxisFrame() with Rubin(...)"
+    )
+
+
+def _out_of_shape(limits: _Limits, peak: Peaks) -> str:
+    return (
+        f"body '{limits.name}': a section that yields has turned with its averaging interface against the "
+        f"frame (t = {peak.softened_time:.4g}), and deflections are off by some {100 * peak.softened:.2g} %. "
+        "Take a rigid interface, put the frame on this one, or close the section by a bulkhead"
+    )
+
+
 def _peaks(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Peaks:
-    spins = np.linalg.norm(motion.angular_velocity, axis=1)
+    spins = np.linalg.norm(motion.angular_velocity * limits.axes, axis=1)
     fastest = int(np.argmax(spins))
     peaks = Peaks(spin=float(spins[fastest]), spin_time=float(times[fastest]))
     if limits.rotation_basis is None:
@@ -127,6 +168,31 @@ def _peaks(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Peaks:
     return peaks._replace(rotation=float(largest[widest]), rotation_time=float(times[widest]))
 
 
+def _softened(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Peaks:
+    """The error of averaging interfaces alone: 6 phi^2 c / C of the worst at each time."""
+    if limits.averaging is None:
+        return Peaks()
+    turns = (motion.coordinates @ limits.averaging.T).reshape(len(times), -1, 3)
+    shares = (turns**2 * limits.softness.reshape(-1, 3)).sum(axis=2).max(axis=1)
+    worst = int(np.argmax(shares))
+    return Peaks(softened=float(DEFLECTION_ERROR * shares[worst]), softened_time=float(times[worst]))
+
+
+def _averaging(body: BodyForm) -> tuple[Any, np.ndarray]:
+    """Mean rotations of the averaging interfaces, (3 k, n), and how soft their sections are, (3 k,)."""
+    if isinstance(body, FullBody):
+        found = [(i.motion[3:], section_softness(body.body, i)) for i in body.interfaces]
+    elif isinstance(body, ReducedBody):
+        found = [(i.motion[3:], i.softness) for i in body.interfaces]
+    else:
+        found = []
+    found = [(motion, softness) for motion, softness in found if softness.any()]
+    if not found:
+        return None, np.zeros(0)
+    dense = [motion if isinstance(motion, np.ndarray) else motion.toarray() for motion, _ in found]
+    return np.vstack(dense), np.concatenate([softness for _, softness in found])
+
+
 def watch(system: System, validity: Validity) -> Watch:
     """Prepare the limits of every flexible body of a system."""
     deforming = [placed.body for placed in system.bodies if placed.body.n_coordinates]
@@ -134,12 +200,21 @@ def watch(system: System, validity: Validity) -> Watch:
 
 
 def _limits(body: BodyForm, validity: Validity) -> _Limits:
-    lowest = body.lowest_frequency() if body.is_linear else np.inf
+    axes, flying_apart = np.ones(3), body.lowest_frequency() if body.is_linear else np.inf
+    if isinstance(body, ReducedBody) and not body.is_linear:
+        missing = missing_centrifugal_stiffness(body)
+        if missing.any():
+            axes, flying_apart = np.sqrt(missing / missing.max()), float(missing.max() ** -0.5)
     limit = body.rotation_limit
+    averaging, softness = _averaging(body)
     return _Limits(
         name=body.name,
-        spin=validity.spin_ratio * lowest,
-        lowest_frequency=lowest,
+        spin=validity.spin_ratio * flying_apart,
+        flying_apart=flying_apart,
+        axes=axes,
+        is_linear=body.is_linear,
         rotation=min(limit, LINEAR_ROTATION_LIMIT) if body.is_linear else limit,
         rotation_basis=body.rotation_rows,
+        averaging=averaging,
+        softness=softness,
     )

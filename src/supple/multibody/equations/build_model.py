@@ -25,6 +25,7 @@ from supple.multibody.equations.model import (
 )
 from supple.multibody.equations.nodal_load import prepared
 from supple.multibody.equations.places import Places
+from supple.reduction.condensed_inertia import condensed_gram
 
 __all__ = [
     "build_model",
@@ -155,15 +156,13 @@ def _arrays(body: Any, length: float) -> dict[str, Any]:
     """Inertia and elasticity of a rigid or reduced body."""
     scale = length * np.sqrt(body.mass)
     if isinstance(body, RigidBody):
-        empty, gram, condensed = np.zeros((0, 0)), rigid_gram(body), None
+        empty, gram = np.zeros((0, 0)), rigid_gram(body)
         elastic = {**dict.fromkeys(_TENSORS), **dict.fromkeys(_ELASTIC, empty)}
     else:
-        gram = body.gram
-        # A body made linear has no motion that follows its coordinates.
-        condensed = None if body.condensed is None or body.is_linear else body.condensed.moments
+        gram = condensed_gram(body)
         elastic = {name: getattr(body, name) for name in (*_ELASTIC, "cubic", "damping_cubic")}
         elastic |= {"quartic": body.quartic_blocks, "damping_quartic": body.damping_quartic_blocks}
-    return {"gram": gram, "inertia": inertia_arrays(gram, condensed), "coordinate_scale": scale, **elastic}
+    return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": scale, **elastic}
 
 
 def _body_groups(system: System, places: _BodyPlaces, length: float) -> tuple[BodyGroup, ...]:

@@ -11,8 +11,7 @@ the equations of motion altogether (a Galilean frame cannot matter), and gravity
     moment       m   = d_w + sum_k (g_k d_k + gdot_k h_k) + w x (h_w + sum_k g_k h_k)
     deformation  e_k = d_g,k - w . h_k
 
-Everything here is exact for mass matrices whose translational part is a scalar times the identity. What the
-condensed motion of a reduced body adds is in `condensed_inertia`.
+Everything here is exact for mass matrices whose translational part is a scalar times the identity.
 Source: floating-frame theory page; [Wu2019] Appendix A, without its shape-function integrals.
 """
 
@@ -28,13 +27,6 @@ import numpy as np
 from supple.algebra.rotation import skew
 from supple.algebra.small_product import small_product
 from supple.integrate import StepFactors
-from supple.multibody.equations.condensed_inertia import (
-    CondensedTerms,
-    condensed_inertia,
-    condensed_mass,
-    condensed_tangent,
-    unpacked_moments,
-)
 
 __all__ = [
     "FloatingState",
@@ -63,8 +55,6 @@ class InertiaArrays:
     centrifugal one (6, `i <= j`)"""
     inertia: Any
     """(r, r): of the deformation, the identity for orthonormal shapes"""
-    condensed: Any
-    """(12, r, r): moments of the condensed motion; None of a body that has none"""
 
 
 class FloatingState(NamedTuple):
@@ -99,7 +89,6 @@ class InertiaTerms(NamedTuple):
     """`h_w + sum_k g_k h_k`, (3,)"""
     coupling: jax.Array
     """`h_k` and `d_k`, (2, r, 3)"""
-    condensed: CondensedTerms | None
 
 
 class _Parts(NamedTuple):
@@ -130,11 +119,8 @@ def _cross(spin: jax.Array, columns: jax.Array) -> jax.Array:
     return jnp.stack([spin[1] * z - spin[2] * y, spin[2] * x - spin[0] * z, spin[0] * y - spin[1] * x])
 
 
-def inertia_arrays(gram: Any, condensed: Any = None) -> InertiaArrays:
-    """The Gram matrix (6 + 4r, 6 + 4r) rearranged for the equations of motion.
-
-    condensed : (12, r(r+1)/2)      packed moments of the condensed motion, or None
-    """
+def inertia_arrays(gram: Any) -> InertiaArrays:
+    """The Gram matrix (6 + 4r, 6 + 4r) rearranged for the equations of motion."""
     gram = np.asarray(gram)
     n = gram.shape[0]
     r = (n - 6) // 4
@@ -149,7 +135,6 @@ def inertia_arrays(gram: Any, condensed: Any = None) -> InertiaArrays:
         by_spin=gram[3 : 6 + 3 * r].reshape(1 + r, 3 * n),
         by_deformation=np.concatenate([with_rates, with_rates.transpose(0, 2, 1), both]).reshape(12, r * r),
         inertia=gram[6 + 3 * r :, 6 + 3 * r :],
-        condensed=None if condensed is None else unpacked_moments(condensed),
     )
 
 
@@ -181,27 +166,18 @@ def inertia_terms(arrays: InertiaArrays, motion: FloatingState) -> InertiaTerms:
     moment = d_angular + h_rate + jnp.cross(motion.angular_velocity, angular)
     force = d[:3] + jnp.cross(motion.angular_velocity, h[:3])
     deformation = d[6 + 3 * r :] - small_product(turning[0, 1:], motion.angular_velocity)
-    total = jnp.concatenate([force, moment, deformation])
-    of_condensed = None
-    if arrays.condensed is not None:
-        of_condensed = condensed_inertia(arrays.condensed, motion)
-        total = total + of_condensed.force
     return InertiaTerms(
-        force=total,
+        force=jnp.concatenate([force, moment, deformation]),
         weights=weights,
         spinning=spinning,
         momentum=h[:3],
         angular=angular,
         coupling=turning[:, 1:],
-        condensed=of_condensed,
     )
 
 
-def floating_mass(gram: jax.Array, coordinates: jax.Array, condensed: jax.Array | None = None) -> jax.Array:
-    """Mass matrix `Z^T G Z` for `(v, w, gdot)` in body components, (6 + r, 6 + r).
-
-    condensed : (12, r, r)      moments of the condensed motion, whose inertia is added
-    """
+def floating_mass(gram: jax.Array, coordinates: jax.Array) -> jax.Array:
+    """Mass matrix `Z^T G Z` for `(v, w, gdot)` in body components, (6 + r, 6 + r)."""
     rows = _split(gram)
     columns = jnp.concatenate(
         [
@@ -212,8 +188,7 @@ def floating_mass(gram: jax.Array, coordinates: jax.Array, condensed: jax.Array 
     )
     parts = _split(columns.T)
     by_spin = parts.rotation + jnp.einsum("k,kin->in", coordinates, parts.coupling)
-    mass = jnp.concatenate([parts.translation, by_spin, parts.deformation])
-    return mass if condensed is None else mass + condensed_mass(condensed, coordinates)
+    return jnp.concatenate([parts.translation, by_spin, parts.deformation])
 
 
 def inertia_tangent(
@@ -283,10 +258,7 @@ def inertia_tangent(
         ],
         axis=1,
     )
-    total = jnp.concatenate([force_rows, moment_rows, deformation_rows])
-    if arrays.condensed is None or terms.condensed is None:
-        return total
-    return total + condensed_tangent(arrays.condensed, motion, terms.condensed, factors)
+    return jnp.concatenate([force_rows, moment_rows, deformation_rows])
 
 
 def kinetic_energy(gram: jax.Array, motion: FloatingState, velocity: jax.Array) -> jax.Array:

@@ -96,10 +96,8 @@ def tangent(
 def mass_matrix(model: Model, configuration: Configuration) -> jax.Array:
     """Mass matrix of the system for its velocities, (n, n)."""
 
-    def of_body(
-        gram: jax.Array, condensed: jax.Array | None, rotation: jax.Array, coordinates: jax.Array
-    ) -> jax.Array:
-        own = floating_mass(gram, coordinates, condensed)
+    def of_body(gram: jax.Array, rotation: jax.Array, coordinates: jax.Array) -> jax.Array:
+        own = floating_mass(gram, coordinates)
         own = own.at[:, :3].set(own[:, :3] @ rotation.T)
         return own.at[:3].set(rotation @ own[:3])
 
@@ -110,7 +108,6 @@ def mass_matrix(model: Model, configuration: Configuration) -> jax.Array:
             over(
                 of_body,
                 group.gram,
-                group.inertia.condensed,
                 group.of(configuration.rotations),
                 group.coordinates.take(configuration.coordinates),
             ),

@@ -1,0 +1,128 @@
+"""Inertia of the condensed motion z, which follows the coordinates of a reduced body, to leading order.
+
+Beside its columns a body moves by `z(g)`, quadratic in the coordinates: a bent beam draws its tip in. To
+second order in g, three moments of z about the frame, with the interfaces at rest, enter the kinetic energy,
+
+    s = sum m z,     c = sum m x cross z,     J: the change of the inertia tensor,     each `g G_i g / 2`,
+
+    T_z = v . (ds/dt + w x s) + w . dc/dt + w J w / 2.
+
+In mean axes, and with columns that hold the static shapes of the interfaces, s and c vanish: z is
+K-orthogonal to those shapes, whose forces at the interfaces inertia balances. What is left, `w J w / 2`, is
+of the form of blocks of the inertia Gram matrix, and is added to them. So a body whose columns do not stretch
+is stiffened by centrifugal force; energy and momenta are kept; it costs nothing.
+
+In a nodal-fixed frame the columns nearly undo motions of the frame. Velocities of z are not small beside what
+is left, the mass matrix would lose its definiteness: there z has no inertia. How much stiffness this lacks is
+known, and is warned of.
+
+Source: this project's own; theory page on tensors.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import FlexibleBody, MeanAxisFrame
+from supple.body.rigid_motion import nodal_rigid_modes
+
+if TYPE_CHECKING:
+    from supple.reduction.reduced_body import ReducedBody
+
+Array = NDArray[np.float64]
+
+N_MOMENTS = 12
+"""s and c (3 each), and J_ij, i <= j (6)."""
+NEGLIGIBLE = 1e-3
+"""Moments s (times the body's size) and c that are left beside J by what the fields of z leave out."""
+_FIRST, _SECOND = np.triu_indices(3)
+_PLACE = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
+_DIAGONAL = [0, 3, 5]
+
+
+def condensed_moments(body: FlexibleBody, fields: Array, amplitudes: Array) -> Array:
+    """Second derivatives of s, c and J_ij (i <= j) by the coordinates, packed in pairs, (12, r(r+1)/2).
+
+        s = Phi_t^T M z,     c = Phi_w0^T M z,
+        J_ij = Phi_w0,i^T M (e_j x z) + Phi_w0,j^T M (e_i x z)
+
+    Phi_t, Phi_w0: unit translations and rotations of the undeformed body; e_j x z on translations alone, as
+    in `inertia_gram`. So the change of the kinetic energy of a rotation w is w J w / 2 to first order in z.
+
+    body : FlexibleBody
+    fields : (n_nodal, m);  amplitudes : (m, r(r+1)/2)     of a `CondensedMotion`
+    """
+    d, n_nodes = body.dofs_per_node, len(body.nodes)
+    momenta = body.nodal_mass @ nodal_rigid_modes(body.nodes, d)
+    of_rotation = momenta.reshape(n_nodes, d, 6)[:, :3, 3:]
+    unit = np.eye(3)
+    weights = np.zeros((n_nodes, d, N_MOMENTS))
+    weights.reshape(-1, N_MOMENTS)[:, :6] = momenta
+    for k, (i, j) in enumerate(zip(_FIRST, _SECOND, strict=True)):
+        # b . (e x z) = z . (b x e)
+        about_both = np.cross(of_rotation[:, :, i], unit[j]) + np.cross(of_rotation[:, :, j], unit[i])
+        weights[:, :3, 6 + k] = about_both
+    moments = (weights.reshape(-1, N_MOMENTS).T @ fields) @ amplitudes
+    on_diagonal = np.equal(*np.triu_indices(_number_of_coordinates(amplitudes)))
+    return moments * np.where(on_diagonal, 2.0, 1.0)
+
+
+def condensed_gram(body: ReducedBody) -> Array:
+    """The inertia Gram matrix (6 + 4r, 6 + 4r) of a reduced body, with that of its condensed motion.
+
+    Two fields `g_k w_i` and `g_l w_j` meet in `w J w / 2`.
+    """
+    moments = _moments(body)
+    if moments is None or not _keeps_definite(body, moments):
+        return body.gram
+    r = body.r
+    gram, turned = np.array(body.gram), slice(6, 6 + 3 * r)
+    J = _unpacked(moments[6:])
+    gram[turned, turned] += J[_PLACE].transpose(2, 0, 3, 1).reshape(3 * r, 3 * r) / 2
+    return gram
+
+
+def missing_centrifugal_stiffness(body: ReducedBody) -> Array:
+    """Largest share of the stiffness that z lacks per squared spin about each axis of the body, (3,).
+
+        max over g of  (- g J_ii g / 2) / (g K g),     zero where z has its inertia
+
+    The axes go through the frame's origin, which rests in a nodal-fixed frame.
+    """
+    moments = _moments(body)
+    if moments is None or _keeps_definite(body, moments):
+        return np.zeros(3)
+    values, vectors = np.linalg.eigh(body.stiffness)
+    unit = vectors / np.sqrt(values)
+    about_axes = _unpacked(moments[6:])[_DIAGONAL]
+    return np.maximum([np.linalg.eigvalsh(-unit.T @ J @ unit / 2)[-1] for J in about_axes], 0.0)
+
+
+def _moments(body: ReducedBody) -> Array | None:
+    """Those of the body's condensed motion; a body made linear has none."""
+    return None if body.is_linear or body.condensed is None else body.condensed.moments
+
+
+def _keeps_definite(body: ReducedBody, moments: Array) -> bool:
+    """Whether z moves neither the centre of mass nor turns the body, as seen from mean axes."""
+    if not isinstance(body.frame, MeanAxisFrame):
+        return False
+    size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
+    frame = max(np.abs(moments[:3]).max(initial=0.0) * size, np.abs(moments[3:6]).max(initial=0.0))
+    return bool(frame <= NEGLIGIBLE * np.abs(moments[6:]).max(initial=0.0))
+
+
+def _unpacked(packed: Array) -> Array:
+    """Symmetric matrices (k, r, r) of their upper triangles (k, r(r+1)/2)."""
+    r = _number_of_coordinates(packed)
+    first, second = np.triu_indices(r)
+    matrices = np.zeros((len(packed), r, r))
+    matrices[:, first, second] = matrices[:, second, first] = packed
+    return matrices
+
+
+def _number_of_coordinates(packed: Array) -> int:
+    return int(np.sqrt(2 * packed.shape[1]))
