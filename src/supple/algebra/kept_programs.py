@@ -20,7 +20,6 @@ from types import MappingProxyType
 from typing import Any
 
 import jax
-import numpy as np
 from jax.core import Tracer
 from jax.experimental import serialize_executable
 
@@ -88,7 +87,7 @@ class KeptProgram:
         kept.__name__ = f"kept_{self.function.__name__.lstrip('_')}"
         lowered = jax.jit(kept).lower(*arguments)
         # The text leaves out arguments that are not used, but a program asks for them all the same.
-        shapes = [(np.shape(leaf), np.result_type(leaf).str) for leaf in jax.tree.leaves(arguments)]
+        shapes = [str(jax.typeof(leaf)) for leaf in jax.tree.leaves(arguments)]
         text = text_digest(f"{shapes}\n{lowered.as_text()}", self._options)
         file = folder / "by-text" / text
         program = _read(file, taken)

@@ -34,6 +34,6 @@ def rotation_matrix(what: str, value: object) -> np.ndarray:
     if matrix.shape != (3, 3) or not np.allclose(matrix.T @ matrix, np.eye(3), atol=1e-9):
         raise ModelError(f"{what} must be a rotation vector (3,) or an orthonormal matrix (3, 3)")
     if np.linalg.det(matrix) < 0:
-        raise ModelError(f"{what} mirrors it (determinant -1): swap two columns")
+        raise ModelError(f"{what} mirrors the body (determinant -1): swap two columns")
     matrix.setflags(write=False)
     return matrix
