@@ -75,9 +75,9 @@ class KeptProgram:
         known = folder / "by-structure" / digest_of_sources()[:16] / digest
         if known.exists() and (found := _read(folder / "by-text" / known.read_text("ascii"), taken)):
             return found
-        return self._by_text(arguments, known, folder, taken)
+        return self._by_text(arguments, shapes, known, folder, taken)
 
-    def _by_text(self, arguments: Any, known: Path, folder: Path, taken: Any) -> Any:
+    def _by_text(self, arguments: Any, shapes: Any, known: Path, folder: Path, taken: Any) -> Any:
         """The program found by its text, or compiled; from now on it is known by its structure."""
 
         def kept(*arguments: Any) -> Any:
@@ -87,7 +87,6 @@ class KeptProgram:
         kept.__name__ = f"kept_{self.function.__name__.lstrip('_')}"
         lowered = jax.jit(kept).lower(*arguments)
         # The text leaves out arguments that are not used, but a program asks for them all the same.
-        shapes = [str(jax.typeof(leaf)) for leaf in jax.tree.leaves(arguments)]
         text = text_digest(f"{shapes}\n{lowered.as_text()}", self._options)
         file = folder / "by-text" / text
         program = _read(file, taken)

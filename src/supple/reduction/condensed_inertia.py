@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.body.rigid_motion import nodal_rigid_modes
+from supple.reduction.tensors import number_of_coordinates, unpack_symmetric
 
 if TYPE_CHECKING:
     from supple.reduction.reduced_body import ReducedBody
@@ -66,7 +67,7 @@ def condensed_moments(body: FlexibleBody, fields: Array, amplitudes: Array) -> A
         about_both = np.cross(of_rotation[:, :, i], unit[j]) + np.cross(of_rotation[:, :, j], unit[i])
         weights[:, :3, 6 + k] = about_both
     moments = (weights.reshape(-1, N_MOMENTS).T @ fields) @ amplitudes
-    on_diagonal = np.equal(*np.triu_indices(_number_of_coordinates(amplitudes)))
+    on_diagonal = np.equal(*np.triu_indices(number_of_coordinates(amplitudes.shape[1])))
     return moments * np.where(on_diagonal, 2.0, 1.0)
 
 
@@ -80,7 +81,7 @@ def condensed_gram(body: ReducedBody) -> Array:
         return body.gram
     r = body.r
     gram, turned = np.array(body.gram), slice(6, 6 + 3 * r)
-    J = _unpacked(moments[6:])
+    J = unpack_symmetric(moments[6:], body.r)
     gram[turned, turned] += J[_PLACE].transpose(2, 0, 3, 1).reshape(3 * r, 3 * r) / 2
     return gram
 
@@ -97,7 +98,7 @@ def missing_centrifugal_stiffness(body: ReducedBody) -> Array:
         return np.zeros(3)
     values, vectors = np.linalg.eigh(body.stiffness)
     unit = vectors / np.sqrt(values)
-    about_axes = _unpacked(moments[6:])[_DIAGONAL]
+    about_axes = unpack_symmetric(moments[6:], body.r)[_DIAGONAL]
     return np.maximum([np.linalg.eigvalsh(-unit.T @ J @ unit / 2)[-1] for J in about_axes], 0.0)
 
 
@@ -113,16 +114,3 @@ def _keeps_definite(body: ReducedBody, moments: Array) -> bool:
     size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
     frame = max(np.abs(moments[:3]).max(initial=0.0) * size, np.abs(moments[3:6]).max(initial=0.0))
     return bool(frame <= NEGLIGIBLE * np.abs(moments[6:]).max(initial=0.0))
-
-
-def _unpacked(packed: Array) -> Array:
-    """Symmetric matrices (k, r, r) of their upper triangles (k, r(r+1)/2)."""
-    r = _number_of_coordinates(packed)
-    first, second = np.triu_indices(r)
-    matrices = np.zeros((len(packed), r, r))
-    matrices[:, first, second] = matrices[:, second, first] = packed
-    return matrices
-
-
-def _number_of_coordinates(packed: Array) -> int:
-    return int(np.sqrt(2 * packed.shape[1]))

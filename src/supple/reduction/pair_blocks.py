@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
+from supple.reduction.tensors import number_of_coordinates
+
 __all__ = ["PairBlocks", "pair_blocks"]
 
 Array = NDArray[np.float64]
@@ -48,7 +50,7 @@ def pair_blocks(packed: Array) -> Array | PairBlocks:
     blocks = _coupled(packed)
     if sum(len(block) ** 2 for block in blocks) > _LARGEST_SHARE * n2**2:
         return packed
-    r = round((np.sqrt(8 * n2 + 1) - 1) / 2)
+    r = number_of_coordinates(n2)
     ordered = np.concatenate([*blocks, np.arange(0)])
     number = np.full(n2, len(ordered), dtype=np.int32)
     number[ordered] = np.arange(len(ordered))

@@ -105,6 +105,11 @@ class InternalForceTensors:
         return gamma, A3, unpack_symmetric(products @ self.quartic.T, self.r)
 
 
+def number_of_coordinates(n_pairs: int) -> int:
+    """R of r(r+1)/2 packed pairs."""
+    return round((np.sqrt(8 * n_pairs + 1) - 1) / 2)
+
+
 def unpack_symmetric(packed: np.ndarray, r: int) -> np.ndarray:
     """Symmetric matrices (..., r, r) of their packed upper triangles (..., r(r+1)/2)."""
     return packed[..., _pair_number(r)]
@@ -280,7 +285,7 @@ def _fold_cubic(strain_by_pair: np.ndarray) -> np.ndarray:
 
 def _over_pairings(pairs: np.ndarray) -> np.ndarray:
     """Sum (n2, n2) over (jk, lm), (jl, km) and (jm, kl); of truth values, whether one of them holds."""
-    pair = _pair_number(round((np.sqrt(8 * len(pairs) + 1) - 1) / 2))
+    pair = _pair_number(number_of_coordinates(len(pairs)))
     j, k = np.triu_indices(len(pair))
     total = pairs.copy()
     size = max(1, CHUNK_BYTES // (24 * max(len(j), 1)))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import ClassVar, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from supple.sensors.reading import Channel, Quantity
 __all__ = ["Component", "Principal", "StrainSensor", "StressSensor", "TensorMeasure", "VonMises"]
 
 Array = NDArray[np.float64]
+ElasticForm: TypeAlias = ReducedBody | FullBody | IntrinsicBody
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 _LAYERS = ("bottom", "middle", "top")
 
@@ -101,7 +103,40 @@ class Principal:
 
 
 @dataclass(frozen=True, eq=False)
-class StressSensor:
+class _TensorSensor(ABC):
+    """A tensor at a node of a body, averaged over its elements; of a shell at its bottom, middle and top."""
+
+    name: str
+    body: str
+    model: FiniteElementModel
+    node: int
+    measure: TensorMeasure = field(default_factory=VonMises)
+
+    quantity: ClassVar[Quantity]
+
+    def channels(self, system: System) -> Sequence[Channel]:
+        """One per value of the measure, and per layer of a shell."""
+        _elastic(system, self.body, self.name)
+        layers = _LAYERS if stress_recovery(self.model).n_layers > 1 else ("",)
+        axes = f"axes of {self.body}"
+        return [
+            Channel(f"{layer} {value}".strip(), self.quantity, axes)
+            for layer in layers
+            for value in self.measure.names
+        ]
+
+    def values(self, system: System, solution: Solution) -> Array:
+        """(t, l k), layer by layer."""
+        form = _elastic(system, self.body, self.name)
+        numbers = self._measured(form, solution.bodies[self.body].coordinates)
+        return numbers.reshape(len(numbers), -1)
+
+    @abstractmethod
+    def _measured(self, form: ElasticForm, coordinates: Array) -> Array:
+        """(t, 1, l, k)."""
+
+
+class StressSensor(_TensorSensor):
     """Stress at a node of a body, averaged over its elements; of a shell at its bottom, middle and top.
 
     body : its name;   model : its elements
@@ -109,58 +144,22 @@ class StressSensor:
     measure : VonMises(), Component("xx"), Principal() or one of your own
     """
 
-    name: str
-    body: str
-    model: FiniteElementModel
-    node: int
-    measure: TensorMeasure = field(default_factory=VonMises)
+    quantity = Quantity.STRESS
 
-    def channels(self, system: System) -> Sequence[Channel]:
-        """One per value of the measure, and per layer of a shell."""
-        return _channels(self, system, Quantity.STRESS)
-
-    def values(self, system: System, solution: Solution) -> Array:
-        """(t, l k), layer by layer."""
-        form = _elastic(system, self.body, self.name)
-        coordinates = solution.bodies[self.body].coordinates
-        fields = stress_history(form, self.model, coordinates, [self.node])[:, 0]
-        return self.measure.of_stress(fields).reshape(len(fields), -1)
+    def _measured(self, form: ElasticForm, coordinates: Array) -> Array:
+        return self.measure.of_stress(stress_history(form, self.model, coordinates, [self.node]))
 
 
-@dataclass(frozen=True, eq=False)
-class StrainSensor:
+class StrainSensor(_TensorSensor):
     """Strain at a node of a body: as a `StressSensor`, such as a strain gauge reads."""
 
-    name: str
-    body: str
-    model: FiniteElementModel
-    node: int
-    measure: TensorMeasure = field(default_factory=VonMises)
+    quantity = Quantity.STRAIN
 
-    def channels(self, system: System) -> Sequence[Channel]:
-        """One per value of the measure, and per layer of a shell."""
-        return _channels(self, system, Quantity.STRAIN)
-
-    def values(self, system: System, solution: Solution) -> Array:
-        """(t, l k), layer by layer."""
-        form = _elastic(system, self.body, self.name)
-        coordinates = solution.bodies[self.body].coordinates
-        fields = strain_history(form, self.model, coordinates, [self.node])[:, 0]
-        return self.measure.of_strain(fields).reshape(len(fields), -1)
+    def _measured(self, form: ElasticForm, coordinates: Array) -> Array:
+        return self.measure.of_strain(strain_history(form, self.model, coordinates, [self.node]))
 
 
-def _channels(sensor: StressSensor | StrainSensor, system: System, quantity: Quantity) -> list[Channel]:
-    _elastic(system, sensor.body, sensor.name)
-    layers = _LAYERS if stress_recovery(sensor.model).n_layers > 1 else ("",)
-    axes = f"axes of {sensor.body}"
-    return [
-        Channel(f"{layer} {value}".strip(), quantity, axes)
-        for layer in layers
-        for value in sensor.measure.names
-    ]
-
-
-def _elastic(system: System, body: str, sensor: str) -> ReducedBody | FullBody | IntrinsicBody:
+def _elastic(system: System, body: str, sensor: str) -> ElasticForm:
     form = body_named(system, body, sensor)
     if not isinstance(form, ReducedBody | FullBody | IntrinsicBody):
         raise ModelError(f"sensor '{sensor}': body '{body}' is {form.kind}: it has no stress")

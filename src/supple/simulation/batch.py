@@ -43,7 +43,7 @@ from supple.multibody.compiled.time_step import Controls, State, march
 from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.floating_solution import failure_message
 from supple.multibody.equations.model import Model
-from supple.multibody.equations.stops import Stops, laws_of, stepping_instants
+from supple.multibody.equations.stops import Stops, filled_up, laws_of, stepping_instants
 from supple.simulation.watched_run import check_laws_cover, warn_of_unseen_laws
 
 __all__ = ["BatchSolution", "simulate_batch"]
@@ -195,9 +195,7 @@ def _marched_together(
     models, states = starts
     start = jax.tree.map(lambda *items: np.stack([np.asarray(item) for item in items]), *states)
     ends, outputs = stops.on_the_way(float(run.times[0]), run.times[1:])
-    # Stops are filled up to a power of two: runs nearly as long share a program.
-    padded = np.pad(ends, (0, 2 ** (len(ends) - 1).bit_length() - len(ends)), mode="edge")
-    arguments = stacked(models, axes), settings, start, padded
+    arguments = stacked(models, axes), settings, start, filled_up(ends)
     program = _mapped_march(jax.tree.structure(models[0]), axes).compiled(*arguments)
     ready = clock.perf_counter()
     final, history = jax.device_get(program(*arguments))

@@ -8,19 +8,20 @@ from functools import lru_cache
 from typing import Any, NamedTuple, TypeAlias
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.kept_programs import KeptProgram
 from supple.integrate import Run
 from supple.machine import System
-from supple.multibody.compiled.compiled_machine import CompiledMachine
+from supple.multibody.compiled.compiled_machine import (
+    CompiledMachine,
+    bordered_solve,
+    forces_without_acceleration,
+)
 from supple.multibody.compiled.engine import initial_state
 from supple.multibody.compiled.time_step import State
-from supple.multibody.equations.balance import balance
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.compiler_options import STARTING
-from supple.multibody.equations.configuration import SystemMotion
 from supple.multibody.equations.consistent_start import placed_configuration, placed_velocity
 from supple.multibody.equations.model import Model
 
@@ -116,15 +117,13 @@ def _answers(machine: CompiledMachine, state: State, models: list[Model]) -> lis
     velocity = np.asarray(state.velocity)
     terms = machine.joint_terms(float(state.time), state.configuration, velocity)
     mass = machine.metric(state.configuration)
-    n, m = len(mass), len(terms.jacobian)
-    scale = np.trace(mass) / n
-    matrix = np.block([[mass, scale * terms.jacobian.T], [scale * terms.jacobian, np.zeros((m, m))]])
-    loads = -np.concatenate(
+    n = len(mass)
+    forces = np.concatenate(
         [_forces(models[i : i + _AT_ONCE], state) for i in range(0, len(models), _AT_ONCE)]
     )
-    bias = np.broadcast_to(-scale * terms.acceleration_bias, (len(loads), m))
-    solved = np.linalg.solve(matrix, np.hstack([loads, bias]).T).T
-    return [(answer[:n], scale * answer[n:]) for answer in solved]
+    bias = np.tile(terms.acceleration_bias, (len(forces), 1))
+    solved = bordered_solve(mass, terms.jacobian, -forces.T, -bias.T)
+    return [(answer[:n], answer[n:]) for answer in solved.T]
 
 
 def _forces(models: list[Model], state: State) -> np.ndarray:
@@ -140,9 +139,7 @@ def _forces(models: list[Model], state: State) -> np.ndarray:
 def _mapped_forces(model_structure: Any, axes: Axes) -> KeptProgram:
     def of_case(leaves: list[Any], time: Any, configuration: Any, velocity: Any) -> jax.Array:
         model = jax.tree.unflatten(model_structure, leaves)
-        none = jnp.zeros_like(velocity), jnp.zeros(len(model.active))
-        residual = balance(model, SystemMotion(time, configuration, velocity, *none)).residual
-        return jnp.asarray(residual)
+        return forces_without_acceleration(model, time, configuration, velocity)
 
     def of_cases(leaves: list[Any], time: Any, configuration: Any, velocity: Any) -> jax.Array:
         mapped = jax.vmap(of_case, in_axes=(list(axes), None, None, None), axis_size=_AT_ONCE)

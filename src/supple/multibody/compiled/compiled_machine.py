@@ -67,7 +67,7 @@ class CompiledMachine:
     ) -> np.ndarray:
         """`M x + G^T y = 0`, `G x = - residual`."""
         mass = self.metric(configuration)
-        return _bordered_solve(mass, terms.jacobian, np.zeros(len(mass)), -joint_residual)[: len(mass)]
+        return bordered_solve(mass, terms.jacobian, np.zeros(len(mass)), -joint_residual)[: len(mass)]
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment."""
@@ -98,11 +98,11 @@ def compiled_start(system: System, time: float) -> CompiledStart:
     terms = machine.joint_terms(time, configuration, velocity)
     mass = machine.metric(configuration)
     forces = np.asarray(_forces(model, np.asarray(float(time)), configuration, velocity))
-    solution = _bordered_solve(mass, terms.jacobian, -forces, -terms.acceleration_bias)
+    solution = bordered_solve(mass, terms.jacobian, -forces, -terms.acceleration_bias)
     return CompiledStart(model, configuration, velocity, solution[: len(mass)], solution[len(mass) :], change)
 
 
-def _forces_without_acceleration(
+def forces_without_acceleration(
     model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array
 ) -> jax.Array:
     """The residual without accelerations and multipliers, (n,)."""
@@ -114,12 +114,11 @@ def _forces_without_acceleration(
 
 _moved = KeptProgram(advance, STARTING)
 _mass = KeptProgram(mass_matrix, STARTING)
-_forces = KeptProgram(_forces_without_acceleration, STARTING)
+_forces = KeptProgram(forces_without_acceleration, STARTING)
 
 
-def _bordered_solve(
-    mass: np.ndarray, jacobian: np.ndarray, top: np.ndarray, bottom: np.ndarray
-) -> np.ndarray:
+def bordered_solve(mass: np.ndarray, jacobian: np.ndarray, top: np.ndarray, bottom: np.ndarray) -> np.ndarray:
+    """`x` over `y` (n + m, ...) of `M x + G^T y = top`, `G x = bottom`; one or several right-hand sides."""
     m = len(jacobian)
     scale = np.trace(mass) / len(mass)
     matrix = np.block([[mass, scale * jacobian.T], [scale * jacobian, np.zeros((m, m))]])

@@ -18,11 +18,12 @@ from supple.multibody.compiled.engine import as_solution, controls, initial_stat
 from supple.multibody.compiled.time_step import Controls, State, substep
 from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.model import Model
-from supple.multibody.equations.stops import Stops, stepping_instants
+from supple.multibody.equations.stops import Stops, filled_up, stepping_instants
 
 __all__ = ["EveryStep", "as_outputs", "every_step"]
 
 _STEPS_AT_ONCE = 128
+_FEWEST_STOPS = 128
 
 
 class EveryStep(NamedTuple):
@@ -48,8 +49,7 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
         model, state = initial_state(system, run.times[0], run.step_control.first)
     times = solution.times
     stops, _ = Stops(run.times, stepping_instants([system], run)).on_the_way(float(times[0]), times[1:])
-    # As many as a power of two, the last one repeated: runs nearly as long share a program.
-    stops = np.pad(stops, (0, 2 ** max(7, (len(stops) - 1).bit_length()) - len(stops)), mode="edge")
+    stops = filled_up(stops, fewest=_FEWEST_STOPS)
     model = jax.device_put(model)
     parts = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)]
     while state.time < times[-1] and not state.failed:

@@ -11,7 +11,7 @@ from supple.integrate import AdaptiveStep, Run
 from supple.machine import System, TimeLaw
 from supple.machine.laws.instants import instants_of
 
-__all__ = ["Stops", "laws_of", "stepping_instants"]
+__all__ = ["Stops", "filled_up", "laws_of", "stepping_instants"]
 
 _NEAREST = 1e-5
 """Of the duration: instants nearer to a stop are not met; steps that short lose digits of accelerations."""
@@ -63,8 +63,8 @@ class Stops:
         stops = np.sort(np.concatenate([times, between]))
         return stops, np.searchsorted(stops, times)
 
-    def most(self, size: int) -> int:
-        """Stops of the longest leg of so many output times."""
-        before = np.searchsorted(self.instants, self.times)
-        ahead = before[np.minimum(np.arange(len(before)) + size, len(before) - 1)]
-        return size + int(np.max(ahead - before, initial=0))
+
+def filled_up(stops: np.ndarray, fewest: int = 1) -> np.ndarray:
+    """As many stops as a power of two, the last one repeated: runs nearly as long share a program."""
+    number = max(fewest, 2 ** (len(stops) - 1).bit_length())
+    return np.pad(stops, (0, number - len(stops)), mode="edge")
