@@ -81,11 +81,20 @@ class _Trial(NamedTuple):
     converged: jax.Array
 
 
+class _Place(NamedTuple):
+    """Where an acceleration leads."""
+
+    configuration: Configuration
+    velocity: Any
+    increments: Any
+
+
 class _Iteration(NamedTuple):
     """Newton's iteration within a step: where it stands, and what it knows of the way there."""
 
     acceleration: jax.Array
     multipliers: jax.Array
+    evaluated: _Place
     relative_residual: jax.Array
     """At the last evaluation"""
     sizes: jax.Array
@@ -104,10 +113,8 @@ class _Stepped(NamedTuple):
 
     acceleration: jax.Array
     multipliers: jax.Array
-    configuration: Configuration
-    velocity: jax.Array
     auxiliary: jax.Array
-    increments: jax.Array
+    place: _Place
     iteration: _Iteration
 
 
@@ -145,14 +152,12 @@ def _relative_residual(
     return jnp.concatenate([forces, constraint[None]])
 
 
-def _moved(
-    model: Model, rule: StepRule, start: State, acceleration: jax.Array
-) -> tuple[jax.Array, jax.Array, Configuration, jax.Array]:
-    """Auxiliary acceleration, increments, configuration and velocity that belong to an acceleration."""
+def _place(model: Model, rule: StepRule, start: State, acceleration: jax.Array) -> _Place:
+    """Configuration, velocity and increments that belong to an acceleration."""
     auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
     increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
     velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
-    return auxiliary, increments, advance(model, start.configuration, increments), velocity
+    return _Place(advance(model, start.configuration, increments), velocity, increments)
 
 
 def _evaluate(
@@ -163,7 +168,7 @@ def _evaluate(
     multipliers: jax.Array,
     tolerance: jax.Array,
 ) -> tuple[_Trial, Linearization]:
-    _, increments, configuration, velocity = _moved(model, rule, start, acceleration)
+    configuration, velocity, increments = _place(model, rule, start, acceleration)
     time = start.time + rule.h
     terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers))
     rounding = position_rounding(model.length, configuration.origins)
@@ -241,6 +246,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         return _Iteration(
             acceleration=old.acceleration + change,
             multipliers=old.multipliers + multiplier_change,
+            evaluated=_Place(trial.configuration, trial.velocity, trial.increments),
             relative_residual=trial.relative_residual,
             sizes=jnp.stack([old.sizes[1], size]),
             moved=rule.factors.by_position * jnp.max(jnp.abs(change) / scale),
@@ -257,6 +263,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         _Iteration(
             acceleration=start.acceleration,
             multipliers=start.multipliers,
+            evaluated=_Place(start.configuration, start.velocity, jnp.zeros_like(start.velocity)),
             relative_residual=jnp.zeros(4),
             sizes=jnp.zeros(2),
             moved=jnp.zeros(()),
@@ -266,8 +273,13 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
             foretold=never,
         ),
     )
-    auxiliary, increments, configuration, velocity = _moved(model, rule, start, end.acceleration)
-    return _Stepped(end.acceleration, end.multipliers, configuration, velocity, auxiliary, increments, end)
+    place = end.evaluated
+    if is_foretellable(model):
+        place = jax.lax.cond(
+            end.foretold, lambda: _place(model, rule, start, end.acceleration), lambda: end.evaluated
+        )
+    auxiliary = rule.auxiliary(end.acceleration, start.acceleration, start.auxiliary)
+    return _Stepped(end.acceleration, end.multipliers, auxiliary, place, end)
 
 
 def _local_error(model: Model, rule: StepRule, start: State, trial: _Stepped) -> jax.Array:
@@ -299,8 +311,8 @@ def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> S
     after = State(
         time=jnp.where(last, end, start.time + h),
         step=proposed,
-        configuration=trial.configuration,
-        velocity=trial.velocity,
+        configuration=trial.place.configuration,
+        velocity=trial.place.velocity,
         acceleration=trial.acceleration,
         auxiliary=trial.auxiliary,
         multipliers=trial.multipliers,
@@ -313,7 +325,7 @@ def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> S
             start.contraction, iteration.sizes, h, iteration.corrections, iteration.converged
         ),
         largest_error=jnp.maximum(start.largest_error, error),
-        largest_turn=jnp.maximum(start.largest_turn, _turn(model, trial.increments)),
+        largest_turn=jnp.maximum(start.largest_turn, _turn(model, trial.place.increments)),
     )
     before = start._replace(
         step=proposed,
