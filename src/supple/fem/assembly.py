@@ -161,7 +161,8 @@ class Assembly:
         forces = np.zeros((self.n, n_pairs))
         for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, n_points, s, n_e = block.B.shape
-            each = n_points * (s + 1) * block.G.shape[2] * n_pairs + n_e * (n_pairs + m)
+            d = block.G.shape[2]
+            each = n_points * (s + d) * (d + 3 * m) + n_e * n_pairs
             for elements in _ranges(n_elements, each):
                 rows = gather[elements.start * n_e : elements.stop * n_e]
                 directions = (rows @ X).reshape(-1, n_e, m)

@@ -204,12 +204,14 @@ def strain_pair_forces(
     float array (E, n, p)
     """
     a = _directions(block.G, X)
-    Na = _contract(block.N, a.swapaxes(2, 3)).transpose(0, 1, 4, 3, 2)  # (E, g, d, s, m)
-    picked, other = Na[..., first], a[:, :, :, None, second]
-    second_strain = np.zeros((*picked.shape[:2], *picked.shape[3:]))
-    for i in range(picked.shape[2]):  # over the few gradients, so that no product of all of them is held
-        second_strain += picked[:, :, i] * other[:, :, i]
-    return _gather_directions(block.B, block.weighted_D @ second_strain)
+    stiff_B = block.weighted_D @ block.B
+    forces = np.empty((*block.dofs.shape, len(first)))
+    # One direction with all its partners: its arrays stay small, those of all pairs would not.
+    for j in np.unique(first):
+        pairs = np.flatnonzero(first == j)
+        second_strain = _contract(block.N, a[..., j]) @ a[..., second[pairs]]
+        forces[..., pairs] = _gather_directions(stiff_B, second_strain)
+    return forces
 
 
 def _apply(operator: Array, vector: Array) -> Array:
