@@ -101,15 +101,19 @@ def tangent(block: QuadraticStrain, q: Array, *, material: float = 1.0) -> Array
 
     material : a factor of all but the geometric term, as damping by strain rate adds to the rest
     """
+    parts = tangent_parts(block, q)
+    return material * parts[:, 0] + parts[:, 1]
+
+
+def tangent_parts(block: QuadraticStrain, q: Array) -> Array:
+    """The two terms of the tangent: of the strains, and of the stress (the geometric one); (E, 2, n, n)."""
     a = _apply(block.G, q)
     Na = _contract(block.N, a)
     weighted_D = block.weighted_D
     A = block.B + Na @ block.G
     stress = _apply(weighted_D, _apply(block.B, q) + 0.5 * _apply(Na, a))
-    K = _congruence(A, weighted_D @ A)
-    K *= material
-    K += _congruence(block.G, _stress_form(block.N, stress) @ block.G)
-    return K
+    material = _congruence(A, weighted_D @ A)
+    return np.stack([material, _congruence(block.G, _stress_form(block.N, stress) @ block.G)], axis=1)
 
 
 def stiffness(block: QuadraticStrain) -> FloatArray:

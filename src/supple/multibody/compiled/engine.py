@@ -12,6 +12,7 @@ from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joi
 from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.compiled.compiled_machine import compiled_start
+from supple.multibody.compiled.contraction import Contraction, untold
 from supple.multibody.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
 from supple.multibody.compiled.time_step import Controls, State
 from supple.multibody.equations.build_model import build_model
@@ -75,7 +76,8 @@ def _state(**known: Any) -> State:
         "largest_error": np.zeros(()),
         "largest_turn": np.zeros(()),
     }
-    arrays: dict[str, Any] = jax.tree.map(np.asarray, known)
+    known.setdefault("contraction", untold())
+    arrays: dict[str, Any] = {name: jax.tree.map(np.asarray, value) for name, value in known.items()}
     return State(**arrays, **fresh, relative_residual=np.zeros(4))
 
 
@@ -116,6 +118,7 @@ class CompiledEngine:
             acceleration=instant.acceleration,
             auxiliary=known.get("auxiliary", instant.acceleration),
             multipliers=instant.multipliers[list(active)],
+            contraction=Contraction(*known.get("contraction", untold())),
         )
 
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
@@ -178,5 +181,6 @@ def as_solution(system: System, model: Model, states: State, statistics: Statist
             "active": np.array(model.active, dtype=float),
             "auxiliary": states.auxiliary[-1],
             "step": states.step[-1],
+            "contraction": np.array([own[-1] for own in states.contraction]),
         },
     )
