@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from supple.integrate import Engine, Kinematic, Run
-from supple.intrinsic import IntrinsicEngine
+from supple.intrinsic import intrinsic_engine
 from supple.machine import System
 from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
 
@@ -36,5 +36,5 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
     return factory(system, run)
 
 
+register_engine("intrinsic", intrinsic_engine)
 register_engine("full", FullEngine)
-register_engine("intrinsic", IntrinsicEngine)
