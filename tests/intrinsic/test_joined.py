@@ -173,7 +173,11 @@ def test_a_beam_held_at_both_ends_sags_as_the_formula_says():
     """P L^3 / 192 E I at the middle of a beam that two welds hold; small, so that it does not stretch."""
     body = released(
         intrinsic_body(
-            beam_line(straight(1.0, 8), **SOFT), CLAMPED, None, stations={"middle": 4}, damping=ModalDamping(0.9)
+            beam_line(straight(1.0, 8), **SOFT),
+            CLAMPED,
+            None,
+            stations={"middle": 4},
+            damping=ModalDamping(0.9),
         )
     )
     joints = [Fixed(first="ground", second="beam.root"), Fixed(first="ground", second="beam.tip", name="far")]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time as clock
-from typing import Any
 
 import jax
 import jax.numpy as jnp

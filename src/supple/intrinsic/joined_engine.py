@@ -54,16 +54,17 @@ class JoinedEngine:
         """Velocities on the joints, consistent rates and joint forces."""
         begun = joined_start(self._machine, time)
         self._arrays = begun.arrays
-        return JoinedState(
-            begun.now, begun.rates, begun.multipliers, jnp.zeros(()), jnp.zeros((), dtype=int)
-        )
+        return JoinedState(begun.now, begun.rates, begun.multipliers, jnp.zeros(()), jnp.zeros((), dtype=int))
 
     def resumed(self, last: Solution) -> JoinedState:
         """The state at the end of a recorded part, exact."""
         leaves, structure = jax.tree.flatten(self.start(self._run.start))
         known = [last.engine_state[f"leaf {number}"] for number in range(len(leaves))]
         return structure.unflatten(
-            [jnp.asarray(own, dtype=leaf.dtype).reshape(leaf.shape) for own, leaf in zip(known, leaves, strict=True)]
+            [
+                jnp.asarray(own, dtype=leaf.dtype).reshape(leaf.shape)
+                for own, leaf in zip(known, leaves, strict=True)
+            ]
         )
 
     def march(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:

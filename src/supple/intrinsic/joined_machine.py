@@ -108,7 +108,9 @@ def joined_machine(system: System, time: float) -> JoinedMachine:
         model=seen_model(seen, len(others), None),
         held=held,
     )
-    return JoinedMachine(system, seen, lines, arrays, tuple(line_start(placed, None, time) for placed in lines))
+    return JoinedMachine(
+        system, seen, lines, arrays, tuple(line_start(placed, None, time) for placed in lines)
+    )
 
 
 def seen_model(seen: System, n_floating: int, active: tuple[int, ...] | None) -> Model:

@@ -58,7 +58,10 @@ def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
     arrays, seen = machine.arrays, machine.seen
     placed = jax.tree.map(jnp.asarray, placed_configuration(seen))
     given = Instant(
-        jnp.asarray(float(time)), machine.states, placed, jnp.asarray(placed_velocity(seen)[: arrays.n_floating])
+        jnp.asarray(float(time)),
+        machine.states,
+        placed,
+        jnp.asarray(placed_velocity(seen)[: arrays.n_floating]),
     )
     now, gaps, rows, missed, metric = _BEGUN(arrays, given)
     _check_closed(machine, np.asarray(gaps))
@@ -73,7 +76,9 @@ def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
     return JoinedStart(arrays, now, rates, multipliers)
 
 
-def _begun(arrays: JoinedArrays, given: Instant) -> tuple[Instant, jax.Array, jax.Array, jax.Array, jax.Array]:
+def _begun(
+    arrays: JoinedArrays, given: Instant
+) -> tuple[Instant, jax.Array, jax.Array, jax.Array, jax.Array]:
     """The instant with its stations in place, and of its joints the gaps, rows and rates; the metric."""
     now = given._replace(floating=with_stations(arrays, given.floating, given.lines))
     gaps = constraints(arrays.model, now.time, now.floating)

@@ -83,7 +83,9 @@ def machine_of_lines(system: System, time: float) -> MachineOfLines:
         tuple(root.drive for root in roots),
         machine_loads(system),
     )
-    start = tuple(line_start(placed, root.drive, time) for placed, root in zip(system.bodies, roots, strict=True))
+    start = tuple(
+        line_start(placed, root.drive, time) for placed, root in zip(system.bodies, roots, strict=True)
+    )
     return MachineOfLines(system, lines, start, roots)
 
 

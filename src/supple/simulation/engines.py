@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from supple.errors import ModelError
 from supple.integrate import Engine, Kinematic, Run
 from supple.intrinsic import intrinsic_engine
 from supple.machine import System
@@ -28,11 +29,20 @@ def register_engine(kind: str, factory: EngineFactory) -> None:
 
 
 def engine_for(system: System, run: Run) -> Engine[Any]:
-    """The machine made ready for the method that its run names, or else the form of its bodies chooses."""
+    """The machine made ready for the method that its run names, or else the form of its bodies chooses.
+
+    Raises ModelError for a machine with controllers that needs another than the compiled engine.
+    """
     if isinstance(run.method, Kinematic):
         return KinematicEngine(system, run)
     kinds = {placed.body.kind for placed in system.bodies}
     factory = next((factory for kind, factory in _ENGINES.items() if kind in kinds), CompiledEngine)
+    if system.controllers and factory is not CompiledEngine:
+        other = next(placed.body for placed in system.bodies if placed.body.kind in _ENGINES)
+        raise ModelError(
+            f"controllers act in machines of rigid and reduced bodies, and body '{other.name}' is "
+            f"{other.kind}: reduce it, or leave out the controllers"
+        )
     return factory(system, run)
 
 
