@@ -58,7 +58,8 @@ def _first_step_is_not_too_long(raw: Raw) -> Mistakes:
         yield path, f"the first step, {first}, exceeds the largest, {largest}"
 
 
-def _output_steps_fill_the_duration(raw: Raw) -> Mistakes:
+def output_steps_fill_the_duration(raw: Raw) -> Mistakes:
+    """The rule that the duration is a number of output steps, few enough to be stored."""
     given = table(raw, "simulation")
     output_step, duration = given.get("output_step"), given.get("duration")
     if not (isinstance(output_step, int | float) and isinstance(duration, int | float)) or output_step <= 0:
@@ -78,4 +79,4 @@ def _output_steps_fill_the_duration(raw: Raw) -> Mistakes:
         yield path, f"the duration, {duration}, is not a multiple of {output_step}; try {better:.6g}"
 
 
-RULES = (_steps_are_given_once, _first_step_is_not_too_long, _output_steps_fill_the_duration)
+RULES = (_steps_are_given_once, _first_step_is_not_too_long, output_steps_fill_the_duration)
