@@ -2,7 +2,15 @@
 
 from supple.explicit.engine import ENERGIES, OBSTACLES, STEPS, ExplicitEngine, ExplicitOptions
 from supple.explicit.explicit_subdomain import ExplicitSubdomain, explicit_subdomain
-from supple.explicit.explicit_system import Contact, ExplicitSystem, NodalForce, Part, Support, Tie
+from supple.explicit.explicit_system import (
+    Contact,
+    ExplicitSystem,
+    NodalForce,
+    Part,
+    Support,
+    SurfaceContact,
+    Tie,
+)
 from supple.explicit.march.model import Energies
 from supple.explicit.materials import (
     J2Plasticity,
@@ -23,7 +31,7 @@ from supple.explicit.published_scheme import (
     PredictedLinks,
     PublishedScheme,
 )
-from supple.explicit.simulate_explicit import simulate_explicit
+from supple.explicit.simulate_explicit import keep_explicit, simulate_explicit
 
 __all__ = [
     "ENERGIES",
@@ -55,8 +63,10 @@ __all__ = [
     "RigidSphere",
     "StVenantKirchhoff",
     "Support",
+    "SurfaceContact",
     "Tie",
     "explicit_subdomain",
+    "keep_explicit",
     "modal_subdomain",
     "part_positions",
     "simulate_explicit",

@@ -89,7 +89,7 @@ class ExplicitSubdomain:
 
     @property
     def _density(self) -> float:
-        return self.model.sections[0].property.density  # type: ignore[union-attr]
+        return self.model.sections[0].property.density  # type: ignore[union-attr] - of solids
 
 
 @checked_arguments

@@ -1,5 +1,6 @@
 """Explicit finite elements: what is constant, and the force of a block in a step."""
 
+from supple.explicit.elements.element_stress import von_mises
 from supple.explicit.elements.hourglass import hourglass_vectors
 from supple.explicit.elements.incidence import gathered, incidence
 from supple.explicit.elements.mean_gradient import SolidPoints, solid_points
@@ -18,4 +19,5 @@ __all__ = [
     "solid_block",
     "solid_points",
     "squashed",
+    "von_mises",
 ]

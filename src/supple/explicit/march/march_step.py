@@ -36,7 +36,7 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
         damping=old.damping + done.damping,
         external=old.external + done.external,
         contact=old.contact + done.contact,
-        interface=old.interface - done.from_nodes,
+        interface=old.interface - done.from_nodes - done.turning,
     )
     state = state._replace(energies=energies)
     state = lax.fori_loop(
@@ -55,7 +55,8 @@ def nodal_step(
     """The explicit nodes a step h on; those that hang on frames move at the rates `led` (3, N)."""
     mean = 0.5 * (state.before + h)
     drag = 0.5 * mean * model.alpha
-    acceleration = state.forces.sum(axis=0) / model.mass
+    # Points of modal surfaces have no mass: they are led.
+    acceleration = state.forces.sum(axis=0) / jnp.where(model.mass > 0, model.mass, 1.0)
     v = model.movable * ((1 - drag) * state.v + mean * acceleration) / (1 + drag)
     hangs = jnp.zeros(len(model.mass), dtype=bool)
     for arrays in model.frames:

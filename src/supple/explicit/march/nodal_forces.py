@@ -9,6 +9,7 @@ from jax import Array
 
 from supple.explicit.elements import block_force
 from supple.explicit.march.model import MarchModel, Methods, NodesTouching, ObstacleState
+from supple.explicit.march.touching_surface import surface_penalty
 from supple.explicit.obstacles import Obstacle
 
 __all__ = ["NodalForces", "nodal_forces", "penalty"]
@@ -64,6 +65,8 @@ def nodal_forces(
         push = penalty(methods.obstacles[number], obstacles[number], touching, x[:, touching.nodes])
         contact = contact.at[:, touching.nodes].add(push)
         on_obstacles = on_obstacles.at[number].add(-push.sum(axis=1))
+    for surface in model.surfaces:
+        contact = contact + surface_penalty(surface, x)
     external = model.mass * model.gravity[:, None]
     for nodes, force, law in model.loaded:
         external = external.at[:, nodes].add((law(time) * force / len(nodes))[:, None])
