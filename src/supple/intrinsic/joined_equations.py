@@ -32,7 +32,17 @@ from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.joint_force import constraints
 from supple.multibody.equations.places import assembled_vector
 
-__all__ = ["Instant", "Motion", "all_velocities", "joint_equations", "joint_rates", "motion_residuals", "moved", "shape_rates", "station_twists"]
+__all__ = [
+    "Instant",
+    "Motion",
+    "all_velocities",
+    "joint_equations",
+    "joint_rates",
+    "motion_residuals",
+    "moved",
+    "shape_rates",
+    "station_twists",
+]
 
 
 class Instant(NamedTuple):
@@ -93,7 +103,7 @@ def joint_rates(arrays: JoinedArrays, now: Instant) -> jax.Array:
 
 
 def joint_equations(arrays: JoinedArrays, now: Instant) -> tuple[jax.Array, jax.Array]:
-    """g and G V + dg/dt of the active equations, (m,) each, at an instant whose stations are in place."""
+    """G and G V + dg/dt of the active equations, (m,) each, at an instant whose stations are in place."""
     model, time, at = arrays.model, jnp.asarray(now.time, dtype=float), now.floating
     joints = joint_force.linearized(model, time, at)
     rates = joint_force.constraint_rows(model, joints) @ all_velocities(arrays, now)
@@ -135,12 +145,14 @@ def motion_residuals(
     )
     balanced = balance(model, seen)
     left = balanced.residual
-    push = assembled_vector(model.n_velocities, joint_force.force(model, balanced.linearization.joints, closing))
+    push = assembled_vector(
+        model.n_velocities, joint_force.force(model, balanced.linearization.joints, closing)
+    )
     amplitudes = tuple(state.q1 for state in now.lines)
     _, back = jax.vjp(lambda q1: station_twists(arrays, now.lines, q1), amplitudes)
     (held,), (pushed,) = back(-left[n:]), back(push[n:])
     system = arrays.line_system
-    wrenches = system_wrenches(system, now.lines, now.time, system.drives)
+    wrenches = system_wrenches(system, now.lines, now.time, (None,) * len(now.lines))
     lines = []
     for model_, state, rate, wrench, force, shift in zip(
         arrays.lines, now.lines, rates.lines, wrenches, held, pushed, strict=True

@@ -15,4 +15,9 @@ __all__ = ["perform"]
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
     """Run the benchmark, its report in the folder unless a file is named."""
     target = json or folder / "intrinsic.json"
-    keep_report(target, lambda started: run_intrinsic(quick, started), tables, lambda report: draw_figures(report, folder))
+    keep_report(
+        target,
+        lambda started: run_intrinsic(quick, started),
+        tables,
+        lambda report: draw_figures(report, folder),
+    )
