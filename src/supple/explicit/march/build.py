@@ -192,6 +192,8 @@ def _start(
         energies=Energies(*(zero for _ in Energies._fields)),
         initial=zero,
         ratio_bound=jnp.asarray(methods.largest_ratio),
+        ratio_wait=jnp.asarray(0),
+        ratio_patience=jnp.asarray(1),
         smallest=jnp.ones(()),
         steps=jnp.asarray(0),
     )

@@ -111,9 +111,15 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
 
     first = ratio_of(state.ratio_bound)
     ratio, new = lax.while_loop(too_much, again, (first, _marched(model, methods, state, fixed, end)))
-    easy = lost(new) < 0.1 * allowed
-    bound = jnp.where(easy, jnp.minimum(2 * ratio, methods.largest_ratio), ratio)
-    return new._replace(ratio_bound=jnp.where((ratio == first) & ~easy, state.ratio_bound, bound))
+    repeated = ratio != first
+    # After each repetition a larger ratio is tried only twice as much later: a trial costs the whole way.
+    longer = (lost(new) < 0.1 * allowed) & (state.ratio_wait == 0) & ~repeated
+    larger = jnp.where(longer, jnp.minimum(2 * ratio, methods.largest_ratio), state.ratio_bound)
+    return new._replace(
+        ratio_bound=jnp.where(repeated, ratio, larger),
+        ratio_wait=jnp.where(repeated, state.ratio_patience, jnp.maximum(state.ratio_wait - 1, 0)),
+        ratio_patience=jnp.where(repeated, jnp.minimum(2 * state.ratio_patience, 64), state.ratio_patience),
+    )
 
 
 def _size(state: MarchState) -> Array:

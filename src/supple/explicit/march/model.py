@@ -140,6 +140,7 @@ class MarchState(NamedTuple):
     materials, alive : of each block;   smallest : det F of the worst point so far
     obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
     ratio_bound : explicit steps in one of the frames, at most, as the interface bears them
+    ratio_wait, ratio_patience : output times until more are tried, and after the next failure
     """
 
     time: Array
@@ -157,5 +158,7 @@ class MarchState(NamedTuple):
     energies: Energies
     initial: Array
     ratio_bound: Array
+    ratio_wait: Array
+    ratio_patience: Array
     smallest: Array
     steps: Array
