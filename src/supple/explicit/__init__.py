@@ -1,6 +1,7 @@
 """Explicit march: modal sub-domains on four-point frames beside nonlinear finite elements."""
 
 from supple.explicit.engine import ENERGIES, OBSTACLES, STEPS, ExplicitEngine, ExplicitOptions
+from supple.explicit.explicit_shell import ExplicitShell, explicit_shell
 from supple.explicit.explicit_subdomain import ExplicitSubdomain, explicit_subdomain
 from supple.explicit.explicit_system import (
     Contact,
@@ -42,6 +43,7 @@ __all__ = [
     "ExactLinks",
     "ExplicitEngine",
     "ExplicitOptions",
+    "ExplicitShell",
     "ExplicitSubdomain",
     "ExplicitSystem",
     "FourPointMotion",
@@ -65,6 +67,7 @@ __all__ = [
     "Support",
     "SurfaceContact",
     "Tie",
+    "explicit_shell",
     "explicit_subdomain",
     "keep_explicit",
     "modal_subdomain",

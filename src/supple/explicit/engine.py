@@ -150,14 +150,24 @@ class ExplicitEngine:
         rows: Recorded = leg.states.rows
         own = self._built
         bodies: dict[str, Any] = {}
-        for name, nodes in own.nodes.items():
-            span = own.blocks[name]
+        for name, span in own.blocks.items():
+            nodes = own.nodes[name]
             bodies[name] = NodalMotion(
                 np.asarray(rows.x)[:, :, nodes].swapaxes(1, 2),
                 np.asarray(rows.v)[:, :, nodes].swapaxes(1, 2),
                 np.concatenate(rows.plastic[span], axis=1),
                 np.concatenate(rows.alive[span], axis=1),
                 np.concatenate(rows.von_mises[span], axis=1),
+            )
+        for name, span in own.shells.items():
+            stress = np.concatenate(rows.shell_stress[span], axis=1)
+            nodes = own.nodes[name]
+            bodies[name] = NodalMotion(
+                np.asarray(rows.x)[:, :, nodes].swapaxes(1, 2),
+                np.asarray(rows.v)[:, :, nodes].swapaxes(1, 2),
+                np.zeros_like(stress),
+                np.ones_like(stress),
+                stress,
             )
         for (name, frame), marched in zip(own.frames.items(), rows.frames, strict=True):
             p, y, vp, vy = (np.asarray(leaf) for leaf in marched)
@@ -183,6 +193,8 @@ class ExplicitEngine:
         if step is None:
             return
         limits = [float(np.asarray(limit).min()) for limit in self._built.model.limits]
+        if self._built.model.shells:
+            limits.append(float(self._built.model.shell_limit))
         rate = float(self._built.model.contact_rate)
         limit = min((2 / np.sqrt((2 / own) ** 2 + rate) for own in limits), default=np.inf)
         limit = min([limit] + [float(frame.step_limit) for frame in self._built.model.frames if not limits])

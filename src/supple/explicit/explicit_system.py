@@ -10,6 +10,7 @@ import numpy as np
 
 from supple.arguments import check_fields
 from supple.errors import ModelError, did_you_mean
+from supple.explicit.explicit_shell import ExplicitShell
 from supple.explicit.explicit_subdomain import ExplicitSubdomain
 from supple.explicit.modal_subdomain import ModalSubdomain
 from supple.explicit.obstacles import Obstacle
@@ -19,7 +20,7 @@ from supple.mesh import Mesh
 
 __all__ = ["Contact", "ExplicitSystem", "NodalForce", "Part", "Support", "SurfaceContact", "Tie"]
 
-Subdomain = ModalSubdomain | ExplicitSubdomain
+Subdomain = ModalSubdomain | ExplicitSubdomain | ExplicitShell
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +142,8 @@ class SurfaceContact:
 class Support:
     """Nodes of an explicit sub-domain that are held.
 
-    nodes : At(sub-domain, node set);   axes : which of x, y, z are held, 0 to 2
+    nodes : At(sub-domain, node set);   axes : which of x, y, z are held, 0 to 2; of shells also rotations
+        about them, 3 to 5
     """
 
     nodes: At
@@ -191,9 +193,16 @@ class ExplicitSystem:
             self.node_numbers(end)
         for contact in self.surface_contacts:
             self.node_numbers(contact.surface)
+        for support in self.supports:
+            most = 6 if isinstance(self.part(support.nodes.body).subdomain, ExplicitShell) else 3
+            if not all(0 <= axis < most for axis in support.axes):
+                raise ModelError(
+                    f"support of '{support.nodes}': axes {support.axes}; give 0 to {most - 1}, rotations of "
+                    "shells alone"
+                )
         for tie in self.ties:
             self.part(tie.on)
-            if not isinstance(self.part(tie.nodes.body).subdomain, ExplicitSubdomain):
+            if isinstance(self.part(tie.nodes.body).subdomain, ModalSubdomain):
                 raise ModelError(
                     f"the nodes of a tie belong to an explicit sub-domain; '{tie.nodes.body}' is modal. "
                     f"Two modal "

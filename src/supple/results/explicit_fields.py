@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.explicit import ExplicitSubdomain, FourPointMotion, ModalSubdomain, NodalMotion
+from supple.explicit import ExplicitShell, ExplicitSubdomain, FourPointMotion, ModalSubdomain, NodalMotion
+from supple.explicit.elements import SolidPoints
+from supple.explicit.explicit_shell import ShellElements
 from supple.fem import stress_recovery, von_mises
 
 __all__ = ["element_means", "modal_von_mises", "nodal_von_mises"]
@@ -14,7 +18,9 @@ __all__ = ["element_means", "modal_von_mises", "nodal_von_mises"]
 FloatArray = NDArray[np.float64]
 
 
-def element_means(subdomain: ExplicitSubdomain, values: FloatArray, alive: FloatArray) -> FloatArray:
+def element_means(
+    subdomain: ExplicitSubdomain | ExplicitShell, values: FloatArray, alive: FloatArray
+) -> FloatArray:
     """Mean (t, N) at each node of values (t, E) over the elements there that are left; zero without any."""
     at_node = sparse.vstack(
         [
@@ -25,11 +31,15 @@ def element_means(subdomain: ExplicitSubdomain, values: FloatArray, alive: Float
                 ),
                 shape=(len(points.nodes), len(subdomain.nodes)),
             )
-            for points in subdomain.points
+            for points in _elements(subdomain)
         ],
         format="csr",
     )
     return ((values * alive) @ at_node) / np.maximum(alive @ at_node, 1.0)
+
+
+def _elements(subdomain: ExplicitSubdomain | ExplicitShell) -> Sequence[SolidPoints | ShellElements]:
+    return subdomain.elements if isinstance(subdomain, ExplicitShell) else subdomain.points
 
 
 def modal_von_mises(subdomain: ModalSubdomain, coordinates: FloatArray) -> FloatArray:
@@ -48,7 +58,7 @@ def modal_von_mises(subdomain: ModalSubdomain, coordinates: FloatArray) -> Float
 
 
 def nodal_von_mises(
-    subdomain: ModalSubdomain | ExplicitSubdomain, motion: FourPointMotion | NodalMotion
+    subdomain: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motion: FourPointMotion | NodalMotion
 ) -> FloatArray:
     """Von Mises stress (t, N) of a part, Pa."""
     if isinstance(subdomain, ModalSubdomain):

@@ -13,8 +13,8 @@ from supple.explicit import (
     ENERGIES,
     STEPS,
     Energies,
-    ExplicitSubdomain,
     ExplicitSystem,
+    ModalSubdomain,
     part_positions,
 )
 from supple.integrate import Solution
@@ -93,7 +93,7 @@ def summarize_explicit(
 
 def _part_numbers(subdomain: Any, solution: Solution) -> dict[str, Any]:
     motion: Any = solution.bodies[subdomain.name]
-    if isinstance(subdomain, ExplicitSubdomain):
+    if not isinstance(subdomain, ModalSubdomain):
         return {
             "kind": "explicit",
             "mass": float(subdomain.masses.sum()),

@@ -116,10 +116,13 @@ class SupportTable(CheckedTable):
 
     nodes: str = Field(description="PART.NODE_SET of an explicit part")
     axes: str = Field("xyz", pattern="^[xyz]{1,3}$", description="directions that are held, global axes")
+    rotations: bool = Field(False, description="true holds rotations about these axes, too: of shells")
 
     def build(self) -> Support:
         """The support."""
-        return Support(_end(self.nodes), tuple("xyz".index(axis) for axis in sorted(set(self.axes))))
+        axes = tuple("xyz".index(axis) for axis in sorted(set(self.axes)))
+        turns = tuple(axis + 3 for axis in axes) if self.rotations else ()
+        return Support(_end(self.nodes), axes + turns)
 
 
 class ForceTable(CheckedTable):

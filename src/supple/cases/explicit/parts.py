@@ -18,9 +18,11 @@ from supple.explicit import (
     ENERGIES,
     OBSTACLES,
     STEPS,
+    ExplicitShell,
     ExplicitSubdomain,
     ModalSubdomain,
     Part,
+    explicit_shell,
     modal_subdomain,
 )
 from supple.explicit import explicit_subdomain as explicit_elements
@@ -35,6 +37,7 @@ from supple.importers.toml import (
     Raw,
     Vector,
     on_each,
+    table,
     tables,
 )
 from supple.mesh import Mesh
@@ -105,7 +108,7 @@ class PartTable(CheckedTable):
 
     def _subdomain(
         self, mesh: Mesh, made_of: Homogeneous, material: Isotropic
-    ) -> ModalSubdomain | ExplicitSubdomain:
+    ) -> ModalSubdomain | ExplicitSubdomain | ExplicitShell:
         model = made_of.model(mesh, material)
         damping = None if self.damping is None else self.damping.build()
         if self.modal is not None:
@@ -116,6 +119,8 @@ class PartTable(CheckedTable):
             return modal_subdomain(body, basis, highest=highest, damping=damping)
         given = self.explicit
         assert given is not None  # a rule of the case file
+        if self.shell is not None:
+            return explicit_shell(model, name=self.name, damping=damping)
         return explicit_elements(
             model,
             given.law.build(material),
@@ -137,6 +142,13 @@ def _are_of_one_kind(path: KeyPath, part: Raw) -> Mistakes:
             yield path, f"a part needs exactly one {what}, {' or '.join(keys)}; this one has {seen}"
 
 
+def _shells_have_no_law(path: KeyPath, part: Raw) -> Mistakes:
+    """Explicit shells are elastic; what is said of solids beyond that would have no effect."""
+    given = table(part, "explicit")
+    for key in given if "shell" in part else ():
+        yield (*path, "explicit", key), "explicit shells are elastic and take no key here; give explicit = {}"
+
+
 def _meshes_can_be_read(path: KeyPath, part: Raw) -> Mistakes:
     mesh = part.get("mesh")
     if isinstance(mesh, str) and Path(mesh).suffix.lower() not in MESH_SUFFIXES:
@@ -153,5 +165,5 @@ def _names_are_free(raw: Raw) -> Mistakes:
 
 RULES = (
     _names_are_free,
-    on_each("part", _are_of_one_kind, _meshes_can_be_read, *material_laws.RULES_OF_PART),
+    on_each("part", _are_of_one_kind, _shells_have_no_law, _meshes_can_be_read, *material_laws.RULES_OF_PART),
 )

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.explicit.explicit_subdomain import ExplicitSubdomain
 from supple.explicit.explicit_system import Contact, ExplicitSystem, Part, Tie
 from supple.explicit.frame_model import FrameModel, FrameState
 from supple.explicit.march.build_blocks import explicit_blocks
+from supple.explicit.march.build_shells import explicit_shells
 from supple.explicit.march.build_surfaces import Hanging, modal_skins, touching_surfaces
 from supple.explicit.march.march_step import with_forces
 from supple.explicit.march.model import (
@@ -25,6 +25,7 @@ from supple.explicit.march.model import (
     NodesTouching,
     ObstacleState,
 )
+from supple.explicit.march.turning import Turning
 from supple.explicit.meeting import meeting_nodes, on_faces
 from supple.explicit.modal_frame import ModalFrame, modal_frame
 from supple.explicit.modal_subdomain import ModalSubdomain
@@ -43,7 +44,7 @@ class Built:
     """A system ready to march.
 
     nodes : explicit part to the numbers of its nodes in the march
-    blocks : explicit part to its blocks among those of the march
+    blocks : explicit part of solids to its blocks among those of the march;   shells : likewise
     frames : modal parts, in the order of the march, with their modes as marched
     """
 
@@ -52,6 +53,7 @@ class Built:
     start: MarchState
     nodes: dict[str, IntArray]
     blocks: dict[str, slice]
+    shells: dict[str, slice]
     frames: dict[str, ModalFrame]
 
 
@@ -63,7 +65,7 @@ def built(
     interface_loss: float,
 ) -> Built:
     """The march of a system; ModelError for ties that do not meet and nodes that begin inside an obstacle."""
-    explicit = [part for part in system.placed if isinstance(part.subdomain, ExplicitSubdomain)]
+    explicit = [part for part in system.placed if not isinstance(part.subdomain, ModalSubdomain)]
     numbers, x, v = _numbered(system, explicit)
     skins = modal_skins(system, len(x))
     for skin in skins:
@@ -71,11 +73,14 @@ def built(
         x = np.vstack([x, part.nodes[skin.corners]])
         v = np.vstack([v, part.velocities(part.nodes[skin.corners])])
     made = explicit_blocks(explicit, numbers, len(x))
-    mass, short = made.mass, made.step_limit
+    shells = explicit_shells(explicit, numbers, len(x))
+    mass = made.mass + shells.mass
+    alpha = (made.damped + shells.damped) / np.where(mass > 0, mass, 1.0)
+    short = min(made.step_limit, shells.step_limit)
     movable = np.ones((3, len(x)))
     for support in system.supports:
         held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
-        for axis in support.axes:
+        for axis in (axis for axis in support.axes if axis < 3):
             movable[axis, held] = 0.0
             v[held, axis] = 0.0
     obstacles = tuple(contact.obstacle for contact in system.rigid_contacts)
@@ -114,7 +119,7 @@ def built(
         tuple(made.limits),
         tuple(made.betas),
         jnp.asarray(mass),
-        jnp.asarray(made.alpha),
+        jnp.asarray(alpha),
         jnp.asarray(movable),
         tuple(frame_arrays),
         tuple(touching),
@@ -123,6 +128,9 @@ def built(
         jnp.asarray([obstacle.mass for obstacle in obstacles], dtype=float),
         jnp.asarray(system.gravity),
         jnp.asarray(contact_rate + on_obstacles),
+        tuple(shells.blocks),
+        shells.spins(system.supports, numbers, system),
+        jnp.asarray(shells.step_limit),
     )
     methods = Methods(
         tuple(made.laws),
@@ -135,8 +143,10 @@ def built(
         largest_ratio,
         interface_loss,
     )
-    start = _start(model, methods, x, v, tuple(frame_states))
-    return Built(model, methods, with_forces(model, methods, start), numbers, made.spans, frames)
+    start = _start(model, methods, x, v, tuple(frame_states), shells.start())
+    return Built(
+        model, methods, with_forces(model, methods, start), numbers, made.spans, shells.spans, frames
+    )
 
 
 def _loaded(system: ExplicitSystem, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
@@ -153,7 +163,12 @@ def _loaded(system: ExplicitSystem, numbers: dict[str, IntArray]) -> tuple[Any, 
 
 
 def _start(
-    model: MarchModel, methods: Methods, x: FloatArray, v: FloatArray, frames: tuple[FrameState, ...]
+    model: MarchModel,
+    methods: Methods,
+    x: FloatArray,
+    v: FloatArray,
+    frames: tuple[FrameState, ...],
+    turning: Turning,
 ) -> MarchState:
     zero = jnp.zeros(())
     return MarchState(
@@ -172,10 +187,13 @@ def _start(
             ObstacleState(jnp.zeros(3), jnp.asarray(obstacle.velocity, dtype=float))
             for obstacle in methods.obstacles
         ),
+        turning=turning,
         obstacle_forces=jnp.zeros((len(methods.obstacles), 3)),
         energies=Energies(*(zero for _ in Energies._fields)),
         initial=zero,
         ratio_bound=jnp.asarray(methods.largest_ratio),
+        ratio_wait=jnp.asarray(0),
+        ratio_patience=jnp.asarray(1),
         smallest=jnp.ones(()),
         steps=jnp.asarray(0),
     )

@@ -23,11 +23,11 @@ class Blocks:
     """Blocks of elements, one list item each, and their nodes.
 
     limits : (E,) stable steps at rest, s;   betas : stiffness damping, s, or None
-    spans : part to its blocks;   mass : (N,) kg;   alpha : (N,) mass damping, 1/s
+    spans : part to its blocks;   mass : (N,) kg;   damped : (N,) alpha m, kg/s
     """
 
     mass: NDArray[np.float64]
-    alpha: NDArray[np.float64]
+    damped: NDArray[np.float64]
     blocks: list[SolidBlock] = field(default_factory=list)
     limits: list[Array] = field(default_factory=list)
     laws: list[Law] = field(default_factory=list)
@@ -44,10 +44,11 @@ class Blocks:
 def explicit_blocks(parts: Sequence[Part], numbers: Mapping[str, NDArray[np.int64]], n_nodes: int) -> Blocks:
     """The blocks of explicit parts whose nodes have numbers among the n_nodes of the march."""
     mass, damped = np.zeros(n_nodes), np.zeros(n_nodes)
-    made = Blocks(mass, np.zeros(n_nodes))
+    made = Blocks(mass, damped)
     for part in parts:
         body = part.subdomain
-        assert isinstance(body, ExplicitSubdomain)
+        if not isinstance(body, ExplicitSubdomain):
+            continue
         own = numbers[part.name]
         np.add.at(mass, own, body.masses)
         if body.damping is not None:
@@ -62,5 +63,4 @@ def explicit_blocks(parts: Sequence[Part], numbers: Mapping[str, NDArray[np.int6
             made.deletions.append(body.deletion)
             beta = 0.0 if body.damping is None else body.damping.beta
             made.betas.append(jnp.asarray(beta) if beta else None)
-    made.alpha[:] = damped / np.where(mass > 0, mass, 1.0)
     return made

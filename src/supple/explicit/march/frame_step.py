@@ -70,7 +70,8 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
         frames.append(new)
         works = works + _works(arrays, own, new, (external, contact, pulled), steps)
         turning = turning + methods.scheme.turning_work(arrays.model, own, new, multipliers, steps)
-    return FrameStep(tuple(frames), *works, turning, on_obstacles)
+    internal, damping, external, contact, from_nodes = works
+    return FrameStep(tuple(frames), internal, damping, external, contact, from_nodes, turning, on_obstacles)
 
 
 def hanging(arrays: FrameArrays, frame: FrameState) -> Array:

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from supple.explicit.elements import squashed, von_mises
+from supple.explicit.elements import shell_von_mises, squashed, von_mises
 from supple.explicit.march.march_step import kinetic, march_step
 from supple.explicit.march.model import MarchModel, MarchState, Methods
 
@@ -31,6 +31,7 @@ class Recorded(NamedTuple):
     plastic: tuple[Array, ...]
     alive: tuple[Array, ...]
     von_mises: tuple[Array, ...]
+    shell_stress: tuple[Array, ...]
     frames: tuple[tuple[Array, Array, Array, Array], ...]
     obstacles: tuple[tuple[Array, Array], ...]
     energies: Array
@@ -65,7 +66,8 @@ def chosen_steps(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, span: Array
 ) -> tuple[Array, Array, Array]:
     """Step of the explicit nodes, explicit steps in one of the frames, and number of these in a span."""
-    squared = model.contact_rate
+    # Strains of shells are small: their limit is that at rest.
+    squared = (2 / model.shell_limit) ** 2 + model.contact_rate
     for block, limit, live in zip(model.blocks, model.limits, state.alive, strict=True):
         longest = jnp.min(jnp.where(live > 0, limit * squashed(block, state.x), jnp.inf))
         squared = jnp.maximum(squared, (2 / longest) ** 2 + model.contact_rate)
@@ -79,7 +81,7 @@ def chosen_steps(
         n = jnp.maximum(jnp.ceil(span / short * (1 - 1e-9)), 1)
         return span / n, jnp.asarray(1), n.astype(int)
     long = methods.safety * jnp.min(jnp.stack([frame.step_limit for frame in model.frames]))
-    if not model.blocks:
+    if not model.blocks and not model.shells:
         short = jnp.where(fixed > 0, fixed, long)
     long = jnp.minimum(long, jnp.minimum(methods.largest_ratio, state.ratio_bound) * short)
     n = jnp.maximum(jnp.ceil(span / long * (1 - 1e-9)), 1)
@@ -89,7 +91,7 @@ def chosen_steps(
 
 def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Array, end: Array) -> MarchState:
     """On to an output time; again with a smaller ratio as long as the interface loses or wins too much."""
-    if not model.frames or not model.blocks:
+    if not model.frames or not (model.blocks or model.shells):
         return _marched(model, methods, state, fixed, end)
     allowed = methods.interface_loss * (_size(state) + kinetic(model, state))
 
@@ -109,9 +111,15 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
 
     first = ratio_of(state.ratio_bound)
     ratio, new = lax.while_loop(too_much, again, (first, _marched(model, methods, state, fixed, end)))
-    easy = lost(new) < 0.1 * allowed
-    bound = jnp.where(easy, jnp.minimum(2 * ratio, methods.largest_ratio), ratio)
-    return new._replace(ratio_bound=jnp.where((ratio == first) & ~easy, state.ratio_bound, bound))
+    repeated = ratio != first
+    # After each repetition a larger ratio is tried only twice as much later: a trial costs the whole way.
+    longer = (lost(new) < 0.1 * allowed) & (state.ratio_wait == 0) & ~repeated
+    larger = jnp.where(longer, jnp.minimum(2 * ratio, methods.largest_ratio), state.ratio_bound)
+    return new._replace(
+        ratio_bound=jnp.where(repeated, ratio, larger),
+        ratio_wait=jnp.where(repeated, state.ratio_patience, jnp.maximum(state.ratio_wait - 1, 0)),
+        ratio_patience=jnp.where(repeated, jnp.minimum(2 * state.ratio_patience, 64), state.ratio_patience),
+    )
 
 
 def _size(state: MarchState) -> Array:
@@ -177,6 +185,7 @@ def recorded(model: MarchModel, methods: Methods, state: MarchState, trouble: Ar
         tuple(plastic),
         state.alive,
         tuple(stress),
+        tuple(shell_von_mises(shell, state.x, state.turning.triads) for shell in model.shells),
         tuple((frame.p, frame.y, frame.vp, frame.vy) for frame in state.frames),
         tuple((at.offset, at.velocity) for at in state.obstacles),
         jnp.stack(state.energies._replace(kinetic=kinetic(model, state))),

@@ -7,9 +7,10 @@ from typing import Any, NamedTuple
 
 from jax import Array
 
-from supple.explicit.elements import SolidBlock
+from supple.explicit.elements import ShellBlock, SolidBlock
 from supple.explicit.frame_model import FrameModel, FrameState
 from supple.explicit.march.touching_surface import TouchingSurface
+from supple.explicit.march.turning import Spins, Turning
 from supple.explicit.materials import Law
 from supple.explicit.obstacles import Obstacle
 from supple.explicit.projected_difference import ProjectedDifference
@@ -57,6 +58,7 @@ class MarchModel(NamedTuple):
     mass, alpha : (N,) of the nodes, kg and 1/s;   movable : (3, N) 1, or 0 where held
     surfaces : contacts between parts
     contact_rate : largest stiffness over mass of a node in contact, 1/s^2
+    shells : of triangles, with their triads;   shell_limit : of their step, s
     """
 
     blocks: tuple[SolidBlock, ...]
@@ -72,6 +74,9 @@ class MarchModel(NamedTuple):
     obstacle_mass: Array
     gravity: Array
     contact_rate: Array
+    shells: tuple[ShellBlock, ...]
+    spins: Spins
+    shell_limit: Array
 
 
 @dataclass(frozen=True)
@@ -135,6 +140,7 @@ class MarchState(NamedTuple):
     materials, alive : of each block;   smallest : det F of the worst point so far
     obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
     ratio_bound : explicit steps in one of the frames, at most, as the interface bears them
+    ratio_wait, ratio_patience : output times until more are tried, and after the next failure
     """
 
     time: Array
@@ -147,9 +153,12 @@ class MarchState(NamedTuple):
     alive: tuple[Array, ...]
     frames: tuple[FrameState, ...]
     obstacles: tuple[ObstacleState, ...]
+    turning: Turning
     obstacle_forces: Array
     energies: Energies
     initial: Array
     ratio_bound: Array
+    ratio_wait: Array
+    ratio_patience: Array
     smallest: Array
     steps: Array

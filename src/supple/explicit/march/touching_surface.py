@@ -109,7 +109,8 @@ def corner_stiffness(
     least, all_of = float(stiffness.max()), float(stiffness.sum())
     # Half as much again: nodes need not lie as evenly as their mean distance says.
     return {
-        int(node): min(max(least, 1.5 * density * tributary[node]), all_of) for node in np.unique(corners)
+        int(node): min(max(least, 1.5 * density * float(tributary[node])), all_of)
+        for node in np.unique(corners)
     }
 
 
