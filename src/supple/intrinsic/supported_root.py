@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from supple.errors import ModelError
-from supple.intrinsic.intrinsic_body import body_of
+from supple.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.intrinsic.root_drive import RootDrive
 from supple.intrinsic.root_support import BALL, CLAMPED, FREE, RootSupport
 from supple.machine import (
@@ -24,7 +24,7 @@ from supple.machine import (
     System,
 )
 
-__all__ = ["HeldRoot", "held_root", "joints_of"]
+__all__ = ["HeldRoot", "held_root", "is_joined", "joints_of"]
 
 SAME = 1e-9
 """Of unit twists: supports that differ by more are others."""
@@ -35,6 +35,20 @@ class HeldRoot(NamedTuple):
 
     joint: Joint | None
     drive: RootDrive | None
+
+
+def is_joined(system: System) -> bool:
+    """Whether a machine is more than intrinsic bodies that the ground alone holds, by their roots.
+
+    A body whose root is free takes joints as such a machine does: by its rigid motion.
+    """
+    for placed in system.bodies:
+        if not isinstance(placed.body, IntrinsicBody):
+            return True
+        joints = joints_of(system, placed.body.name)
+        if joints and placed.body.support.free.shape[1] == 6:
+            return True
+    return any(GROUND not in (joint.first, joint.second) for joint in system.joints)
 
 
 def joints_of(system: System, body: str) -> list[Joint]:

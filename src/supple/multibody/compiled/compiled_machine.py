@@ -22,10 +22,11 @@ from supple.multibody.equations.configuration import (
     SystemMotion,
     advance,
 )
-from supple.multibody.equations.consistent_start import JointTerms, consistent_start, joint_terms
+from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.equations.inertia import mass_matrix
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.start_change import StartChange
+from supple.multibody.equations.starting_machine import JointTerms, joint_terms
 
 __all__ = ["CompiledMachine", "CompiledStart", "compiled_start"]
 

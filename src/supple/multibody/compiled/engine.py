@@ -12,6 +12,7 @@ from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joi
 from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.compiled.compiled_machine import compiled_start
+from supple.multibody.compiled.contraction import Contraction, untold
 from supple.multibody.compiled.control_start import kept_control, resumed_control
 from supple.multibody.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
 from supple.multibody.compiled.sampling import sampling_of
@@ -78,7 +79,8 @@ def _state(**known: Any) -> State:
         "largest_error": np.zeros(()),
         "largest_turn": np.zeros(()),
     }
-    arrays: dict[str, Any] = jax.tree.map(np.asarray, known)
+    known.setdefault("contraction", untold())
+    arrays: dict[str, Any] = {name: jax.tree.map(np.asarray, value) for name, value in known.items()}
     return State(**arrays, **fresh, relative_residual=np.zeros(4))
 
 
@@ -121,6 +123,7 @@ class CompiledEngine:
             auxiliary=known.get("auxiliary", instant.acceleration),
             multipliers=instant.multipliers[list(active)],
             control=resumed_control(self._system, known),
+            contraction=Contraction(*known.get("contraction", untold())),
         )
 
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
@@ -190,5 +193,6 @@ def as_solution(system: System, model: Model, states: State, statistics: Statist
             "auxiliary": states.auxiliary[-1],
             "step": states.step[-1],
             **kept_control(states.control),
+            "contraction": np.array([own[-1] for own in states.contraction]),
         },
     )
