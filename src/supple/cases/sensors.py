@@ -97,9 +97,7 @@ class SpringSensor(CheckedTable):
     """What a spring and damper, or another element, carries, or has stored."""
 
     kind: Literal["spring-force", "element-energy"]
-    name: str = Field(
-        description="its columns are NAME.Fx, ..., NAME.Mz of the second end, global; or NAME.stored, NAME.power"
-    )
+    name: str = Field(description="its columns are NAME.Fx, ..., NAME.Mz; or NAME.stored, NAME.power")
     spring: str = Field(description="name of a spring or an element")
 
     def build(self, case: SensedCase) -> sensors.Sensor:
