@@ -131,7 +131,9 @@ def _bent(force: float, frame: str) -> ExactBeamCase:
 
     def made() -> tuple[FullBody, Callable[[Any], System], DerivativeChoice, Run, Deflection]:
         ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
-        model = shell_model(strip(LENGTH, WIDTH, 24, 1), HomogeneousSection(Isotropic(MODULUS, 0.0, DENSITY), THICKNESS))
+        model = shell_model(
+            strip(LENGTH, WIDTH, 24, 1), HomogeneousSection(Isotropic(MODULUS, 0.0, DENSITY), THICKNESS)
+        )
         body = flexible_body("body", model, ends)
         wall = Fixed(name="wall", first=GROUND, second=At("body", "root"))
         # As finely tabled as the exact beam is stepped: between, a table goes straight.
