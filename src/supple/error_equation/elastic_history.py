@@ -202,5 +202,5 @@ def _unit_energies(body: FlexibleBody, motion: Array, coordinates: Array) -> Arr
 
 def _gains(body: FlexibleBody, q: Array, onto: Array) -> tuple[Array, Array]:
     """What the material and the geometric part of the tangent gain at q, (k, k) each."""
-    whole, geometric = body.assembly.tangent(q), body.assembly.tangent(q, material=0.0)
-    return onto.T @ ((whole - geometric - body.stiffness) @ onto), onto.T @ (geometric @ onto)
+    material, geometric = body.assembly.tangent_parts(q)
+    return onto.T @ ((material - body.stiffness) @ onto), onto.T @ (geometric @ onto)

@@ -99,6 +99,12 @@ class Assembly:
         """
         return self._matrix(self._over_elements(partial(quadratic_strain.tangent, material=material), q))
 
+    def tangent_parts(self, q: Array) -> tuple[csc_array, csc_array]:
+        """The two terms of the tangent (n, n), of the strains and of the stress, from one evaluation."""
+        both = self._over_elements(quadratic_strain.tangent_parts, q)
+        material, geometric = (self._matrix([each[:, number] for each in both]) for number in (0, 1))
+        return material, geometric
+
     def tangent_derivative(self, x: Array) -> csc_array:
         """Derivative of the tangent at q = 0 in the direction x (n,), exact; (n, n)."""
         return self._matrix(self._over_elements(quadratic_strain.tangent_derivative, x))
@@ -166,7 +172,8 @@ class Assembly:
         forces = np.zeros((self.n, n_pairs))
         for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, n_points, s, n_e = block.B.shape
-            each = n_points * (s + 1) * block.G.shape[2] * n_pairs + n_e * (n_pairs + m)
+            d = block.G.shape[2]
+            each = n_points * (s + d) * (d + 3 * m) + n_e * n_pairs
             for elements in _ranges(n_elements, each):
                 rows = gather[elements.start * n_e : elements.stop * n_e]
                 directions = (rows @ X).reshape(-1, n_e, m)
