@@ -3,14 +3,16 @@
 from supple.intrinsic.condensation_error import accurate_condensation, condensation_error
 from supple.intrinsic.condense import condense
 from supple.intrinsic.condensed_line import CondensedLine, clamped_line, condensed_line
-from supple.intrinsic.engine import IntrinsicEngine
+from supple.intrinsic.engine import IntrinsicEngine, intrinsic_engine
 from supple.intrinsic.intrinsic_body import IntrinsicBody, intrinsic_body
 from supple.intrinsic.intrinsic_modes import IntrinsicModes, intrinsic_modes
 from supple.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.intrinsic.line_rest import line_rest
 from supple.intrinsic.load_path import LoadPath, LoadPaths, NodeSetPath
 from supple.intrinsic.load_path_tree import LoadPathTree, load_path_tree
+from supple.intrinsic.released import released
 from supple.intrinsic.root_support import BALL, CLAMPED, FREE, RootSupport, hinged, sliding
+from supple.intrinsic.truncation_error import TruncationError, truncation_error
 from supple.intrinsic.velocity_integration import integrated_places
 
 __all__ = [
@@ -27,6 +29,7 @@ __all__ = [
     "LoadPaths",
     "NodeSetPath",
     "RootSupport",
+    "TruncationError",
     "accurate_condensation",
     "clamped_line",
     "condensation_error",
@@ -35,8 +38,11 @@ __all__ = [
     "hinged",
     "integrated_places",
     "intrinsic_body",
+    "intrinsic_engine",
     "intrinsic_modes",
     "line_rest",
     "load_path_tree",
+    "released",
     "sliding",
+    "truncation_error",
 ]

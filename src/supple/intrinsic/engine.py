@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time as clock
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -21,16 +20,21 @@ from supple.integrate import (
     Statistics,
     leg_size,
 )
+from supple.intrinsic.joined_engine import ITERATED, JoinedEngine
 from supple.intrinsic.line_march import LineRule, MarchState, first_march_state, march_lines
 from supple.intrinsic.line_model import LineState
 from supple.intrinsic.machine_of_lines import MachineOfLines, machine_of_lines
 from supple.intrinsic.root_reaction import reactions
 from supple.intrinsic.stable_step import check_stable
+from supple.intrinsic.supported_root import is_joined
+from supple.machine import System
 
-__all__ = ["IntrinsicEngine", "line_rule"]
+__all__ = ["IntrinsicEngine", "intrinsic_engine", "line_rule"]
 
-ITERATED = 1e-4
-"""Of the run's tolerance: to what implicit steps are solved, so that the energy shows the rule alone."""
+
+def intrinsic_engine(system: System, run: Run) -> IntrinsicEngine | JoinedEngine:
+    """The engine of a machine with intrinsic bodies; the joined one unless the ground alone holds roots."""
+    return JoinedEngine(system, run) if is_joined(system) else IntrinsicEngine(system, run)
 
 
 def line_rule(run: Run) -> LineRule:
@@ -50,7 +54,7 @@ _NAMES = ("q1", "q2", "quaternion", "position")
 class IntrinsicEngine:
     """An `Engine` of machines whose bodies are intrinsic; `MarchState` is its state."""
 
-    def __init__(self, system: Any, run: Run) -> None:
+    def __init__(self, system: System, run: Run) -> None:
         self._system = system
         self._run = run
         self._rule = line_rule(run)

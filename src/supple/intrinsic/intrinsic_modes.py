@@ -16,7 +16,7 @@ from supple.intrinsic.load_path_tree import LoadPathTree
 from supple.intrinsic.root_support import RootSupport
 from supple.intrinsic.station_mass import mass_factor
 
-__all__ = ["IntrinsicModes", "intrinsic_modes"]
+__all__ = ["IntrinsicModes", "checked_modes", "intrinsic_modes"]
 
 Array = NDArray[np.float64]
 
@@ -79,7 +79,7 @@ class IntrinsicModes:
         first = self.velocities.reshape(-1, m).T @ self.momenta.reshape(-1, m)
         weighted = self.forces * self.line.tree.lengths[:, None, None]
         second = weighted.reshape(-1, e).T @ self.strains.reshape(-1, e)
-        return tuple(float(np.abs(g - np.eye(len(g))).max(initial=0.0)) for g in (first, second))  # type: ignore[return-value]
+        return _defect(first), _defect(second)
 
     def truncated(self, n_modes: int) -> IntrinsicModes:
         """The lowest modes alone; ModelError for fewer than the rigid ones, or more than there are."""
@@ -132,20 +132,27 @@ def intrinsic_modes(line: CondensedLine, support: RootSupport, n_modes: int | No
     forces, strains = _section_modes(
         line.tree, Phi.reshape(line.n, 6, e), momenta[:, R.shape[1] :].reshape(line.n, 6, e), omega
     )
-    modes = IntrinsicModes(
-        line=line,
-        support=support,
-        omega=read_only(np.append(np.zeros(R.shape[1]), omega)),
-        velocities=read_only(all_modes.reshape(line.n, 6, -1)),
-        momenta=read_only(momenta.reshape(line.n, 6, -1)),
-        forces=read_only(forces),
-        strains=read_only(strains),
+    return checked_modes(
+        IntrinsicModes(
+            line=line,
+            support=support,
+            omega=read_only(np.append(np.zeros(R.shape[1]), omega)),
+            velocities=read_only(all_modes.reshape(line.n, 6, -1)),
+            momenta=read_only(momenta.reshape(line.n, 6, -1)),
+            forces=read_only(forces),
+            strains=read_only(strains),
+        )
     )
+
+
+def checked_modes(modes: IntrinsicModes) -> IntrinsicModes:
+    """The same modes; AccuracyError where they are not orthonormal to 1e-8: what to look for."""
     first, second = modes.orthonormality
     if not max(first, second) < LARGEST_DEFECT:
+        omega = modes.omega[modes.n_rigid :]
         raise AccuracyError(
-            f"line '{line.name}': its modes are orthonormal to {first:.1e} (velocities) and {second:.1e} "
-            f"(forces) only, over frequencies from {omega.min(initial=np.inf):.3g} to "
+            f"line '{modes.line.name}': its modes are orthonormal to {first:.1e} (velocities) and "
+            f"{second:.1e} (forces) only, over frequencies from {omega.min(initial=np.inf):.3g} to "
             f"{omega.max(initial=0):.3g} rad/s: ask for fewer modes (n_modes), or mend masses that are "
             "tiny beside the others"
         )
@@ -224,3 +231,7 @@ def _section_modes(tree: LoadPathTree, Phi: Array, momenta: Array, omega: Array)
     strains = -(outer - inner) / tree.lengths[:, None, None]
     strains[:, :3] -= np.cross(tree.directions[:, :, None], 0.5 * (outer + inner)[:, 3:], axis=1)
     return forces, strains / np.where(omega > 0, omega, 1.0)
+
+
+def _defect(gram: Array) -> float:
+    return float(np.abs(gram - np.eye(len(gram))).max(initial=0.0))

@@ -20,6 +20,7 @@ from supple.intrinsic.line_model import LineModel
 
 __all__ = [
     "RootTwist",
+    "force_rates",
     "l1",
     "l2",
     "line_rates",
@@ -72,13 +73,7 @@ def line_rates(
     k = model.n_rigid
     x1 = station_velocities(model, q1, root)
     e = section_strains(model, q2)
-    outer = x1[1:]
-    inner = x1[:-1] if model.is_chain else x1[model.inner]
-    middle = 0.5 * (outer + inner)
-    ds = model.lengths[:, None]
-    strain_power = (ds * l1_transposed(middle, e)).reshape(-1)
-    d2 = strain_power @ model.forces - model.omega * q1[k:]
-
+    d2 = force_rates(model, x1, q1, e)
     stress = q2 + model.retardation * d2
     inertial = on_stations(model, x1, q1, stress, e, root)
     if wrenches is not None:
@@ -87,6 +82,15 @@ def line_rates(
     if root is not None:
         d1 = d1 - model.velocities.T @ (model.twist_momenta @ root.rate)
     return d1.at[k:].add(model.omega * stress), d2
+
+
+def force_rates(model: LineModel, x1: jax.Array, q1: jax.Array, e: jax.Array) -> jax.Array:
+    """q_2' (e,), linear in velocities x_1 (n, 6) of amplitudes q_1, at strains e (n - 1, 6)."""
+    outer = x1[1:]
+    inner = x1[:-1] if model.is_chain else x1[model.inner]
+    middle = 0.5 * (outer + inner)
+    strain_power = (model.lengths[:, None] * l1_transposed(middle, e)).reshape(-1)
+    return strain_power @ model.forces - model.omega * q1[model.n_rigid :]
 
 
 def on_stations(

@@ -14,7 +14,7 @@ from supple.intrinsic.root_drive import RootDrive
 from supple.intrinsic.station_loads import StationLoad, StationMotion
 from supple.intrinsic.strain_integration import Places, rotation_of, station_places
 
-__all__ = ["LineSystem", "States", "places_of", "system_rates", "system_wrenches"]
+__all__ = ["LineSystem", "States", "places_of", "root_rates", "system_rates", "system_wrenches"]
 
 States = tuple[LineState, ...]
 """One per line."""
@@ -66,11 +66,11 @@ def system_rates(system: LineSystem, time: Any, states: States) -> States:
     rates = []
     for model, state, root, wrench in zip(system.lines, states, roots, wrenches, strict=True):
         d1, d2 = line_rates(model, state.q1, state.q2, wrench, root)
-        rates.append(LineState(d1, d2, *_root_rates(model, state)))
+        rates.append(LineState(d1, d2, *root_rates(model, state.q1, state.quaternion)))
     return tuple(rates)
 
 
-def _root_rates(model: LineModel, state: LineState) -> tuple[jax.Array, jax.Array]:
+def root_rates(model: LineModel, q1: jax.Array, quaternion: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Rates of the root's quaternion and position: zero where it has no rigid mode of its own.
 
     Source: [Wang2015] (4), (5).
@@ -78,8 +78,8 @@ def _root_rates(model: LineModel, state: LineState) -> tuple[jax.Array, jax.Arra
     k = model.n_rigid
     if k == 0:
         return jnp.zeros(4), jnp.zeros(3)
-    twist = model.velocities[:6] @ state.q1
+    twist = model.velocities[:6] @ q1
     v, w = twist[:3], twist[3:]
-    s, z = state.quaternion[0], state.quaternion[1:]
+    s, z = quaternion[0], quaternion[1:]
     turn = 0.5 * jnp.concatenate([-(w @ z)[None], s * w + jnp.cross(z, w)])
-    return turn, rotation_of(state.quaternion) @ v
+    return turn, rotation_of(quaternion) @ v

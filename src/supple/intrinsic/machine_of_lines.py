@@ -22,7 +22,7 @@ from supple.intrinsic.strain_integration import rotation_of
 from supple.intrinsic.supported_root import HeldRoot, held_root
 from supple.machine import Placed, System
 
-__all__ = ["MachineOfLines", "machine_of_lines"]
+__all__ = ["MachineOfLines", "line_motion", "line_start", "machine_of_lines"]
 
 Array = np.ndarray
 
@@ -49,7 +49,7 @@ class MachineOfLines:
         """Motions by body name, of stacked states (leading axis: time)."""
         each = zip(self.system.bodies, self.lines.lines, self.lines.drives, states, strict=True)
         return {
-            placed.body.name: _motion(placed, model, drive, state, times)
+            placed.body.name: line_motion(placed, model, drive, state, times)
             for placed, model, drive, state in each
         }
 
@@ -83,11 +83,13 @@ def machine_of_lines(system: System, time: float) -> MachineOfLines:
         tuple(root.drive for root in roots),
         machine_loads(system),
     )
-    start = tuple(_start(placed, root.drive, time) for placed, root in zip(system.bodies, roots, strict=True))
+    start = tuple(
+        line_start(placed, root.drive, time) for placed, root in zip(system.bodies, roots, strict=True)
+    )
     return MachineOfLines(system, lines, start, roots)
 
 
-def _start(placed: Placed, drive: RootDrive | None, time: float) -> LineState:
+def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineState:
     """The state in which a body is placed: rigid motion of its frame, and elastic amplitudes."""
     body = body_of(placed)
     k = body.modes.n_rigid
@@ -112,9 +114,10 @@ def _start(placed: Placed, drive: RootDrive | None, time: float) -> LineState:
     )
 
 
-def _motion(
+def line_motion(
     placed: Placed, model: LineModel, drive: RootDrive | None, state: LineState, times: Array
 ) -> IntrinsicMotion:
+    """The motion of a body from stacked states of its line (leading axis: time)."""
     body = body_of(placed)
     rotation, position, twist = (np.asarray(each) for each in _roots(model, drive, state, jnp.asarray(times)))
     root = body.line.tree.points[0]

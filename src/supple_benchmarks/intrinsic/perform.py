@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple_benchmarks.growing_report import keep_report
+from supple_benchmarks.intrinsic.figures import draw_figures
 from supple_benchmarks.intrinsic.report import tables
 from supple_benchmarks.intrinsic.run import run_intrinsic
 
@@ -14,4 +15,9 @@ __all__ = ["perform"]
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
     """Run the benchmark, its report in the folder unless a file is named."""
     target = json or folder / "intrinsic.json"
-    keep_report(target, lambda started: run_intrinsic(quick, started), tables)
+    keep_report(
+        target,
+        lambda started: run_intrinsic(quick, started),
+        tables,
+        lambda report: draw_figures(report, folder),
+    )

@@ -10,8 +10,8 @@ residual not much larger. Where that is far below the tolerance, the corrected i
 one evaluation more. Every so many steps it is measured again, and a step that takes several corrections is
 always evaluated.
 
-It holds for what is smooth: inertia, elastic forces, joints and nodal loads are. Laws of force elements may
-have kinks within a step, so machines with such elements are always evaluated.
+It holds for what is smooth: inertia, elastic forces, joints and nodal loads are. Laws of force elements and
+controllers may have kinks within a step, so machines with such elements are always evaluated.
 Source: [HairerWanner1996], section IV.8, stops by the contraction of an earlier step, too.
 """
 
@@ -54,7 +54,7 @@ def untold() -> Contraction:
 
 def is_foretellable(model: Model) -> bool:
     """Whether all terms of the equations are smooth within a step."""
-    return not model.forces
+    return not model.forces and not model.controllers
 
 
 def foretold_to_converge(known: Contraction, size: jax.Array, step: jax.Array) -> jax.Array:

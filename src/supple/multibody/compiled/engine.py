@@ -13,7 +13,9 @@ from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.compiled.contraction import Contraction, untold
+from supple.multibody.compiled.control_start import kept_control, resumed_control
 from supple.multibody.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
+from supple.multibody.compiled.sampling import sampling_of
 from supple.multibody.compiled.time_step import Controls, State
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.floating_solution import (
@@ -62,6 +64,7 @@ def initial_state(
         acceleration=start.acceleration,
         auxiliary=start.acceleration,
         multipliers=start.multipliers,
+        control=start.control,
     )
 
 
@@ -90,6 +93,7 @@ class CompiledEngine:
         self._controls = jax.device_put(controls(run))
         self._model: Model | None = None
         self._stops = Stops(run.times, stepping_instants([system], run))
+        self._sampling = sampling_of(system, run)
 
     def start(self, time: float) -> State:
         """Consistent positions, velocities, accelerations and multipliers."""
@@ -119,9 +123,16 @@ class CompiledEngine:
             auxiliary=known.get("auxiliary", instant.acceleration),
             multipliers=instant.multipliers[list(active)],
             contraction=Contraction(*known.get("contraction", untold())),
+            control=resumed_control(self._system, known),
         )
 
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
+        """To each of the output times; where controllers are sampled, from instant to instant."""
+        if self._sampling is None:
+            return self._marched(state, times)
+        return self._sampling.march(self._marched, self._model, state, times)
+
+    def _marched(self, state: State, times: np.ndarray) -> Leg[State]:
         """To each of the output times, in a few calls of the compiled program."""
         began = clock.perf_counter()
         stops, outputs = self._stops.on_the_way(float(state.time), times)
@@ -183,5 +194,6 @@ def as_solution(system: System, model: Model, states: State, statistics: Statist
             "auxiliary": states.auxiliary[-1],
             "step": states.step[-1],
             "contraction": np.array([own[-1] for own in states.contraction]),
+            **kept_control(states.control),
         },
     )

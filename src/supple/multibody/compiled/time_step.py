@@ -21,7 +21,15 @@ from supple.multibody.compiled.contraction import (
 from supple.multibody.compiled.in_turn import in_turn
 from supple.multibody.compiled.step_equations import LinearizedStep, correction, kinds_of_rows
 from supple.multibody.equations.balance import Balance, Linearization, balance
-from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion, advance
+from supple.multibody.equations.configuration import (
+    AnyArray,
+    Configuration,
+    ControlState,
+    ControlStep,
+    SystemMotion,
+    advance,
+)
+from supple.multibody.equations.control_force import stepped
 from supple.multibody.equations.model import BodyGroup, Model
 from supple.multibody.equations.places import Places, assembled_vector
 from supple.multibody.equations.step_size import next_step, position_rounding
@@ -65,6 +73,8 @@ class State(NamedTuple):
     """Largest local error of an accepted step so far."""
     largest_turn: AnyArray
     """Largest rotation of a body within an accepted step so far, rad."""
+    control: ControlState | None = None
+    """None where there are no controllers"""
 
 
 class _Trial(NamedTuple):
@@ -114,7 +124,9 @@ class _Stepped(NamedTuple):
     acceleration: jax.Array
     multipliers: jax.Array
     auxiliary: jax.Array
-    place: _Place
+    configuration: Configuration
+    velocity: jax.Array
+    increments: jax.Array
     iteration: _Iteration
 
 
@@ -170,7 +182,8 @@ def _evaluate(
 ) -> tuple[_Trial, Linearization]:
     configuration, velocity, increments = _place(model, rule, start, acceleration)
     time = start.time + rule.h
-    terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers))
+    control = _control(start, rule)
+    terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers, control))
     rounding = position_rounding(model.length, configuration.origins)
     relative_residual = _relative_residual(model, terms, acceleration, rule.factors.by_position, rounding)
     trial = _Trial(
@@ -187,12 +200,26 @@ def _evaluate(
     return trial, terms.linearization
 
 
+def _control(start: State, rule: StepRule) -> ControlStep | None:
+    return None if start.control is None else ControlStep(start.control, rule.h)
+
+
+def _motion(rule: StepRule, start: State, trial: _Trial | _Stepped) -> SystemMotion:
+    """What the equations are evaluated at, of an iterate."""
+    return SystemMotion(
+        start.time + rule.h,
+        trial.configuration,
+        trial.velocity,
+        trial.acceleration,
+        trial.multipliers,
+        _control(start, rule),
+    )
+
+
 def _newton_correction(
     model: Model, rule: StepRule, start: State, trial: _Trial, linearization: Linearization
 ) -> tuple[jax.Array, jax.Array]:
-    motion = SystemMotion(
-        start.time + rule.h, trial.configuration, trial.velocity, trial.acceleration, trial.multipliers
-    )
+    motion = _motion(rule, start, trial)
     step = LinearizedStep(motion, linearization, trial.increments, rule.factors)
     change = correction(model, step, trial.residual, trial.constraint_residual)
     n = model.n_velocities
@@ -279,7 +306,15 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
             end.foretold, lambda: _place(model, rule, start, end.acceleration), lambda: end.evaluated
         )
     auxiliary = rule.auxiliary(end.acceleration, start.acceleration, start.auxiliary)
-    return _Stepped(end.acceleration, end.multipliers, auxiliary, place, end)
+    return _Stepped(
+        acceleration=end.acceleration,
+        multipliers=end.multipliers,
+        auxiliary=auxiliary,
+        configuration=place.configuration,
+        velocity=place.velocity,
+        increments=place.increments,
+        iteration=end,
+    )
 
 
 def _local_error(model: Model, rule: StepRule, start: State, trial: _Stepped) -> jax.Array:
@@ -311,8 +346,8 @@ def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> S
     after = State(
         time=jnp.where(last, end, start.time + h),
         step=proposed,
-        configuration=trial.place.configuration,
-        velocity=trial.place.velocity,
+        configuration=trial.configuration,
+        velocity=trial.velocity,
         acceleration=trial.acceleration,
         auxiliary=trial.auxiliary,
         multipliers=trial.multipliers,
@@ -325,7 +360,8 @@ def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> S
             start.contraction, iteration.sizes, h, iteration.corrections, iteration.converged
         ),
         largest_error=jnp.maximum(start.largest_error, error),
-        largest_turn=jnp.maximum(start.largest_turn, _turn(model, trial.place.increments)),
+        largest_turn=jnp.maximum(start.largest_turn, _turn(model, trial.increments)),
+        control=stepped(model, _motion(StepRule(controls.coefficients, h), start, trial)),
     )
     before = start._replace(
         step=proposed,

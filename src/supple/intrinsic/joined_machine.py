@@ -1,0 +1,208 @@
+"""A machine of intrinsic, rigid and reduced bodies with any joints, as compiled code takes it.
+
+Joints and forces take hold of an intrinsic body at its stations. To them each station is a rigid body
+without mass: the equations of joints and forces are those of floating frames, and their forces come back to
+the amplitudes of the line through the velocities of its stations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.body import FullBody, RigidBody
+from supple.errors import ModelError
+from supple.intrinsic.intrinsic_body import IntrinsicBody, body_of
+from supple.intrinsic.line_model import LineModel
+from supple.intrinsic.line_system import LineSystem, States
+from supple.intrinsic.machine_loads import machine_loads
+from supple.intrinsic.machine_of_lines import line_start
+from supple.intrinsic.station_loads import StationLoad
+from supple.intrinsic.strain_integration import rotation_of, station_places
+from supple.machine import GROUND, At, BaseAcceleration, ForceElement, Joint, NodalLoad, Placed, System
+from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.configuration import Configuration
+from supple.multibody.equations.model import BodyGroup, Model
+
+__all__ = ["JoinedArrays", "JoinedMachine", "held_places", "joined_machine", "seen_model", "with_stations"]
+
+STATIC = {"static": True}
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class JoinedArrays:
+    """The machine's numbers.
+
+    lines : their equations, one per intrinsic body
+    loads : gravity and nodal loads on their stations
+    model : floating bodies, joints and forces; the stations that these take hold of are bodies without mass
+    held : station numbers, line by line
+    """
+
+    lines: tuple[LineModel, ...]
+    loads: tuple[StationLoad, ...]
+    model: Model
+    held: tuple[tuple[int, ...], ...] = field(metadata=STATIC)
+
+    @property
+    def n_held(self) -> int:
+        """Number of stations that joints or forces hold."""
+        return sum(map(len, self.held))
+
+    @property
+    def n_floating(self) -> int:
+        """Number of velocities of floating bodies, which come first in the model."""
+        return self.model.n_velocities - 6 * self.n_held
+
+    @property
+    def line_system(self) -> LineSystem:
+        """The lines with their loads, their roots free."""
+        return LineSystem(self.lines, (None,) * len(self.lines), self.loads)
+
+
+class JoinedMachine(NamedTuple):
+    """A machine made ready.
+
+    seen : System       floating bodies, and a body for every station that is held
+    lines : the placed intrinsic bodies
+    states : of the lines, as they are placed
+    """
+
+    system: System
+    seen: System
+    lines: tuple[Placed, ...]
+    arrays: JoinedArrays
+    states: States
+
+
+def joined_machine(system: System, time: float) -> JoinedMachine:
+    """The arrays of a machine; ModelError for bodies that cannot take part, with the remedy."""
+    lines = tuple(placed for placed in system.bodies if isinstance(placed.body, IntrinsicBody))
+    others = tuple(placed for placed in system.bodies if placed not in lines)
+    _check_bodies(lines, others)
+    forces = [load for load in system.loads if isinstance(load, ForceElement)]
+    held = tuple(_held(placed, [*system.joints, *forces]) for placed in lines)
+    bases = [load for load in system.loads if isinstance(load, BaseAcceleration)]
+    nodal = [load for load in system.loads if isinstance(load, NodalLoad)]
+    names = {placed.body.name for placed in lines}
+    seen = System(
+        [*others, *(_station(p, n) for p, own in zip(lines, held, strict=True) for n in own)],
+        [_seen_ends(system, joint) for joint in system.joints],
+        [
+            *(_seen_ends(system, load) for load in forces),
+            *(load for load in nodal if load.body not in names),
+            *bases,
+        ],
+        gravity=system.gravity,
+    )
+    own_loads = [load for load in nodal if load.body in names]
+    on_lines = System(lines, loads=[*own_loads, *bases], gravity=system.gravity)
+    arrays = JoinedArrays(
+        lines=tuple(body_of(placed).model for placed in lines),
+        loads=machine_loads(on_lines),
+        model=seen_model(seen, len(others), None),
+        held=held,
+    )
+    return JoinedMachine(
+        system, seen, lines, arrays, tuple(line_start(placed, None, time) for placed in lines)
+    )
+
+
+def seen_model(seen: System, n_floating: int, active: tuple[int, ...] | None) -> Model:
+    """The model of floating bodies and of stations, whose mass and inertia are taken away."""
+    model = build_model(seen, active)
+    return replace(model, groups=tuple(_weightless(group, n_floating) for group in model.groups))
+
+
+def _weightless(group: BodyGroup, n_floating: int) -> BodyGroup:
+    kept = np.array([float(member < n_floating) for member in group.members])
+    if kept.all():
+        return group
+    gram, inertia = jax.tree.map(
+        lambda array: np.asarray(array) * kept.reshape(-1, *[1] * (np.ndim(array) - 1)),
+        (group.gram, group.inertia),
+    )
+    return replace(group, gram=gram, inertia=inertia)
+
+
+def _check_bodies(lines: tuple[Placed, ...], others: tuple[Placed, ...]) -> None:
+    for placed in others:
+        if isinstance(placed.body, FullBody):
+            raise ModelError(
+                f"body '{placed.body.name}' keeps every freedom, in a machine with intrinsic bodies: reduce "
+                "it, or condense it on stations"
+            )
+    for placed in lines:
+        if body_of(placed).support.free.shape[1] < 6:
+            raise ModelError(
+                f"intrinsic body '{placed.body.name}': its modes hold its root, where joints do: place "
+                "released(body), which has rigid motion besides"
+            )
+
+
+def _held(placed: Placed, elements: list[Any]) -> tuple[int, ...]:
+    """Stations that joints and forces hold."""
+    ends = [end for element in elements for end in (element.first, element.second)]
+    return tuple(sorted({_number(placed, end) for end in ends if end.body == placed.body.name}))
+
+
+def _number(placed: Placed, end: At) -> int:
+    return body_of(placed).interface(end.interface).number
+
+
+def _label(placed: Placed, number: int) -> str:
+    return f"{placed.body.name}, station {number}"
+
+
+def _station(placed: Placed, number: int) -> Placed:
+    """A rigid body in the place of a station, undeformed."""
+    position, rotation = placed.assembly
+    point = position + rotation @ body_of(placed).line.tree.points[number]
+    body = RigidBody(_label(placed, number), 1.0, np.zeros(3), np.eye(3), {"station": np.zeros(3)})
+    return Placed(body, point, rotation)
+
+
+def _seen_ends(system: System, element: Joint | ForceElement) -> Any:
+    """A joint or force between floating bodies and stations."""
+
+    def seen(end: At) -> At:
+        if end == GROUND:
+            return end
+        placed = system.bodies[system.body_index(end.body)]
+        if not isinstance(placed.body, IntrinsicBody):
+            return end
+        return At(_label(placed, _number(placed, end)), "station")
+
+    return replace(element, first=seen(element.first), second=seen(element.second))
+
+
+def held_places(arrays: JoinedArrays, states: States) -> tuple[jax.Array, jax.Array]:
+    """Positions (s, 3) and rotations (s, 3, 3) of the stations that are held, from the strains."""
+    positions, rotations = [jnp.zeros((0, 3))], [jnp.zeros((0, 3, 3))]
+    for model, state, held in zip(arrays.lines, states, arrays.held, strict=True):
+        root = rotation_of(state.quaternion)
+        if held == (0,):
+            positions.append(state.position[None])
+            rotations.append(root[None])
+        if not any(held):
+            continue
+        places = station_places(model, state.q2, root, state.position)
+        positions.append(places.positions[np.array(held)])
+        rotations.append(places.rotations[np.array(held)])
+    return jnp.concatenate(positions), jnp.concatenate(rotations)
+
+
+def with_stations(arrays: JoinedArrays, floating: Configuration, states: States) -> Configuration:
+    """The configuration of all bodies of the model: floating ones as given, stations where strains say."""
+    n = len(arrays.model.sizes) - arrays.n_held
+    positions, rotations = held_places(arrays, states)
+    return Configuration(
+        jnp.concatenate([floating.origins[:n], positions]),
+        jnp.concatenate([floating.rotations[:n], rotations]),
+        floating.coordinates,
+    )

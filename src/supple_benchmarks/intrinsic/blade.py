@@ -1,0 +1,140 @@
+"""The 61.5 m blade at rest under its mean wind load and three times that, through five methods.
+
+The load is dead, on the nodes of the leading edge; the root is clamped. Errors are distances of the tip from
+where the full model in mean axes has it, as shares of its deflection: at the rated load CalculiX, which knows
+no frame, agrees with that to 0.15 % (docs/blade_benchmark.md).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from time import process_time
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from supple.body import (
+    AveragingInterface,
+    FlexibleBody,
+    Frame,
+    FullBody,
+    MeanAxisFrame,
+    NodalFixedFrame,
+    RigidInterface,
+    flexible_body,
+)
+from supple.errors import ConvergenceError
+from supple.fem import GREEN_LAGRANGE, shell_model
+from supple.intrinsic import LoadPath, condense, line_rest
+from supple.machine import DeadForce, Fixed, System
+from supple.reduction import (
+    AmplitudeProduct,
+    CompressedDerivatives,
+    CraigBampton,
+    Rubin,
+    StaticCorrection,
+    StaticLoad,
+    reduce,
+)
+from supple.simulation.equilibrium import equilibrium
+from supple_benchmarks.nrel5mw_blade import BODY, COARSE_GRID, RATED, SECTION, Blade
+
+__all__ = ["blade_rows"]
+
+Array = NDArray[np.float64]
+
+CLAMP = Fixed(first="ground", second=f"{BODY}.root", name="clamp")
+REFERENCE = "full, mean-axis"
+
+
+class Held(NamedTuple):
+    """The blade clamped at its root, and a load on nodes."""
+
+    body: FlexibleBody
+    nodes: NDArray[np.int64]
+    forces: Array
+    tip: NDArray[np.int64]
+
+    def system(self, form: Any) -> System:
+        """With the body in one form."""
+        return System([form], [CLAMP], [DeadForce(body=BODY, at=self.nodes, force=self.forces)])
+
+    @property
+    def nodal(self) -> Array:
+        """The load as a vector (n_nodal,)."""
+        vector = np.zeros((len(self.body.nodes), self.body.dofs_per_node))
+        vector[self.nodes, :3] = self.forces
+        return vector.ravel()
+
+
+def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
+    """A row a method and load; error None where a method finds no equilibrium."""
+    blade = Blade(COARSE_GRID) if quick else Blade()
+    n_stations = 13 if quick else 31
+    ends = [RigidInterface("root", "root"), AveragingInterface("tip", "tip")]
+    body = flexible_body(BODY, shell_model(blade.mesh, SECTION, kinematics=GREEN_LAGRANGE), ends)
+    wind = blade.steady_load(body, RATED)[:, 0].reshape(len(body.nodes), -1)[blade.leading_edge, :3]
+    tip = np.asarray(blade.mesh.nodes_of("tip"))
+    methods: dict[str, Callable[[Held], Array]] = {
+        REFERENCE: lambda held: _full(held, MeanAxisFrame()),
+        "full, nodal-fixed": lambda held: _full(held, NodalFixedFrame("root")),
+        "floating, mean-axis": lambda held: _floating(held, MeanAxisFrame()),
+        "floating, nodal-fixed": lambda held: _floating(held, NodalFixedFrame("root")),
+        "intrinsic": lambda held: _intrinsic(held, n_stations),
+    }
+    for factor in (1, 3):
+        held = Held(body, blade.leading_edge, factor * wind, tip)
+        exact, rotation = np.zeros(3), 0.0
+        for method, places in methods.items():
+            began = process_time()
+            error: float | None = None
+            tip_moved: list[float] | None = None
+            with suppress(ConvergenceError):
+                at = places(held)
+                moved = (at - body.nodes[tip]).mean(axis=0)
+                if method == REFERENCE:
+                    exact, rotation = moved, _turn(body.nodes[tip], at)
+                error = float(np.linalg.norm(moved - exact) / np.linalg.norm(exact))
+                tip_moved = moved.tolist()
+            yield {
+                "body": "blade",
+                "load": factor,
+                "tip_rotation": rotation,
+                "method": method,
+                "error": error,
+                "tip": tip_moved,
+                "seconds": process_time() - began,
+            }
+
+
+def _turn(rest: Array, moved: Array) -> float:
+    """Angle by which the nodes of a section have turned, rad."""
+    found = Rotation.align_vectors(moved - moved.mean(axis=0), rest - rest.mean(axis=0))[0]
+    return float(found.magnitude())
+
+
+def _full(held: Held, frame: Frame) -> Array:
+    (placed,) = equilibrium(held.system(FullBody(held.body, frame))).system.bodies
+    return placed.positions(held.tip)
+
+
+def _floating(held: Held, frame: Frame) -> Array:
+    load = StaticLoad(held.nodal)
+    linear = CraigBampton(8) if isinstance(frame, NodalFixedFrame) else Rubin(14)
+    reduced = reduce(
+        held.body,
+        frame,
+        StaticCorrection(linear, held.nodal[:, None]),
+        derivatives=CompressedDerivatives(15, weights=AmplitudeProduct(load)),
+    )
+    (placed,) = equilibrium(held.system(reduced)).system.bodies
+    return placed.positions(held.tip)
+
+
+def _intrinsic(held: Held, n_stations: int) -> Array:
+    body = condense(held.body, LoadPath("root", "tip", n_stations), n_modes=80)
+    rest = line_rest(held.system(body), n_steps=3)[BODY]
+    return body.positions(rest, held.tip)[0]

@@ -1,0 +1,42 @@
+"""The figure of which method when: error and cost of a strip against the rotation of its tip."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from supple.viz.style import Stroke, draw_curve, new_figure, save_figure, textbook_style
+
+__all__ = ["draw_figures"]
+
+_POINTS = Stroke(marker="o")
+
+
+def draw_figures(report: Mapping[str, Any], folder: Path) -> list[Path]:
+    """Draw both panels; the path of the picture."""
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = [row for row in report["agreement"] if row["body"] == "strip"]
+    with textbook_style():
+        figure = new_figure(2.6)
+        left, right = figure.subplots(1, 2)
+        _draw(left, rows, "error")
+        left.set_ylabel("error of the tip / its deflection")
+        _draw(right, rows, "seconds")
+        right.set_ylabel("processor time, s")
+        right.legend()
+        return [save_figure(figure, folder / "which_method_when.png")]
+
+
+def _draw(axes: Axes, rows: list[dict[str, Any]], what: str) -> None:
+    for rank, method in enumerate(dict.fromkeys(row["method"] for row in rows)):
+        own = [row for row in rows if row["method"] == method]
+        x = np.array([row["tip_rotation"] for row in own])
+        y = np.array([np.nan if row["error"] is None else row[what] for row in own], dtype=float)
+        draw_curve(axes, x, y, _POINTS, rank, method)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel("rotation of the tip, rad")
