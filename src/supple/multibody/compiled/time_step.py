@@ -197,7 +197,7 @@ def _control(start: State, rule: StepRule) -> ControlStep | None:
     return None if start.control is None else ControlStep(start.control, rule.h)
 
 
-def _motion(rule: StepRule, start: State, trial: _Trial) -> SystemMotion:
+def _motion(rule: StepRule, start: State, trial: _Trial | _Stepped) -> SystemMotion:
     """What the equations are evaluated at, of an iterate."""
     return SystemMotion(
         start.time + rule.h,
