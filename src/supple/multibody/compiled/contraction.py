@@ -7,10 +7,15 @@ correction of an earlier step of the same run, in parts of the tolerance,
 
 is expected of the next one, where a single correction did a step, the next step is no longer and its
 residual not much larger. Where that is far below the tolerance, the corrected iterate is accepted without
+<<<<<<< HEAD
+one evaluation more. Every so many steps it is measured again, and a step that takes several corrections is
+always evaluated.
+=======
 one evaluation more. Every so many steps it is measured again, and a step that takes several corrections is always evaluated.
+>>>>>>> main
 
-It holds for what is smooth: inertia, elastic forces, joints and nodal loads are. Laws of force elements may
-have kinks within a step, so machines with such elements are always evaluated.
+It holds for what is smooth: inertia, elastic forces, joints and nodal loads are. Laws of force elements and
+controllers may have kinks within a step, so machines with such elements are always evaluated.
 Source: [HairerWanner1996], section IV.8, stops by the contraction of an earlier step, too.
 """
 
@@ -53,7 +58,7 @@ def untold() -> Contraction:
 
 def is_foretellable(model: Model) -> bool:
     """Whether all terms of the equations are smooth within a step."""
-    return not model.forces
+    return not model.forces and not model.controllers
 
 
 def foretold_to_converge(known: Contraction, size: jax.Array, step: jax.Array) -> jax.Array:

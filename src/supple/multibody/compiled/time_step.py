@@ -91,11 +91,20 @@ class _Trial(NamedTuple):
     converged: jax.Array
 
 
+class _Place(NamedTuple):
+    """Where an acceleration leads."""
+
+    configuration: Configuration
+    velocity: Any
+    increments: Any
+
+
 class _Iteration(NamedTuple):
     """Newton's iteration within a step: where it stands, and what it knows of the way there."""
 
     acceleration: jax.Array
     multipliers: jax.Array
+    evaluated: _Place
     relative_residual: jax.Array
     """At the last evaluation"""
     sizes: jax.Array
@@ -114,9 +123,9 @@ class _Stepped(NamedTuple):
 
     acceleration: jax.Array
     multipliers: jax.Array
+    auxiliary: jax.Array
     configuration: Configuration
     velocity: jax.Array
-    auxiliary: jax.Array
     increments: jax.Array
     iteration: _Iteration
 
@@ -155,14 +164,12 @@ def _relative_residual(
     return jnp.concatenate([forces, constraint[None]])
 
 
-def _moved(
-    model: Model, rule: StepRule, start: State, acceleration: jax.Array
-) -> tuple[jax.Array, jax.Array, Configuration, jax.Array]:
-    """Auxiliary acceleration, increments, configuration and velocity that belong to an acceleration."""
+def _place(model: Model, rule: StepRule, start: State, acceleration: jax.Array) -> _Place:
+    """Configuration, velocity and increments that belong to an acceleration."""
     auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
     increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
     velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
-    return auxiliary, increments, advance(model, start.configuration, increments), velocity
+    return _Place(advance(model, start.configuration, increments), velocity, increments)
 
 
 def _evaluate(
@@ -173,7 +180,7 @@ def _evaluate(
     multipliers: jax.Array,
     tolerance: jax.Array,
 ) -> tuple[_Trial, Linearization]:
-    _, increments, configuration, velocity = _moved(model, rule, start, acceleration)
+    configuration, velocity, increments = _place(model, rule, start, acceleration)
     time = start.time + rule.h
     control = _control(start, rule)
     terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers, control))
@@ -266,6 +273,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         return _Iteration(
             acceleration=old.acceleration + change,
             multipliers=old.multipliers + multiplier_change,
+            evaluated=_Place(trial.configuration, trial.velocity, trial.increments),
             relative_residual=trial.relative_residual,
             sizes=jnp.stack([old.sizes[1], size]),
             moved=rule.factors.by_position * jnp.max(jnp.abs(change) / scale),
@@ -282,6 +290,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         _Iteration(
             acceleration=start.acceleration,
             multipliers=start.multipliers,
+            evaluated=_Place(start.configuration, start.velocity, jnp.zeros_like(start.velocity)),
             relative_residual=jnp.zeros(4),
             sizes=jnp.zeros(2),
             moved=jnp.zeros(()),
@@ -291,8 +300,21 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
             foretold=never,
         ),
     )
-    auxiliary, increments, configuration, velocity = _moved(model, rule, start, end.acceleration)
-    return _Stepped(end.acceleration, end.multipliers, configuration, velocity, auxiliary, increments, end)
+    place = end.evaluated
+    if is_foretellable(model):
+        place = jax.lax.cond(
+            end.foretold, lambda: _place(model, rule, start, end.acceleration), lambda: end.evaluated
+        )
+    auxiliary = rule.auxiliary(end.acceleration, start.acceleration, start.auxiliary)
+    return _Stepped(
+        acceleration=end.acceleration,
+        multipliers=end.multipliers,
+        auxiliary=auxiliary,
+        configuration=place.configuration,
+        velocity=place.velocity,
+        increments=place.increments,
+        iteration=end,
+    )
 
 
 def _local_error(model: Model, rule: StepRule, start: State, trial: _Stepped) -> jax.Array:
