@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from measure import keep
 
-from supple.body import FlexibleBody, MeanAxisFrame
+from supple.body import FlexibleBody, MeanAxisFrame, RayleighDamping
 from supple.fem import GREEN_LAGRANGE
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import (
@@ -49,6 +49,7 @@ SIZES = {10: (6, 4), 25: (10, 15), 40: (15, 25), 60: (20, 40)}
 """Columns: linear and compressed derivatives."""
 TARGETS = {25: 100.0}
 """us per iteration"""
+DAMPING = RayleighDamping(alpha=0.0, beta=1e-4)
 
 
 def spun_up(body: ReducedBody) -> System:
@@ -145,6 +146,15 @@ def main() -> None:
                 f"prescribed rotation, nonlinear, r = {bodies[r].r}", system, step=STEP, tolerance=tolerance
             )
             rows.append(cost | ({"target": TARGETS[r]} if r in TARGETS else {}))
+        for words, damping in (("by strain rate", DAMPING), ("linearly", DAMPING.linearized())):
+            damped = reduce(
+                body,
+                MeanAxisFrame(),
+                Rubin(n_columns=n_linear),
+                derivatives=CompressedDerivatives(n_added),
+                damping=damping,
+            )
+            rows.append(march_cost(f"the same, damped {words}, r = {damped.r}", spun_up(damped), step=STEP))
         whole = spun_up(in_one_block(bodies[r]))
         rows.append(march_cost(f"the same, no symmetry used, r = {bodies[r].r}", whole, step=STEP))
     for tolerance in (1e-6, 1e-9):

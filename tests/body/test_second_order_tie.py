@@ -59,7 +59,7 @@ def tied(request) -> FlexibleBody:
 
 def first_order(body: FlexibleBody) -> FlexibleBody:
     """The same body with ties that are linear in the rotation."""
-    force = QuadraticStrainForce(body.model.blocks, body.dofs_per_node, body.expansion)
+    force = QuadraticStrainForce(body.model, body.expansion)
     return replace(body, force=force)
 
 

@@ -23,7 +23,14 @@ from supple.body.floating_kinematics import floating_positions, in_space, node_d
 from supple.body.frame import Frame, MeanAxisFrame, NodalFixedFrame, frame_projector
 from supple.body.full_body import FullBody
 from supple.body.inertia_gram import inertia_gram
-from supple.body.interface import AveragingInterface, BodyInterface, Interface, PointInterface, RigidInterface
+from supple.body.interface import (
+    AveragingInterface,
+    BodyInterface,
+    Interface,
+    PointInterface,
+    RigidInterface,
+    place_in_frame,
+)
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.body.labelled_superelement import (
     NodalMatrices,
@@ -90,6 +97,7 @@ __all__ = [
     "nastran_source",
     "nodal_matrices",
     "node_displacements",
+    "place_in_frame",
     "rayleigh_at_modes",
     "rayleigh_from_ratios",
     "read_labelled_superelement",

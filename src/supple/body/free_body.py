@@ -21,7 +21,7 @@ from supple.body.interface import AveragingInterface, RigidInterface
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.body.rigid_elimination import rigid_elimination
 from supple.body.rigid_motion import nodal_rigid_modes
-from supple.body.second_order_tie import RigidSet, second_order_strains, with_virtual_nodes
+from supple.body.second_order_tie import RigidSet, with_virtual_nodes
 from supple.body.virtual_node import interface_motions, virtual_nodes
 from supple.errors import ModelError
 
@@ -99,11 +99,10 @@ def _quadratic_force(
     model: FiniteElementModel, T: sparse.csc_array, rigid_sets: Sequence[RigidSet]
 ) -> QuadraticStrainForce:
     """Ties of second order, unless the elements' strains see less of a rotation than they would."""
-    d = model.dofs_per_node
     if not rigid_sets or not model.strains_vanish_when_turned:
-        return QuadraticStrainForce(model.blocks, d, T)
-    blocks = second_order_strains(model.blocks, model.mesh.nodes, d, rigid_sets)
-    return QuadraticStrainForce(blocks, d, with_virtual_nodes(T, d, len(rigid_sets)))
+        return QuadraticStrainForce(model, T)
+    expansion = with_virtual_nodes(T, model.dofs_per_node, len(rigid_sets))
+    return QuadraticStrainForce(model, expansion, rigid_sets)
 
 
 def _congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array:

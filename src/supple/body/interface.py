@@ -9,6 +9,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
+from scipy.spatial.transform import Rotation
 
 from supple.arguments import check_numbers, check_text
 from supple.errors import ModelError, did_you_mean
@@ -127,6 +128,19 @@ class Interface(Protocol):
     def cubic_turn(self) -> float:
         """Of its rotation vector theta (1 + c theta.theta)."""
         ...
+
+
+def place_in_frame(interface: Interface, coordinates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where an interface stands in its body's frame: x + u (t, 3), and exp(phi) (t, 3, 3).
+
+        phi = theta (1 + c theta.theta),      (u, theta) = motion q
+
+    coordinates : (t, r) of the body
+    """
+    moved = coordinates @ interface.motion.T
+    theta = moved[:, 3:]
+    phi = theta * (1 + interface.cubic_turn * np.sum(theta**2, axis=1, keepdims=True))
+    return interface.position + moved[:, :3], Rotation.from_rotvec(phi).as_matrix()
 
 
 _Interface = TypeVar("_Interface", bound=Interface)

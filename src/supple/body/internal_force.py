@@ -5,6 +5,7 @@ What a body is made of is another question: a linearised body keeps its elements
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -13,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.fem import Assembly, QuadraticStrain, assemble_strains
+from supple.body.second_order_tie import RigidSet, second_order_strains
+from supple.fem import Assembly, FiniteElementModel, QuadraticStrain, assemble_strains
 
 Array = NDArray[np.float64]
 
@@ -58,14 +60,28 @@ class LinearForce:
 class QuadraticStrainForce:
     """f = dU/dq of strains quadratic in q, summed over the elements of a model; K is its tangent at q = 0.
 
-    blocks : of the elements, in nodal freedoms
-    dofs_per_node : 3 or 6
+    model : FiniteElementModel
     expansion : csc (n_nodal, n)    T of the nodal freedoms u = T q; rows of virtual nodes may follow
+    rigid_sets : tied to second order in their rotation, virtual nodes last among the coordinates; none:
+        linearly, as T says
     """
 
-    blocks: tuple[QuadraticStrain, ...] = field(repr=False)
-    dofs_per_node: int
+    model: FiniteElementModel = field(repr=False)
     expansion: Any = field(repr=False)
+    rigid_sets: Sequence[RigidSet] = field(default=(), repr=False)
+
+    @property
+    def dofs_per_node(self) -> int:
+        """3 or 6."""
+        return self.model.dofs_per_node
+
+    @cached_property
+    def blocks(self) -> tuple[QuadraticStrain, ...]:
+        """Of the elements, in nodal freedoms and those of virtual nodes; made when first asked for."""
+        model = self.model
+        if not self.rigid_sets:
+            return model.blocks
+        return second_order_strains(model.blocks, model.mesh.nodes, self.dofs_per_node, self.rigid_sets)
 
     @property
     def is_linear(self) -> bool:
@@ -95,5 +111,5 @@ class QuadraticStrainForce:
         return self.assembly.energies(Q)
 
     def __getstate__(self) -> dict[str, Any]:
-        # Between processes the sums travel worse than they are prepared.
-        return {key: value for key, value in self.__dict__.items() if key != "assembly"}
+        # Between processes they travel worse than they are made.
+        return {key: value for key, value in self.__dict__.items() if key not in ("assembly", "blocks")}

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from supple.cases.table import Made
 from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, table
-from supple.integrate import MOST_OUTPUT_TIMES, AdaptiveStep, FixedStep, GeneralizedAlpha, Run
+from supple.integrate import MOST_OUTPUT_TIMES, AdaptiveStep, FixedStep, GeneralizedAlpha, Kinematic, Run
 
 
 class Adaptive(Made):
@@ -37,10 +37,16 @@ class Simulation(CheckedTable):
         "placed", description="as the bodies are placed, or in the equilibrium downhill from there"
     )
 
+    assemble: bool = Field(False, description="move the bodies rigidly until all joints fit")
+    kinematic: bool = Field(
+        False, description="the joints and their laws move the machine; only forces are sought"
+    )
+
     def build(self) -> Run:
         """The run."""
         step = self.adaptive.build() if self.adaptive else FixedStep(self.step or self.output_step)
-        return Run(self.duration, self.output_step, step=step, method=GeneralizedAlpha(self.rho_inf))
+        method = Kinematic() if self.kinematic else GeneralizedAlpha(self.rho_inf)
+        return Run(self.duration, self.output_step, step=step, method=method)
 
 
 def _steps_are_given_once(raw: Raw) -> Mistakes:
@@ -58,7 +64,8 @@ def _first_step_is_not_too_long(raw: Raw) -> Mistakes:
         yield path, f"the first step, {first}, exceeds the largest, {largest}"
 
 
-def _output_steps_fill_the_duration(raw: Raw) -> Mistakes:
+def output_steps_fill_the_duration(raw: Raw) -> Mistakes:
+    """The rule that the duration is a number of output steps, few enough to be stored."""
     given = table(raw, "simulation")
     output_step, duration = given.get("output_step"), given.get("duration")
     if not (isinstance(output_step, int | float) and isinstance(duration, int | float)) or output_step <= 0:
@@ -78,4 +85,20 @@ def _output_steps_fill_the_duration(raw: Raw) -> Mistakes:
         yield path, f"the duration, {duration}, is not a multiple of {output_step}; try {better:.6g}"
 
 
-RULES = (_steps_are_given_once, _first_step_is_not_too_long, _output_steps_fill_the_duration)
+def _a_kinematic_run_takes_no_steps_of_an_integrator(raw: Raw) -> Mistakes:
+    given = table(raw, "simulation")
+    if given.get("kinematic") is not True:
+        return
+    for key in ("adaptive", "rho_inf"):
+        if key in given:
+            yield ("simulation", key), "a kinematic run integrates nothing: leave it out"
+    if given.get("start") == "equilibrium":
+        yield ("simulation", "start"), "a kinematic run starts where the joints put it: leave it out"
+
+
+RULES = (
+    _a_kinematic_run_takes_no_steps_of_an_integrator,
+    _steps_are_given_once,
+    _first_step_is_not_too_long,
+    output_steps_fill_the_duration,
+)

@@ -15,7 +15,7 @@ from supple.cases.notify import Progress, silent
 from supple.errors import CaseError
 from supple.machine import Spin, System
 from supple.results import TrackedMotion, summarize, tracked_places
-from supple.simulation import Equilibrium, equilibrium
+from supple.simulation import AssembledMachine, Equilibrium, assemble, equilibrium
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
 
@@ -45,18 +45,35 @@ def spin_of(case: Case) -> Spin | None:
 
 
 def starting_system(case: Case) -> System:
-    """The machine as its run starts: as it is placed, or in its equilibrium.
+    """The machine as its run starts: as it is placed, assembled if the case says so, or in its equilibrium.
 
     Raises
     ------
-    CaseError           an equilibrium of a body whose size only a run can tell
-    ConvergenceError    no equilibrium
+    CaseError           an equilibrium, or a kinematic run, of a body whose size only a run can tell
+    ConvergenceError    no equilibrium; joints that do not fit
     """
-    if case.tables.simulation.start == "placed":
-        return case.system
+    wanted, system = case.tables.simulation, case.system
+    if wanted.kinematic:
+        check_fixed_sizes(case, "run with kinematic = true")
+    if wanted.assemble:
+        found = assemble(system, time=case.run.start)
+        case.notify(_said(found))
+        system = found.system
+    if wanted.start == "placed":
+        return system
     check_fixed_sizes(case, 'run with start = "equilibrium"')
     case.notify("searching the equilibrium")
-    return equilibrium(case.system, time=case.run.start, spin=spin_of(case)).system
+    return equilibrium(system, time=case.run.start, spin=spin_of(case)).system
+
+
+def _said(found: AssembledMachine) -> str:
+    """What was moved to assemble the machine, in words."""
+    moved = [
+        f"'{each.body}' by {each.distance:.3g} and {np.degrees(each.angle):.3g} deg"
+        for each in found.moved
+        if each.distance or each.angle
+    ]
+    return "assembled: moved " + ", ".join(moved) if moved else "assembled: all joints fit as placed"
 
 
 def check_fixed_sizes(case: Case, command: str) -> None:

@@ -10,6 +10,7 @@ import typer
 from supple import cases
 from supple.cases.remains import kept_so_far
 from supple.correction import SelfCorrectionError, correction_numbers
+from supple.results.explicit_tables import explicit_cost_line, explicit_tables
 from supple.results.run_tables import (
     correction_table,
     cost_line,
@@ -29,6 +30,7 @@ def run_case(
     force: bool = False,
     strict: bool = False,
     errors: bool = True,
+    allow_code: bool = False,
 ) -> None:
     """Run the case file at `path` and print its tables; parameters and errors as for `cases.run_case`.
 
@@ -36,7 +38,15 @@ def run_case(
     """
     with raising_terminated():
         try:
-            _run(path, folder, resume=resume, force=force, strict=strict, errors=errors)
+            _run(
+                path,
+                folder,
+                resume=resume,
+                force=force,
+                strict=strict,
+                errors=errors,
+                allow_code=allow_code,
+            )
         except INTERRUPTIONS as error:
             kept = "; ".join(getattr(error, "__notes__", [])) or kept_so_far(path, folder)
             error_console.print(words("stopped: ", "bold red") + words(kept), soft_wrap=True)
@@ -44,7 +54,19 @@ def run_case(
             raise typer.Exit(128 + number) from error
 
 
-def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool, errors: bool) -> None:
+def _run(
+    path: Path,
+    folder: Path,
+    *,
+    resume: bool,
+    force: bool,
+    strict: bool,
+    errors: bool,
+    allow_code: bool,
+) -> None:
+    if cases.is_explicit(path):
+        _run_explicit(path, folder, resume=resume, force=force)
+        return
     bars = progress_bars()
     steps = Steps(bars)
     case = cases.read_case(path, steps.show)
@@ -52,7 +74,14 @@ def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool, e
     with bars:
         try:
             result = cases.run_case(
-                case, folder, resume=resume, force=force, strict=strict, errors=errors, progress=steps.share
+                case,
+                folder,
+                resume=resume,
+                force=force,
+                strict=strict,
+                errors=errors,
+                allow_code=allow_code,
+                progress=steps.share,
             )
         except SelfCorrectionError as error:
             print_table(*correction_table(correction_numbers(error.rounds), case.units))
@@ -71,4 +100,18 @@ def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool, e
         for line in error_lines(numbers):
             say(line)
     say(cost_line(result.solution.statistics))
+    say(f"Results are in {folder}/")
+
+
+def _run_explicit(path: Path, folder: Path, *, resume: bool, force: bool) -> None:
+    bars = progress_bars()
+    steps = Steps(bars)
+    case = cases.read_explicit_case(path, steps.show)
+    say(case.title, "bold")
+    with bars:
+        result = cases.run_explicit_case(case, folder, resume=resume, force=force, progress=steps.share)
+        steps.finish()
+    for table in explicit_tables(result.numbers):
+        print_table(*table)
+    say(explicit_cost_line(result.numbers))
     say(f"Results are in {folder}/")

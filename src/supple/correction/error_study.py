@@ -12,7 +12,7 @@ from supple.correction.judged_quantity import JudgedQuantity, WholeBody
 from supple.correction.kept_basis import kept_bases
 from supple.correction.model_error import model_errors
 from supple.errors import ModelError
-from supple.integrate import ErrorPart, ErrorStatement, Run, Solution
+from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution
 from supple.machine import System
 from supple.reduction import ReductionBasis
 
@@ -52,7 +52,7 @@ def state_errors(
     """The solution with what is known of its error: `solution.errors`, and `motion.error` of its bodies.
 
     The parts are those of the basis, of the time step, of Newton's tolerance and of the model; `ErrorStudy`
-    says what each costs.
+    says what each costs. A kinematic run has none of them.
 
     Parameters
     ----------
@@ -66,6 +66,8 @@ def state_errors(
     ------
     ModelError      a quantity of a body or joint that is not there, a full body that is not of this machine
     """
+    if isinstance(run.method, Kinematic):  # nothing was integrated, and no body has deformed
+        return solution
     study = study or ErrorStudy()
     if not isinstance(fulls, Mapping):
         fulls = {full.name: full for full in fulls}

@@ -87,12 +87,23 @@ class Assembly:
         forces = self._over_elements(quadratic_strain.strain_rate_force, q, rates)
         return np.sum([gather.T @ f.ravel() for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
 
+    def strain_rate_tangent(self, q: Array, rates: Array) -> csr_array:
+        """Derivative of the force of stresses D eps_dot by q at given rates, (n, n); not symmetric."""
+        # The sums go by rows, which in the columns of a symmetric matrix makes no difference.
+        return self._matrix(self._over_elements(quadratic_strain.strain_rate_tangent, q, rates)).T
+
     def tangent(self, q: Array, *, material: float = 1.0) -> csc_array:
         """Tangent stiffness (n, n), the derivative of the internal force.
 
         material : a factor of all but the geometric term
         """
         return self._matrix(self._over_elements(partial(quadratic_strain.tangent, material=material), q))
+
+    def tangent_parts(self, q: Array) -> tuple[csc_array, csc_array]:
+        """The two terms of the tangent (n, n), of the strains and of the stress, from one evaluation."""
+        both = self._over_elements(quadratic_strain.tangent_parts, q)
+        material, geometric = (self._matrix([each[:, number] for each in both]) for number in (0, 1))
+        return material, geometric
 
     def tangent_derivative(self, x: Array) -> csc_array:
         """Derivative of the tangent at q = 0 in the direction x (n,), exact; (n, n)."""
@@ -161,7 +172,8 @@ class Assembly:
         forces = np.zeros((self.n, n_pairs))
         for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, n_points, s, n_e = block.B.shape
-            each = n_points * (s + 1) * block.G.shape[2] * n_pairs + n_e * (n_pairs + m)
+            d = block.G.shape[2]
+            each = n_points * (s + d) * (d + 3 * m) + n_e * n_pairs
             for elements in _ranges(n_elements, each):
                 rows = gather[elements.start * n_e : elements.stop * n_e]
                 directions = (rows @ X).reshape(-1, n_e, m)

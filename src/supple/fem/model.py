@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,9 @@ SOLID_ELEMENTS = {
     element.cell_type: element for element in (TETRA4_ELEMENT, TETRA10_ELEMENT, HEXA8_ELEMENT, HEXA20_ELEMENT)
 }
 
+CELLS_AT_ONCE = 4096
+"""Whose stiffness is made and summed at one time: some 100 MB of quadratic solids."""
+
 
 @dataclass(frozen=True, eq=False)
 class FiniteElementModel:
@@ -43,7 +47,6 @@ class FiniteElementModel:
     mesh : Mesh
     dofs_per_node : int                     3 (solids: ux uy uz) or 6 (shells: and rx ry rz), node by node
     sections : tuple of Section             which cells have which property
-    blocks : tuple of QuadraticStrain       the elements of each section
     mass : csc_array (n, n)                 consistent mass, kg and kg m^2
     stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
     rotation_limit : float                  largest rotation, rad, against the frame; infinite for solids
@@ -53,7 +56,6 @@ class FiniteElementModel:
     mesh: Mesh
     dofs_per_node: int
     sections: tuple[Section, ...]
-    blocks: tuple[QuadraticStrain, ...]
     mass: csc_array
     stiffness: csc_array
     rotation_limit: float
@@ -63,6 +65,11 @@ class FiniteElementModel:
     def n_dofs(self) -> int:
         """Number of nodal freedoms n."""
         return self.mesh.n_nodes * self.dofs_per_node
+
+    @cached_property
+    def blocks(self) -> tuple[QuadraticStrain, ...]:
+        """The elements of each section, made when first asked for: a linear body never does."""
+        return tuple(_block(self.mesh, section, self.kinematics) for section in self.sections)
 
     @property
     def strains_vanish_when_turned(self) -> bool:
@@ -143,21 +150,23 @@ def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
 
 
 def _shell_model(mesh: Mesh, given: tuple[Section, ...], kinematics: ShellKinematics) -> FiniteElementModel:
-    blocks = tuple(_shell_block(mesh, part, kinematics) for part in given)
-    return replace(_model(mesh, 6, given, blocks, kinematics.rotation_limit), kinematics=kinematics)
+    for section in given:
+        _check_shell(mesh, section)
+    return _model(mesh, 6, given, kinematics.rotation_limit, kinematics)
 
 
 def _solid_model(mesh: Mesh, given: tuple[Section, ...]) -> FiniteElementModel:
-    blocks = tuple(_solid_block(mesh, section) for section in given)
-    return _model(mesh, 3, given, blocks, float("inf"))
+    for section in given:
+        _check_solid(section)
+    return _model(mesh, 3, given, float("inf"), GREEN_LAGRANGE)
 
 
-def _shell_block(mesh: Mesh, section: Section, kinematics: ShellKinematics) -> QuadraticStrain:
+def _check_shell(mesh: Mesh, section: Section) -> None:
     given = section.property
     if section.cell_type is CellType.LINE2:
         if not isinstance(given, BeamSection):
             raise ModelError(f"lines need a BeamSection, not {type(given).__name__}; give their cell set one")
-        return beam_strain(section.corners(mesh), _dofs(section.nodes(mesh), 6), given, kinematics)
+        return
     if section.cell_type is not CellType.TRIANGLE3:
         raise ModelError(
             f"a shell model takes TRIANGLE3 cells; the mesh has {section.cell_type.name}. "
@@ -169,39 +178,54 @@ def _shell_block(mesh: Mesh, section: Section, kinematics: ShellKinematics) -> Q
         )
     if isinstance(given, HomogeneousSection):
         _check_thickness(mesh, section, given.thickness)
-    return shell_triangle(section.corners(mesh), _dofs(section.nodes(mesh), 6), given, kinematics)
 
 
-def _solid_block(mesh: Mesh, section: Section) -> QuadraticStrain:
-    material = section.property
+def _check_solid(section: Section) -> None:
     if section.cell_type not in SOLID_ELEMENTS:
         raise ModelError(
             f"a solid model takes {', '.join(kind.name for kind in SOLID_ELEMENTS)} cells; the mesh has "
             f"{section.cell_type.name}. Use shell_model for triangles"
         )
-    if not isinstance(material, Isotropic):
-        raise ModelError(f"a solid needs an Isotropic material, not {type(material).__name__}")
-    element = SOLID_ELEMENTS[section.cell_type]
-    ids = mesh.cell_ids[section.cell_type][section.cells]
-    return solid_strain(element, section.corners(mesh), _dofs(section.nodes(mesh), 3), material, ids)
+    if not isinstance(section.property, Isotropic):
+        raise ModelError(f"a solid needs an Isotropic material, not {type(section.property).__name__}")
+
+
+def _block(mesh: Mesh, section: Section, kinematics: ShellKinematics) -> QuadraticStrain:
+    """The elements of a section that was checked."""
+    given, corners, nodes = section.property, section.corners(mesh), section.nodes(mesh)
+    if isinstance(given, BeamSection):
+        return beam_strain(corners, nodal_freedoms(nodes, 6), given, kinematics)
+    if isinstance(given, Isotropic):
+        ids = mesh.cell_ids[section.cell_type][section.cells]
+        element = SOLID_ELEMENTS[section.cell_type]
+        return solid_strain(element, corners, nodal_freedoms(nodes, 3), given, ids)
+    return shell_triangle(corners, nodal_freedoms(nodes, 6), given, kinematics)
+
+
+def _portions(given: tuple[Section, ...]) -> Iterator[Section]:
+    """The cells of the sections, so many at once that their arrays stay small."""
+    for section in given:
+        for first in range(0, len(section.cells), CELLS_AT_ONCE):
+            yield replace(section, cells=section.cells[first : first + CELLS_AT_ONCE])
 
 
 def _model(
     mesh: Mesh,
     dofs_per_node: int,
     given: tuple[Section, ...],
-    blocks: tuple[QuadraticStrain, ...],
     rotation_limit: float,
+    kinematics: ShellKinematics,
 ) -> FiniteElementModel:
     sparsity = node_sparsity([section.nodes(mesh) for section in given], mesh.n_nodes, dofs_per_node)
+    matrices = (stiffness(_block(mesh, portion, kinematics)) for portion in _portions(given))
     return FiniteElementModel(
         mesh=mesh,
         dofs_per_node=dofs_per_node,
         sections=given,
-        blocks=blocks,
         mass=mass_matrix(_cell_masses(mesh, given), mesh.n_nodes, dofs_per_node),
-        stiffness=sparsity.matrix(sparsity.data([stiffness(block) for block in blocks])),
+        stiffness=sparsity.matrix(sparsity.data_of_portions(matrices)),
         rotation_limit=rotation_limit,
+        kinematics=kinematics,
     )
 
 
@@ -219,7 +243,8 @@ def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
     return shell_mass(corners, nodes, section.property)
 
 
-def _dofs(nodes: NDArray[np.int64], dofs_per_node: int) -> NDArray[np.int64]:
+def nodal_freedoms(nodes: NDArray[np.int64], dofs_per_node: int) -> NDArray[np.int64]:
+    """Numbers (E, k d) of the freedoms of cells' nodes (E, k), node by node."""
     return (nodes[:, :, None] * dofs_per_node + np.arange(dofs_per_node)).reshape(len(nodes), -1)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import coo_array, csc_array
 
-from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel
+from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel, nodal_freedoms
 from supple.fem.solid_element import solid_rotation
 
 
@@ -21,12 +21,13 @@ def nodal_rotation_operator(model: FiniteElementModel) -> csc_array:
         return coo_array(entries, shape=(len(columns), model.n_dofs)).tocsc()
     rotation, row, column = [], [], []
     n_rows = 0
-    for section, block in zip(model.sections, model.blocks, strict=True):
+    for section in model.sections:
         values = solid_rotation(SOLID_ELEMENTS[section.cell_type], section.corners(model.mesh))
+        dofs = nodal_freedoms(section.nodes(model.mesh), 3)
         rows = n_rows + np.arange(values.shape[0] * 3).reshape(-1, 3)
         rotation.append(values.ravel())
         row.append(np.broadcast_to(rows[:, :, None], values.shape).ravel())
-        column.append(np.broadcast_to(block.dofs[:, None], values.shape).ravel())
+        column.append(np.broadcast_to(dofs[:, None], values.shape).ravel())
         n_rows += rows.size
     entries = (np.concatenate(rotation), (np.concatenate(row), np.concatenate(column)))
     return coo_array(entries, shape=(n_rows, model.n_dofs)).tocsc()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,6 +46,21 @@ class NodeSparsity:
         d = self.dofs_per_node
         pairs = [_node_pairs(matrices, d) for matrices in cell_matrices]
         blocks = self.scatter @ (pairs[0] if len(pairs) == 1 else np.concatenate(pairs))
+        return np.take(blocks, self.order)
+
+    def data_of_portions(self, portions: Iterable[Array]) -> Array:
+        """As `data`, of portions of the cells one after the other, of which one is held at a time."""
+        d, block_of_pair = self.dofs_per_node, csc_array(self.scatter).indices
+        blocks, first = np.zeros((len(self.order) // d**2, d * d)), 0
+        for matrices in portions:
+            pairs = _node_pairs(matrices, d)
+            # One entry a column: the block that a pair belongs to. A portion reaches few of them.
+            reached, own = np.unique(block_of_pair[first : first + len(pairs)], return_inverse=True)
+            order = np.arange(len(pairs) + 1)
+            blocks[reached] += (
+                csc_array((np.ones(len(pairs)), own, order), shape=(len(reached), len(pairs))) @ pairs
+            )
+            first += len(pairs)
         return np.take(blocks, self.order)
 
     def matrix(self, data: Array) -> csc_array:

@@ -96,20 +96,38 @@ def strain_rate_force(block: QuadraticStrain, q: Array, rates: Array) -> Array:
     return _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
 
 
+def strain_rate_tangent(block: QuadraticStrain, q: Array, rates: Array) -> Array:
+    """Derivative (E, n, n) of the force of stresses D eps_dot by q at given rates; not symmetric.
+
+    sum_g w { A^T D N(G q_dot)G + G^T N^T(D eps_dot) G },   A = B + N(Gq)G
+    """
+    Na = _contract(block.N, _apply(block.G, q))
+    A = block.B + Na @ block.G
+    A_rate = _contract(block.N, _apply(block.G, rates)) @ block.G
+    weighted_D = block.weighted_D
+    stress = _apply(weighted_D, _apply(A, rates))
+    turned = _congruence(block.G, _stress_form(block.N, stress) @ block.G)
+    return _congruence(A, weighted_D @ A_rate) + turned
+
+
 def tangent(block: QuadraticStrain, q: Array, *, material: float = 1.0) -> Array:
     """Tangent stiffness dF/dq (E, n, n): sum_g w { A^T D A + G^T N^T(sigma) G }, A = B + N(Gq)G.
 
     material : a factor of all but the geometric term, as damping by strain rate adds to the rest
     """
+    parts = tangent_parts(block, q)
+    return material * parts[:, 0] + parts[:, 1]
+
+
+def tangent_parts(block: QuadraticStrain, q: Array) -> Array:
+    """The two terms of the tangent: of the strains, and of the stress (the geometric one); (E, 2, n, n)."""
     a = _apply(block.G, q)
     Na = _contract(block.N, a)
     weighted_D = block.weighted_D
     A = block.B + Na @ block.G
     stress = _apply(weighted_D, _apply(block.B, q) + 0.5 * _apply(Na, a))
-    K = _congruence(A, weighted_D @ A)
-    K *= material
-    K += _congruence(block.G, _stress_form(block.N, stress) @ block.G)
-    return K
+    material = _congruence(A, weighted_D @ A)
+    return np.stack([material, _congruence(block.G, _stress_form(block.N, stress) @ block.G)], axis=1)
 
 
 def stiffness(block: QuadraticStrain) -> FloatArray:
@@ -204,12 +222,14 @@ def strain_pair_forces(
     float array (E, n, p)
     """
     a = _directions(block.G, X)
-    Na = _contract(block.N, a.swapaxes(2, 3)).transpose(0, 1, 4, 3, 2)  # (E, g, d, s, m)
-    picked, other = Na[..., first], a[:, :, :, None, second]
-    second_strain = np.zeros((*picked.shape[:2], *picked.shape[3:]))
-    for i in range(picked.shape[2]):  # over the few gradients, so that no product of all of them is held
-        second_strain += picked[:, :, i] * other[:, :, i]
-    return _gather_directions(block.B, block.weighted_D @ second_strain)
+    stiff_B = block.weighted_D @ block.B
+    forces = np.empty((*block.dofs.shape, len(first)))
+    # One direction with all its partners: its arrays stay small, those of all pairs would not.
+    for j in np.unique(first):
+        pairs = np.flatnonzero(first == j)
+        second_strain = _contract(block.N, a[..., j]) @ a[..., second[pairs]]
+        forces[..., pairs] = _gather_directions(stiff_B, second_strain)
+    return forces
 
 
 def _apply(operator: Array, vector: Array) -> Array:

@@ -13,6 +13,7 @@ from supple.integrate.generalized_alpha import (
     TimeIntegrator,
     damps_joint_forces,
 )
+from supple.integrate.kinematic import Kinematic
 from supple.integrate.motion import FloatingMotion, Motion, StackedMotion, motion_from_arrays, register_motion
 from supple.integrate.run import leg_size, run
 from supple.integrate.run_options import MOST_OUTPUT_TIMES, Run, Validity
@@ -40,6 +41,7 @@ __all__ = [
     "FloatingMotion",
     "GeneralizedAlpha",
     "HilberHughesTaylor",
+    "Kinematic",
     "Leg",
     "Motion",
     "Newmark",

@@ -10,6 +10,7 @@ import numpy as np
 from supple.arguments import check_fields
 from supple.integrate.first_order import FirstOrderRule
 from supple.integrate.generalized_alpha import GeneralizedAlpha, TimeIntegrator
+from supple.integrate.kinematic import Kinematic
 from supple.integrate.step_control import FixedStep, StepControl, Tolerances
 
 __all__ = ["MOST_OUTPUT_TIMES", "Run", "Validity"]
@@ -44,7 +45,7 @@ class Run:
     duration, output_step : float   unit of time; the duration is a multiple of the output step
     step : FixedStep | AdaptiveStep     a fixed step equal to the output step where None
     method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor; of machines of intrinsic bodies
-        alone also RungeKutta4 | ResidualRungeKutta4
+        alone also RungeKutta4 | ResidualRungeKutta4; Kinematic where the joints leave nothing free
     tolerances : Tolerances
     validity : Validity     warn of a motion beyond what the kinematics allow, or stop at it
     start : float           time of the initial state
@@ -55,7 +56,7 @@ class Run:
     duration: float
     output_step: float
     step: StepControl | None = None
-    method: TimeIntegrator | FirstOrderRule = field(default_factory=GeneralizedAlpha)
+    method: TimeIntegrator | FirstOrderRule | Kinematic = field(default_factory=GeneralizedAlpha)
     tolerances: Tolerances = field(default_factory=Tolerances)
     validity: Validity = field(default_factory=Validity)
     start: float = 0.0
@@ -102,5 +103,10 @@ class Run:
             raise ValueError(
                 f"{type(self.method).__name__} steps machines of intrinsic bodies only; bodies in floating "
                 "frames take GeneralizedAlpha(rho_inf), Newmark() or HilberHughesTaylor(alpha)"
+            )
+        if isinstance(self.method, Kinematic):
+            raise ValueError(
+                "a kinematic run integrates nothing, and this needs a step rule: give the run a "
+                "GeneralizedAlpha(rho_inf), Newmark() or HilberHughesTaylor(alpha)"
             )
         return self.method

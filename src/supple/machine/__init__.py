@@ -1,23 +1,78 @@
 """What a machine is made of, without any equation of motion: bodies placed, joints, forces, laws of time."""
 
+from supple.machine.control import Controller, EndReading, JointReading, SampledController
 from supple.machine.ends import (
     GROUND,
     At,
     as_end,
 )
+from supple.machine.forces.actuators import (
+    ForceBetween,
+    TorqueBetween,
+)
+from supple.machine.forces.bushing import (
+    Bushing,
+)
+from supple.machine.forces.characteristic import (
+    Curve,
+    Surface,
+)
 from supple.machine.forces.force_element import (
     ForceElement,
+)
+from supple.machine.forces.friction import (
+    Coulomb,
+    PrismaticFriction,
+    RevoluteFriction,
+)
+from supple.machine.forces.gear import (
+    Gear,
+)
+from supple.machine.forces.journal_bearing import (
+    JournalBearing,
 )
 from supple.machine.forces.marker_force import (
     DeadTorque,
     FollowerForce,
     FollowerTorque,
 )
+from supple.machine.forces.motor_curve import (
+    MotorCurve,
+)
+from supple.machine.forces.penalty import (
+    Penalty,
+)
+from supple.machine.forces.screw import (
+    RackAndPinion,
+    Screw,
+)
+from supple.machine.forces.servo import (
+    AngleServo,
+    SlideServo,
+)
+from supple.machine.forces.sphere_contact import (
+    SphereContact,
+    SphereInCylinder,
+    SphereOnCylinder,
+    SphereOnPlane,
+)
 from supple.machine.forces.spring_damper import (
     SpringDamper,
 )
+from supple.machine.forces.stops import (
+    AngleStop,
+    DistanceStop,
+    SlideStop,
+)
+from supple.machine.forces.tabled_forces import (
+    TabledForce,
+    TabledTorque,
+)
 from supple.machine.forces.torsion_spring_damper import (
     TorsionSpringDamper,
+)
+from supple.machine.forces.unbalance import (
+    Unbalance,
 )
 from supple.machine.joints.ball import (
     Ball,
@@ -30,6 +85,9 @@ from supple.machine.joints.fixed import (
 )
 from supple.machine.joints.joint import (
     Joint,
+)
+from supple.machine.joints.point_on_line import (
+    PointOnLine,
 )
 from supple.machine.joints.prescribed_rotation import (
     PrescribedRotation,
@@ -48,6 +106,7 @@ from supple.machine.joints.universal import (
 )
 from supple.machine.laws import (
     Constant,
+    ConstantRate,
     Ramp,
     Scaled,
     Sine,
@@ -77,40 +136,72 @@ from supple.machine.system import (
 
 __all__ = [
     "GROUND",
+    "AngleServo",
+    "AngleStop",
     "At",
     "Ball",
     "BaseAcceleration",
+    "Bushing",
     "Constant",
+    "ConstantRate",
+    "Controller",
+    "Coulomb",
+    "Curve",
     "Cylindrical",
     "DeadForce",
     "DeadTorque",
+    "DistanceStop",
+    "EndReading",
     "Fixed",
     "FollowerForce",
     "FollowerPressure",
     "FollowerTorque",
+    "ForceBetween",
     "ForceElement",
+    "Gear",
     "Joint",
+    "JointReading",
+    "JournalBearing",
+    "MotorCurve",
     "NodalLoad",
+    "Penalty",
     "Placed",
+    "PointOnLine",
     "Pose",
     "PrescribedRotation",
     "PrescribedTranslation",
     "Prismatic",
+    "PrismaticFriction",
+    "RackAndPinion",
     "Ramp",
     "Revolute",
+    "RevoluteFriction",
+    "SampledController",
     "Scaled",
+    "Screw",
     "Sine",
+    "SlideServo",
+    "SlideStop",
+    "SphereContact",
+    "SphereInCylinder",
+    "SphereOnCylinder",
+    "SphereOnPlane",
     "Spin",
     "SpinUp",
     "Spline",
     "SplitBody",
     "SpringDamper",
+    "Surface",
     "System",
     "Table",
+    "TabledForce",
+    "TabledTorque",
     "TimeFunction",
     "TimeLaw",
+    "TorqueBetween",
     "TorsionSpringDamper",
     "Turning",
+    "Unbalance",
     "Universal",
     "Wrench",
     "as_end",

@@ -13,6 +13,7 @@ from supple.arguments import check_instance, check_members, check_numbers, check
 from supple.body import FlexibleBody, RigidBody
 from supple.body.full_body import FullBody
 from supple.errors import ModelError, did_you_mean
+from supple.machine.control import Controller, EndReading, SampledController
 from supple.machine.ends import GROUND, At
 from supple.machine.forces.force_element import ForceElement
 from supple.machine.joints.joint import Joint
@@ -112,17 +113,19 @@ class System:
     joints : Joint, names unique
     loads : ForceElement | NodalLoad | BaseAcceleration
     gravity : (3,) global, e.g. (0, 0, -9.81)
+    controllers : Controller | SampledController, names unique
     Raises ModelError: no body, a name used twice, a joint or load on a body or interface that is not there, a
-        quantity over time of the wrong shape.
+        quantity over time of the wrong shape, a controller that reads a joint that is not there.
     """
 
     bodies: Sequence[Placed | Any]
     joints: Sequence[Joint] = ()
     loads: Sequence[Load] = ()
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    controllers: Sequence[Controller | SampledController] = ()
 
     def __post_init__(self) -> None:
-        for item in ("bodies", "joints", "loads"):
+        for item in ("bodies", "joints", "loads", "controllers"):
             check_sequence(f"System, {item}", getattr(self, item), f"a list of {item}, also of a single one")
             object.__setattr__(self, item, tuple(getattr(self, item)))
         placed_all = (body if isinstance(body, Placed) else Placed(body) for body in self.bodies)
@@ -153,6 +156,28 @@ class System:
                 check_law_shape(f"joint '{joint.name}'", joint.law, ())
         for load in self.loads:
             self._check_load(load)
+        self._check_controllers()
+
+    def _check_controllers(self) -> None:
+        names = [controller.name for controller in self.controllers]
+        joints = [joint.name for joint in self.joints]
+        for controller in self.controllers:
+            expected = "Controller(reads=.., drives=.., outputs=..) or SampledController(..)"
+            kinds = (Controller, SampledController)
+            check_instance("System, controllers", controller, kinds, expected)
+            if names.count(controller.name) > 1:
+                raise ModelError(
+                    f"controller name '{controller.name}' is used more than once: give each its own"
+                )
+            what = f"controller '{controller.name}'"
+            for reading in controller.reads.values():
+                if isinstance(reading, EndReading):
+                    self._check_end(what, reading.at)
+                elif reading.joint not in joints:
+                    near = did_you_mean(reading.joint, joints)
+                    raise ModelError(f"{what}: there is no joint '{reading.joint}'{near}")
+            for element in controller.drives.values():
+                self._check_load(element)
 
     def _check_load(self, load: Load) -> None:
         if isinstance(load, NodalLoad):

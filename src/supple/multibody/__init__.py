@@ -15,6 +15,7 @@ from supple.multibody.checks.load_spectrum import (
     warn_of_missing_modes,
 )
 from supple.multibody.compiled.engine import CompiledEngine
+from supple.multibody.compiled.kinematics import KinematicEngine
 from supple.multibody.compiled.statics import CompiledStatics
 from supple.multibody.equations.static_search import StaticSearch
 from supple.multibody.full.engine import FullEngine
@@ -27,6 +28,7 @@ __all__ = [
     "CompiledStatics",
     "FullEngine",
     "FullStatics",
+    "KinematicEngine",
     "LoadSpectrum",
     "StaticSearch",
     "balances",

@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
-from supple.body import BodyForm, in_space, node_displacements
+from supple.body import BodyForm, in_space, node_displacements, place_in_frame
 from supple.integrate import FloatingMotion, Solution
 from supple.intrinsic import IntrinsicBody, IntrinsicMotion
 from supple.machine import At, System
@@ -38,11 +37,8 @@ def observer(body: BodyForm, motion: Any, interface: str) -> Observer:
     if isinstance(body, IntrinsicBody):
         return _at_station(body, motion, interface)
     base = body.interface(interface)
-    moved = motion.coordinates @ base.motion.T
-    theta = moved[:, 3:]
-    turned = Rotation.from_rotvec(theta * (1 + base.cubic_turn * np.sum(theta**2, axis=1, keepdims=True)))
-    origin = _in_space(motion, base.position + moved[:, :3])
-    return Observer(interface, base.position, origin, motion.rotation @ turned.as_matrix())
+    place, turn = place_in_frame(base, motion.coordinates)
+    return Observer(interface, base.position, _in_space(motion, place), motion.rotation @ turn)
 
 
 def _at_station(body: IntrinsicBody, motion: IntrinsicMotion, interface: str) -> Observer:

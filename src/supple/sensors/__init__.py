@@ -1,5 +1,6 @@
 """Sensors: numbers read off a motion as an instrument on the machine would, each with its unit and axes."""
 
+from supple.sensors.element_energy_sensor import ElementEnergySensor
 from supple.sensors.energy_sensor import EnergySensor
 from supple.sensors.force_sensors import JointForceSensor, SpringForceSensor
 from supple.sensors.joint_motion_sensor import JointMotionSensor
@@ -28,6 +29,7 @@ __all__ = [
     "Channel",
     "Component",
     "DeflectionSensor",
+    "ElementEnergySensor",
     "EnergySensor",
     "JointForceSensor",
     "JointMotionSensor",

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from supple.integrate import JOINT_AXES, Solution
 from supple.machine import System
 from supple.machine.forces import ForceElement
+from supple.multibody.equations.build_model import initial_points
 from supple.sensors.end_motion import both_ends
 from supple.sensors.joint_motion_sensor import joint_named
 from supple.sensors.reading import Channel, Quantity
@@ -66,10 +67,11 @@ class SpringForceSensor:
 
     def values(self, system: System, solution: Solution) -> Array:
         """(t, 6)."""
-        ends = both_ends(system, solution, self.element, self.name)
-        law, parameters = self.element.law, jnp.asarray(self.element.parameters, dtype=float)
+        element = self.element.assembled(*initial_points(system, self.element))
+        ends = both_ends(system, solution, element, self.name)
+        law, parameters = element.law, jax.tree.map(jnp.asarray, element.parameters)
         return np.asarray(
-            _on_second(type(self.element).wrenches, law, parameters, *ends, jnp.asarray(solution.times))
+            _on_second(type(element).wrenches, law, parameters, *ends, jnp.asarray(solution.times))
         )
 
 

@@ -36,6 +36,7 @@ class Quantity(Enum):
     STRESS = "stress"
     STRAIN = "strain"
     ENERGY = "energy"
+    POWER = "power"
 
     def unit(self, units: UnitSystem) -> str:
         """The name of its unit, "" where nothing is said of it; angles are in rad, strains are numbers."""

@@ -1,5 +1,6 @@
 """From a machine to its motion: one case, many cases, runs that live on disk."""
 
+from supple.simulation.assembly import AssembledMachine, assemble
 from supple.simulation.batch import (
     BatchSolution,
     simulate_batch,
@@ -23,8 +24,10 @@ from supple.simulation.simulate import (
 )
 
 __all__ = [
+    "AssembledMachine",
     "BatchSolution",
     "Equilibrium",
+    "assemble",
     "begin_recorded",
     "continue_recorded",
     "equilibrium",

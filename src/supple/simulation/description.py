@@ -31,7 +31,7 @@ def description(system: System, run: Run) -> str:
 
 
 def inputs_of(system: System, run: Run, case: str) -> Inputs:
-    """What a motion depends on: the run in words; digests of bodies, joints, loads and gravity.
+    """What a motion depends on: the run in words; digests of bodies, joints, loads, controllers and gravity.
 
     Of elastic bodies only their form, where they stand and how they move at first, for reducing again moves
     the last digits and signs of their numbers: result files know these otherwise (`recorded_columns`). A
@@ -42,6 +42,7 @@ def inputs_of(system: System, run: Run, case: str) -> Inputs:
     found |= {f"body '{placed.body.name}'": _digest(_of_body(placed)) for placed in system.bodies}
     found |= {f"joint '{joint.name}'": _digest(_of(joint)) for joint in system.joints}
     found |= {f"load {i + 1}, {load.label}": _digest(_of(load)) for i, load in enumerate(system.loads)}
+    found |= {f"controller '{own.name}'": _digest(_of(own)) for own in system.controllers}
     return found | {"gravity": _digest(_of(system.gravity))}
 
 

@@ -1,14 +1,15 @@
-"""Which engine a machine needs: the form of its bodies says."""
+"""Which engine a machine needs: the form of its bodies says, unless nothing is to be integrated."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-from supple.integrate import Engine, Run
+from supple.errors import ModelError
+from supple.integrate import Engine, Kinematic, Run
 from supple.intrinsic import intrinsic_engine
 from supple.machine import System
-from supple.multibody import CompiledEngine, FullEngine
+from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
 
 __all__ = ["EngineFactory", "engine_for", "register_engine"]
 
@@ -28,9 +29,20 @@ def register_engine(kind: str, factory: EngineFactory) -> None:
 
 
 def engine_for(system: System, run: Run) -> Engine[Any]:
-    """The machine made ready for the method that the form of its bodies chooses."""
+    """The machine made ready for the method that its run names, or else the form of its bodies chooses.
+
+    Raises ModelError for a machine with controllers that needs another than the compiled engine.
+    """
+    if isinstance(run.method, Kinematic):
+        return KinematicEngine(system, run)
     kinds = {placed.body.kind for placed in system.bodies}
     factory = next((factory for kind, factory in _ENGINES.items() if kind in kinds), CompiledEngine)
+    if system.controllers and factory is not CompiledEngine:
+        other = next(placed.body for placed in system.bodies if placed.body.kind in _ENGINES)
+        raise ModelError(
+            f"controllers act in machines of rigid and reduced bodies, and body '{other.name}' is "
+            f"{other.kind}: reduce it, or leave out the controllers"
+        )
     return factory(system, run)
 
 

@@ -43,7 +43,7 @@ def tied_boxes(quick: bool) -> Iterator[dict[str, Any]]:
 def linearly_tied(body: FlexibleBody) -> FlexibleBody:
     """The same body with interfaces tied to first order in their rotation."""
     assert body.model is not None
-    return replace(body, force=QuadraticStrainForce(body.model.blocks, body.dofs_per_node, body.expansion))
+    return replace(body, force=QuadraticStrainForce(body.model, body.expansion))
 
 
 def turned_energy(body: FlexibleBody, turn: np.ndarray) -> float:

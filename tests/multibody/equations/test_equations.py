@@ -41,6 +41,7 @@ from supple.multibody.equations.joint_force import constraint_rows, constraints
 
 STEP = 0.3
 """Long, so that every term of the tangent weighs about as much as every other."""
+RULE = StepRule(GeneralizedAlpha(0.6).coefficients, STEP)
 
 
 def everything_once(floating_blade):
@@ -148,38 +149,40 @@ def start(everything, model):
     )
 
 
+def motion_after(model, start, acceleration):
+    """The motion a step later, and its increments; old accelerations are 0.3 of the velocity."""
+    rule, old = RULE, 0.3 * start.velocity
+    auxiliary = rule.auxiliary(acceleration, old, old)
+    increments = rule.increment(start.velocity, old, auxiliary)
+    motion = SystemMotion(
+        start.time,
+        advance(model, start.configuration, increments),
+        rule.new_velocity(start.velocity, old, auxiliary),
+        acceleration,
+        start.multipliers,
+    )
+    return motion, increments
+
+
+def equations(acceleration, model, start):
+    motion, _ = motion_after(model, start, acceleration)
+    return balance(model, motion).residual, constraints(model, motion.time, motion.configuration)
+
+
+@jax.jit
+def both_tangents(model, start):
+    """By differentiation, and as the step takes them; the model is an argument: of constants XLA computes."""
+    motion, increments = motion_after(model, start, start.acceleration)
+    linearization = balance(model, motion).linearization
+    analytic = tangent(model, motion, linearization, increments, RULE.factors)
+    rows = RULE.factors.by_position * constraint_rows(model, linearization.joints, increments)
+    return jax.jacfwd(equations)(start.acceleration, model, start), (analytic, rows)
+
+
 @pytest.fixture(scope="module")
 def linearized(model, start):
     """Residual and constraints over one step as functions of the new accelerations, and both tangents."""
-    rule = StepRule(GeneralizedAlpha(0.6).coefficients, STEP)
-    old = 0.3 * start.velocity
-
-    def motion_after(acceleration):
-        auxiliary = rule.auxiliary(acceleration, old, old)
-        increments = rule.increment(start.velocity, old, auxiliary)
-        motion = SystemMotion(
-            start.time,
-            advance(model, start.configuration, increments),
-            rule.new_velocity(start.velocity, old, auxiliary),
-            acceleration,
-            start.multipliers,
-        )
-        return motion, increments
-
-    def equations(acceleration):
-        motion, _ = motion_after(acceleration)
-        terms = balance(model, motion)
-        return terms.residual, constraints(model, motion.time, motion.configuration)
-
-    @jax.jit
-    def both(acceleration):
-        motion, increments = motion_after(acceleration)
-        linearization = balance(model, motion).linearization
-        analytic = tangent(model, motion, linearization, increments, rule.factors)
-        rows = rule.factors.by_position * constraint_rows(model, linearization.joints, increments)
-        return jax.jacfwd(equations)(acceleration), (analytic, rows)
-
-    return jax.tree.map(np.asarray, both(start.acceleration))
+    return jax.tree.map(np.asarray, both_tangents(model, start))
 
 
 def test_tangent_is_the_derivative_of_the_residual(linearized):

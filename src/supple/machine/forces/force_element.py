@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from supple.machine.ends import GROUND, At, as_end
 from supple.machine.laws.time_law import TimeLaw, check_law_kind
 from supple.machine.pose import Pose, Wrench
 
-__all__ = ["ForceElement", "check_not_negative"]
+__all__ = ["ForceElement", "check_anchor", "check_not_negative", "check_positive"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,14 +60,23 @@ class ForceElement(ABC):
         return None
 
     @property
-    def parameters(self) -> tuple[float, ...]:
-        """The numbers that `wrenches` needs."""
+    def parameters(self) -> tuple[Any, ...]:
+        """The numbers, and arrays of them, that `wrenches` needs."""
         return ()
+
+    def assembled(self, first: np.ndarray, second: np.ndarray) -> Self:  # noqa: ARG002 - most need no places
+        """The element with what it takes from where its ends (3,) are when the machine is put together."""
+        return self
 
     @staticmethod
     @abstractmethod
     def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
         """Wrenches on the two ends; `value` is the law's at this time, or None."""
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """Energy that the element has stored and can give back; zero for most."""
+        return 0.0
 
 
 def check_not_negative(element: ForceElement, **values: float) -> None:
@@ -75,3 +84,21 @@ def check_not_negative(element: ForceElement, **values: float) -> None:
     for name, value in values.items():
         if not (np.isfinite(value) and value >= 0):
             raise ModelError(f"{element.label}: {name} must be finite and not negative, got {value}")
+
+
+def check_positive(element: ForceElement, **values: float) -> None:
+    """Raise ModelError unless every value is finite and more than zero."""
+    for name, value in values.items():
+        if not (np.isfinite(value) and value > 0):
+            raise ModelError(f"{element.label}: {name} must be finite and positive, got {value}")
+
+
+def check_anchor(element: ForceElement, anchor: Any) -> None:
+    """Raise ModelError unless an end on the ground, and only such an end, has a finite point there."""
+    if (GROUND in (element.first, element.second)) != (anchor is not None):
+        raise ModelError(
+            f"{element.label}: an end on the ground, and only such an end, needs an anchor: the global "
+            "point it is fixed to"
+        )
+    if anchor is not None and not (np.shape(anchor) == (3,) and np.isfinite(anchor).all()):
+        raise ModelError(f"{element.label}: the anchor must be three finite numbers, got {anchor}")

@@ -8,9 +8,7 @@ from typing import Any, ClassVar
 import jax.numpy as jnp
 import numpy as np
 
-from supple.errors import ModelError
-from supple.machine.ends import GROUND
-from supple.machine.forces.force_element import ForceElement, check_not_negative
+from supple.machine.forces.force_element import ForceElement, check_anchor, check_not_negative
 from supple.machine.pose import Pose, Wrench
 
 __all__ = ["SpringDamper"]
@@ -31,13 +29,7 @@ class SpringDamper(ForceElement):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_not_negative(self, stiffness=self.stiffness, damping=self.damping, rest_length=self.rest_length)
-        if (GROUND in (self.first, self.second)) != (self.anchor is not None):
-            raise ModelError(
-                f"{self.label}: an end on the ground, and only such an end, needs an anchor: the global "
-                "point it is fixed to"
-            )
-        if self.anchor is not None and not (np.shape(self.anchor) == (3,) and np.isfinite(self.anchor).all()):
-            raise ModelError(f"{self.label}: the anchor must be three finite numbers, got {self.anchor}")
+        check_anchor(self, self.anchor)
 
     @property
     def ground_point(self) -> np.ndarray | None:
@@ -59,3 +51,10 @@ class SpringDamper(ForceElement):
         rate = direction @ (second.velocity - first.velocity)
         force = (stiffness * (length - rest_length) + damping * rate) * direction
         return Wrench(force, jnp.zeros(3)), Wrench(-force, jnp.zeros(3))
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """`k (l - l_0)^2 / 2`."""
+        stiffness, _, rest_length = parameters
+        between = second.point - first.point
+        return stiffness * (jnp.sqrt(between @ between) - rest_length) ** 2 / 2

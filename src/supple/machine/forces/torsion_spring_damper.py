@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from supple.machine.forces.force_element import ForceElement, check_not_negative
+from supple.machine.forces.relative_motion import axial_motion, moment_pair
 from supple.machine.joints.joint import axes_along
 from supple.machine.laws.time_law import TimeLaw, as_time_law
 from supple.machine.pose import Pose, Wrench
@@ -51,9 +51,11 @@ class TorsionSpringDamper(ForceElement):
     def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
         """Equal and opposite moments about the first end's axis."""
         stiffness, damping = parameters
-        axes_1, axes_2 = first.axes, second.axes
-        axis = axes_1[:, 2]
-        angle = jnp.arctan2(axes_1[:, 1] @ axes_2[:, 0], axes_1[:, 0] @ axes_2[:, 0])
-        rate = axis @ (second.angular_velocity - first.angular_velocity)
-        moment = (stiffness * (angle - value) + damping * rate) * axis
-        return Wrench(jnp.zeros(3), moment), Wrench(jnp.zeros(3), -moment)
+        motion = axial_motion(first, second)
+        moment = stiffness * (motion.angle - value) + damping * motion.rate
+        return moment_pair(first, -moment)
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:
+        """`k (phi - phi_0)^2 / 2`."""
+        return parameters[0] * (axial_motion(first, second).angle - value) ** 2 / 2

@@ -12,6 +12,9 @@ from supple.machine.joints.fixed import (
 from supple.machine.joints.joint import (
     Joint,
 )
+from supple.machine.joints.point_on_line import (
+    PointOnLine,
+)
 from supple.machine.joints.prescribed_rotation import (
     PrescribedRotation,
 )
@@ -33,6 +36,7 @@ __all__ = [
     "Cylindrical",
     "Fixed",
     "Joint",
+    "PointOnLine",
     "PrescribedRotation",
     "PrescribedTranslation",
     "Prismatic",

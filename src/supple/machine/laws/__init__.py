@@ -1,6 +1,7 @@
 """Laws of time, one kind per module."""
 
 from supple.machine.laws.constant import Constant
+from supple.machine.laws.constant_rate import ConstantRate
 from supple.machine.laws.ramp import Ramp
 from supple.machine.laws.scaled import Scaled
 from supple.machine.laws.sine import Sine
@@ -13,6 +14,7 @@ from supple.machine.laws.turning import Turning
 
 __all__ = [
     "Constant",
+    "ConstantRate",
     "Ramp",
     "Scaled",
     "Sine",

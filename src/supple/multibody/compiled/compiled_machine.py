@@ -11,14 +11,22 @@ import numpy as np
 
 from supple.algebra.kept_programs import KeptProgram
 from supple.machine import System
+from supple.multibody.compiled.control_start import first_control
 from supple.multibody.equations.balance import balance
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.compiler_options import STARTING
-from supple.multibody.equations.configuration import Configuration, SystemMotion, advance
-from supple.multibody.equations.consistent_start import JointTerms, consistent_start, joint_terms
+from supple.multibody.equations.configuration import (
+    Configuration,
+    ControlState,
+    ControlStep,
+    SystemMotion,
+    advance,
+)
+from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.equations.inertia import mass_matrix
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.start_change import StartChange
+from supple.multibody.equations.starting_machine import JointTerms, joint_terms
 
 __all__ = ["CompiledMachine", "CompiledStart", "compiled_start"]
 
@@ -85,6 +93,7 @@ class CompiledStart(NamedTuple):
     multipliers: np.ndarray
     change: StartChange
     """By what positions and velocities differ from those given"""
+    control: ControlState | None
 
 
 def compiled_start(system: System, time: float) -> CompiledStart:
@@ -95,19 +104,35 @@ def compiled_start(system: System, time: float) -> CompiledStart:
     every = CompiledMachine(system, build_model(system))
     machine, configuration, velocity, change = consistent_start(every, time)
     model = machine.model
-    terms = machine.joint_terms(time, configuration, velocity)
-    mass = machine.metric(configuration)
-    forces = np.asarray(_forces(model, np.asarray(float(time)), configuration, velocity))
+    instant = SystemMotion(np.asarray(float(time)), configuration, velocity, velocity, np.zeros(0))
+    control = first_control(machine.system, model, instant)
+    acceleration, multipliers = accelerations(machine, instant, control)
+    return CompiledStart(model, configuration, velocity, acceleration, multipliers, change, control)
+
+
+def accelerations(
+    machine: CompiledMachine, instant: SystemMotion, control: ControlState | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Accelerations (n,) and multipliers (m,) that belong to places and velocities."""
+    terms = machine.joint_terms(float(instant.time), instant.configuration, instant.velocity)
+    mass = machine.metric(instant.configuration)
+    step = None if control is None else ControlStep(control, np.zeros(()))
+    at = instant.time, instant.configuration, instant.velocity
+    forces = np.asarray(_forces(machine.model, *at, step))
     solution = bordered_solve(mass, terms.jacobian, -forces, -terms.acceleration_bias)
-    return CompiledStart(model, configuration, velocity, solution[: len(mass)], solution[len(mass) :], change)
+    return solution[: len(mass)], solution[len(mass) :]
 
 
 def forces_without_acceleration(
-    model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array
+    model: Model,
+    time: jax.Array,
+    configuration: Configuration,
+    velocity: jax.Array,
+    control: ControlStep | None = None,
 ) -> jax.Array:
     """The residual without accelerations and multipliers, (n,)."""
     still = SystemMotion(
-        time, configuration, velocity, jnp.zeros_like(velocity), jnp.zeros(len(model.active))
+        time, configuration, velocity, jnp.zeros_like(velocity), jnp.zeros(len(model.active)), control
     )
     return balance(model, still).residual
 

@@ -12,7 +12,10 @@ from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joi
 from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.compiled.compiled_machine import compiled_start
+from supple.multibody.compiled.contraction import Contraction, untold
+from supple.multibody.compiled.control_start import kept_control, resumed_control
 from supple.multibody.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
+from supple.multibody.compiled.sampling import sampling_of
 from supple.multibody.compiled.time_step import Controls, State
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.floating_solution import (
@@ -61,6 +64,7 @@ def initial_state(
         acceleration=start.acceleration,
         auxiliary=start.acceleration,
         multipliers=start.multipliers,
+        control=start.control,
     )
 
 
@@ -75,7 +79,8 @@ def _state(**known: Any) -> State:
         "largest_error": np.zeros(()),
         "largest_turn": np.zeros(()),
     }
-    arrays: dict[str, Any] = jax.tree.map(np.asarray, known)
+    known.setdefault("contraction", untold())
+    arrays: dict[str, Any] = {name: jax.tree.map(np.asarray, value) for name, value in known.items()}
     return State(**arrays, **fresh, relative_residual=np.zeros(4))
 
 
@@ -88,6 +93,7 @@ class CompiledEngine:
         self._controls = jax.device_put(controls(run))
         self._model: Model | None = None
         self._stops = Stops(run.times, stepping_instants([system], run))
+        self._sampling = sampling_of(system, run)
 
     def start(self, time: float) -> State:
         """Consistent positions, velocities, accelerations and multipliers."""
@@ -116,9 +122,17 @@ class CompiledEngine:
             acceleration=instant.acceleration,
             auxiliary=known.get("auxiliary", instant.acceleration),
             multipliers=instant.multipliers[list(active)],
+            contraction=Contraction(*known.get("contraction", untold())),
+            control=resumed_control(self._system, known),
         )
 
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
+        """To each of the output times; where controllers are sampled, from instant to instant."""
+        if self._sampling is None:
+            return self._marched(state, times)
+        return self._sampling.march(self._marched, self._model, state, times)
+
+    def _marched(self, state: State, times: np.ndarray) -> Leg[State]:
         """To each of the output times, in a few calls of the compiled program."""
         began = clock.perf_counter()
         stops, outputs = self._stops.on_the_way(float(state.time), times)
@@ -145,6 +159,7 @@ class CompiledEngine:
                 steps=int(after.steps - before.steps),
                 iterations=int(after.iterations - before.iterations),
                 rejected_steps=int(after.rejected_steps - before.rejected_steps),
+                factorizations=int(after.iterations - before.iterations),  # each makes its own
                 seconds=clock.perf_counter() - ready,
                 compile_seconds=ready - began,
                 largest_error=float(after.largest_error),
@@ -178,5 +193,7 @@ def as_solution(system: System, model: Model, states: State, statistics: Statist
             "active": np.array(model.active, dtype=float),
             "auxiliary": states.auxiliary[-1],
             "step": states.step[-1],
+            "contraction": np.array([own[-1] for own in states.contraction]),
+            **kept_control(states.control),
         },
     )

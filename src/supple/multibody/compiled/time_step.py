@@ -12,10 +12,24 @@ import jax
 import jax.numpy as jnp
 
 from supple.integrate import Coefficients, StepRule
+from supple.multibody.compiled.contraction import (
+    Contraction,
+    foretold_to_converge,
+    is_foretellable,
+    measured,
+)
 from supple.multibody.compiled.in_turn import in_turn
 from supple.multibody.compiled.step_equations import LinearizedStep, correction, kinds_of_rows
 from supple.multibody.equations.balance import Balance, Linearization, balance
-from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion, advance
+from supple.multibody.equations.configuration import (
+    AnyArray,
+    Configuration,
+    ControlState,
+    ControlStep,
+    SystemMotion,
+    advance,
+)
+from supple.multibody.equations.control_force import stepped
 from supple.multibody.equations.model import BodyGroup, Model
 from supple.multibody.equations.places import Places, assembled_vector
 from supple.multibody.equations.step_size import next_step, position_rounding
@@ -53,15 +67,50 @@ class State(NamedTuple):
     failed: AnyArray
     """True when the smallest step did not converge: the state is that before the step."""
     relative_residual: AnyArray
-    """Relative residual of the last iteration, by kind: force, moment, deformation, constraint."""
+    """Relative residual at the last evaluation, by kind: force, moment, deformation, constraint."""
+    contraction: Contraction
     largest_error: AnyArray
     """Largest local error of an accepted step so far."""
     largest_turn: AnyArray
     """Largest rotation of a body within an accepted step so far, rad."""
+    control: ControlState | None = None
+    """None where there are no controllers"""
 
 
 class _Trial(NamedTuple):
-    """Newton's iterate within a step."""
+    """An evaluated iterate within a step."""
+
+    acceleration: jax.Array
+    multipliers: jax.Array
+    configuration: Configuration
+    velocity: jax.Array
+    increments: jax.Array
+    residual: jax.Array
+    constraint_residual: jax.Array
+    relative_residual: jax.Array
+    converged: jax.Array
+
+
+class _Iteration(NamedTuple):
+    """Newton's iteration within a step: where it stands, and what it knows of the way there."""
+
+    acceleration: jax.Array
+    multipliers: jax.Array
+    relative_residual: jax.Array
+    """At the last evaluation"""
+    sizes: jax.Array
+    """(2,) of the residual at the last two evaluations, in parts of the tolerance"""
+    moved: jax.Array
+    """Largest change of a position by the last correction"""
+    evaluations: jax.Array
+    corrections: jax.Array
+    converged: jax.Array
+    foretold: jax.Array
+    """Whether its end was accepted without an evaluation"""
+
+
+class _Stepped(NamedTuple):
+    """Where Newton's iteration ended."""
 
     acceleration: jax.Array
     multipliers: jax.Array
@@ -69,19 +118,7 @@ class _Trial(NamedTuple):
     velocity: jax.Array
     auxiliary: jax.Array
     increments: jax.Array
-    residual: jax.Array
-    constraint_residual: jax.Array
-    relative_residual: jax.Array
-    iterations: jax.Array
-    converged: jax.Array
-
-
-class _Iteration(NamedTuple):
-    """An iterate and the correction that leads to the next."""
-
-    trial: _Trial
-    change: jax.Array
-    multiplier_change: jax.Array
+    iteration: _Iteration
 
 
 def position_scale(model: Model) -> jax.Array:
@@ -118,21 +155,28 @@ def _relative_residual(
     return jnp.concatenate([forces, constraint[None]])
 
 
+def _moved(
+    model: Model, rule: StepRule, start: State, acceleration: jax.Array
+) -> tuple[jax.Array, jax.Array, Configuration, jax.Array]:
+    """Auxiliary acceleration, increments, configuration and velocity that belong to an acceleration."""
+    auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
+    increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
+    velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
+    return auxiliary, increments, advance(model, start.configuration, increments), velocity
+
+
 def _evaluate(
     model: Model,
     rule: StepRule,
     start: State,
     acceleration: jax.Array,
     multipliers: jax.Array,
-    iterations: jax.Array,
     tolerance: jax.Array,
 ) -> tuple[_Trial, Linearization]:
-    auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
-    increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
-    configuration = advance(model, start.configuration, increments)
-    velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
+    _, increments, configuration, velocity = _moved(model, rule, start, acceleration)
     time = start.time + rule.h
-    terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers))
+    control = _control(start, rule)
+    terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers, control))
     rounding = position_rounding(model.length, configuration.origins)
     relative_residual = _relative_residual(model, terms, acceleration, rule.factors.by_position, rounding)
     trial = _Trial(
@@ -140,23 +184,35 @@ def _evaluate(
         multipliers,
         configuration,
         velocity,
-        auxiliary,
         increments,
         terms.residual,
         terms.constraint_residual,
         relative_residual,
-        iterations,
         jnp.all(relative_residual <= tolerance),
     )
     return trial, terms.linearization
 
 
+def _control(start: State, rule: StepRule) -> ControlStep | None:
+    return None if start.control is None else ControlStep(start.control, rule.h)
+
+
+def _motion(rule: StepRule, start: State, trial: _Trial | _Stepped) -> SystemMotion:
+    """What the equations are evaluated at, of an iterate."""
+    return SystemMotion(
+        start.time + rule.h,
+        trial.configuration,
+        trial.velocity,
+        trial.acceleration,
+        trial.multipliers,
+        _control(start, rule),
+    )
+
+
 def _newton_correction(
     model: Model, rule: StepRule, start: State, trial: _Trial, linearization: Linearization
 ) -> tuple[jax.Array, jax.Array]:
-    motion = SystemMotion(
-        start.time + rule.h, trial.configuration, trial.velocity, trial.acceleration, trial.multipliers
-    )
+    motion = _motion(rule, start, trial)
     step = LinearizedStep(motion, linearization, trial.increments, rule.factors)
     change = correction(model, step, trial.residual, trial.constraint_residual)
     n = model.n_velocities
@@ -179,57 +235,67 @@ _FEWEST_IN_TURN = 16
 """Velocities of a system whose cases of a batch are corrected in turn: below, mapping them costs less."""
 
 
-def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _Trial:
+def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _Stepped:
     """Newton's iteration for one step of size h from the constant-acceleration guess.
 
     Each pass evaluates the residual at the iterate left by the pass before and, unless that is good enough,
-    finds the next one; so the code for either stands once in the compiled program.
+    finds the next one; so the code for either stands once in the compiled program. It ends with an iterate
+    that is good, or with one that surely will be.
     """
     rule = StepRule(controls.coefficients, h)
     scale = position_scale(model)
+    correction = _correction_where_needed if model.n_velocities < _FEWEST_IN_TURN else _correction_in_turn
 
-    def unfinished(iteration: _Iteration) -> jax.Array:
-        trial = iteration.trial
-        finite = jnp.all(jnp.isfinite(trial.relative_residual))
-        return ~trial.converged & finite & (trial.iterations < controls.max_iterations)
+    def unfinished(old: _Iteration) -> jax.Array:
+        finite = jnp.all(jnp.isfinite(old.relative_residual))
+        return ~(old.converged | old.foretold) & finite & (old.evaluations <= controls.max_iterations)
 
-    def one_pass(iteration: _Iteration) -> _Iteration:
-        old = iteration.trial
-        trial, linearization = _evaluate(
-            model,
-            rule,
-            start,
-            old.acceleration + iteration.change,
-            old.multipliers + iteration.multiplier_change,
-            old.iterations + 1,
-            controls.residual_tolerance,
-        )
+    def one_pass(old: _Iteration) -> _Iteration:
+        tolerance = controls.residual_tolerance
+        trial, linearization = _evaluate(model, rule, start, old.acceleration, old.multipliers, tolerance)
         # Below rounding error no residual can tell a better answer from a worse one.
-        moved = rule.factors.by_position * jnp.max(jnp.abs(iteration.change) / scale)
         rounding = position_rounding(model.length, trial.configuration.origins)
-        settled = (trial.iterations > 0) & (moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
+        settled = (old.evaluations > 0) & (old.moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
         trial = trial._replace(converged=trial.converged | settled)
-        correction = _correction_where_needed if model.n_velocities < _FEWEST_IN_TURN else _correction_in_turn
-        return _Iteration(trial, *correction(model, rule, start, trial, linearization))
+        change, multiplier_change = correction(model, rule, start, trial, linearization)
+        size = jnp.max(trial.relative_residual) / tolerance
+        foretold = jnp.zeros((), dtype=bool)
+        if is_foretellable(model):
+            foretold = ~trial.converged & (old.evaluations == 0)
+            foretold = foretold & foretold_to_converge(start.contraction, size, h)
+        return _Iteration(
+            acceleration=old.acceleration + change,
+            multipliers=old.multipliers + multiplier_change,
+            relative_residual=trial.relative_residual,
+            sizes=jnp.stack([old.sizes[1], size]),
+            moved=rule.factors.by_position * jnp.max(jnp.abs(change) / scale),
+            evaluations=old.evaluations + 1,
+            corrections=old.evaluations + foretold,
+            converged=trial.converged,
+            foretold=foretold,
+        )
 
-    guess = _Trial(
-        acceleration=start.acceleration,
-        multipliers=start.multipliers,
-        configuration=start.configuration,
-        velocity=start.velocity,
-        auxiliary=start.auxiliary,
-        increments=jnp.zeros_like(start.velocity),
-        residual=jnp.zeros_like(start.velocity),
-        constraint_residual=jnp.zeros_like(start.multipliers),
-        relative_residual=jnp.zeros(4),
-        iterations=jnp.asarray(-1),
-        converged=jnp.zeros((), dtype=bool),
+    none, never = jnp.zeros((), dtype=int), jnp.zeros((), dtype=bool)
+    end = jax.lax.while_loop(
+        unfinished,
+        one_pass,
+        _Iteration(
+            acceleration=start.acceleration,
+            multipliers=start.multipliers,
+            relative_residual=jnp.zeros(4),
+            sizes=jnp.zeros(2),
+            moved=jnp.zeros(()),
+            evaluations=none,
+            corrections=none,
+            converged=never,
+            foretold=never,
+        ),
     )
-    none = _Iteration(guess, jnp.zeros_like(start.velocity), jnp.zeros_like(start.multipliers))
-    return jax.lax.while_loop(unfinished, one_pass, none).trial
+    auxiliary, increments, configuration, velocity = _moved(model, rule, start, end.acceleration)
+    return _Stepped(end.acceleration, end.multipliers, configuration, velocity, auxiliary, increments, end)
 
 
-def _local_error(model: Model, rule: StepRule, start: State, trial: _Trial) -> jax.Array:
+def _local_error(model: Model, rule: StepRule, start: State, trial: _Stepped) -> jax.Array:
     error = rule.position_error(start.auxiliary, trial.auxiliary) / position_scale(model)
     return jnp.max(jnp.abs(error))
 
@@ -246,8 +312,9 @@ def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> S
     # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
     h = remaining / jnp.maximum(jnp.ceil(remaining / start.step * (1 - 1e-9)), 1.0)
     trial = _try_step(model, controls, start, h)
+    iteration = trial.iteration
     error = _local_error(model, StepRule(controls.coefficients, h), start, trial)
-    converged = trial.converged & jnp.isfinite(error)
+    converged = (iteration.converged | iteration.foretold) & jnp.isfinite(error)
     accepted = converged & (error <= controls.error_tolerance)
 
     proposed = next_step(h, start.step, error, controls.error_tolerance, controls.largest)
@@ -263,19 +330,23 @@ def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> S
         auxiliary=trial.auxiliary,
         multipliers=trial.multipliers,
         steps=start.steps + 1,
-        iterations=start.iterations + trial.iterations,
+        iterations=start.iterations + iteration.corrections,
         rejected_steps=start.rejected_steps,
         failed=failed,
-        relative_residual=trial.relative_residual,
+        relative_residual=iteration.relative_residual,
+        contraction=measured(
+            start.contraction, iteration.sizes, h, iteration.corrections, iteration.converged
+        ),
         largest_error=jnp.maximum(start.largest_error, error),
         largest_turn=jnp.maximum(start.largest_turn, _turn(model, trial.increments)),
+        control=stepped(model, _motion(StepRule(controls.coefficients, h), start, trial)),
     )
     before = start._replace(
         step=proposed,
-        iterations=start.iterations + trial.iterations,
+        iterations=start.iterations + iteration.corrections,
         rejected_steps=start.rejected_steps + 1,
         failed=failed,
-        relative_residual=trial.relative_residual,
+        relative_residual=iteration.relative_residual,
     )
     return jax.tree.map(lambda a, b: jnp.where(accepted, a, b), after, before)
 

@@ -4,7 +4,7 @@
 
 assembled from the bodies' 6 + r equations each: force (global), moment about the frame origin (body
 components), deformation. Every term is a file of its own: `inertia`, `internal_force`, `joint_force`,
-`marker_force`, `nodal_load`. Source: [Wu2019] (26)-(28), (50).
+`marker_force`, `control_force`, `nodal_load`. Source: [Wu2019] (26)-(28), (50).
 """
 
 from __future__ import annotations
@@ -14,7 +14,14 @@ from typing import Any, NamedTuple
 import jax
 
 from supple.integrate import StepFactors
-from supple.multibody.equations import inertia, internal_force, joint_force, marker_force, nodal_load
+from supple.multibody.equations import (
+    control_force,
+    inertia,
+    internal_force,
+    joint_force,
+    marker_force,
+    nodal_load,
+)
 from supple.multibody.equations.configuration import (
     AnyArray,
     Configuration,
@@ -70,6 +77,7 @@ def balance(model: Model, motion: SystemMotion) -> Balance:
     applied = [(load.velocities, -nodal_load.force(load, motion)) for load in model.nodal_loads]
     for forces in model.forces:
         applied += [(places, -own) for places, own in marker_force.force(forces, motion)]
+    applied += [(places, -own) for places, own in control_force.force(model, motion)]
     joints = linearized(model, motion.time, motion.configuration)
     return Balance(
         inertia=assembled_vector(n, inertial),
@@ -131,5 +139,6 @@ def tangent_blocks(
     minus = StepFactors(-factors.by_position, -factors.by_velocity)
     for forces in model.forces:
         blocks += marker_force.tangent(forces, motion, turns, minus)
+    blocks += control_force.tangent(model, motion, turns, minus)
     blocks += joint_force.tangent(model, motion, linearization.joints, turns, factors.by_position)
     return blocks

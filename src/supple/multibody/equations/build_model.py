@@ -14,14 +14,18 @@ from supple.algebra.cross import cross_matrix
 from supple.body import BodyForm, FullBody, RigidBody
 from supple.errors import ModelError
 from supple.machine import GROUND, At, BaseAcceleration, ForceElement, Joint, NodalLoad, Placed, System
+from supple.machine.control import Controller, EndReading, JointReading, SampledController
 from supple.multibody.equations.floating_inertia import inertia_arrays
 from supple.multibody.equations.model import (
+    Actuator,
     BodyGroup,
+    ControlLaw,
     Ends,
     ForceGroup,
     JointGroup,
     Model,
     NodalLoadArrays,
+    Reader,
 )
 from supple.multibody.equations.nodal_load import prepared
 from supple.multibody.equations.places import Places
@@ -66,6 +70,7 @@ def build_model(system: System, active: tuple[int, ...] | None = None) -> Model:
         sizes=sizes,
         n_equations=n_equations,
         active=tuple(range(n_equations)) if active is None else active,
+        controllers=tuple(_control_law(system, controller, places) for controller in system.controllers),
     )
 
 
@@ -285,11 +290,12 @@ def _force_groups(
 ) -> tuple[ForceGroup, ...]:
     for load in loads:
         _check_apart(system, load)
-    found = [(load, *_both_ends(system, load)) for load in loads]
+    assembled = [load.assembled(*initial_points(system, load)) for load in loads]
+    found = [(load, *_both_ends(system, load)) for load in assembled]
 
     def kind(each: tuple[ForceElement, _End, _End]) -> Hashable:
         load, first, second = each
-        return type(load), _structure(load.law), len(load.parameters), first.key, second.key
+        return type(load), _structure(load.law), _structure(load.parameters), first.key, second.key
 
     return tuple(
         ForceGroup(
@@ -300,6 +306,34 @@ def _force_groups(
             second=_ends(places, [second for _, _, second in group]),
         )
         for group in _grouped(found, kind)
+    )
+
+
+def _control_law(
+    system: System, controller: Controller | SampledController, places: _BodyPlaces
+) -> ControlLaw:
+    joints = {joint.name: joint for joint in system.joints}
+
+    def reader(name: str, reading: JointReading | EndReading) -> Reader:
+        if isinstance(reading, JointReading):
+            ends = _both_ends(system, joints[reading.joint])
+        else:
+            own = _end(system, reading.at, np.eye(3), np.zeros(3))
+            ends = own, own
+        first, second = (_ends(places, [end]) for end in ends)
+        return Reader(name, isinstance(reading, JointReading), first, second)
+
+    def actuator(name: str, element: ForceElement) -> Actuator:
+        (group,) = _force_groups(system, [element], places)
+        return Actuator(name, element.value_shape, group)
+
+    sampled = isinstance(controller, SampledController)
+    return ControlLaw(
+        outputs=None if sampled else controller.outputs,
+        rates=None if sampled else controller.rates,
+        readers=tuple(reader(name, reading) for name, reading in controller.reads.items()),
+        actuators=tuple(actuator(name, element) for name, element in controller.drives.items()),
+        initial=np.zeros(0) if sampled else np.asarray(controller.initial),
     )
 
 

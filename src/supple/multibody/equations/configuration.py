@@ -12,7 +12,15 @@ from supple.algebra.small_product import small_product
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.places import over
 
-__all__ = ["AnyArray", "Configuration", "SystemMotion", "advance", "turns_by_increment"]
+__all__ = [
+    "AnyArray",
+    "Configuration",
+    "ControlState",
+    "ControlStep",
+    "SystemMotion",
+    "advance",
+    "turns_by_increment",
+]
 
 AnyArray = Any
 """A NumPy array or a JAX one: both engines keep their states in the same records."""
@@ -29,6 +37,26 @@ class Configuration(NamedTuple):
     """(nq,) deformation coordinates, body after body"""
 
 
+class ControlState(NamedTuple):
+    """Of all controllers, at an instant: one entry each."""
+
+    states: tuple[AnyArray, ...]
+    """(k,), and behind them the angles of the joints that it reads, counted beyond pi"""
+    rates: tuple[AnyArray, ...]
+    """Of the states, (k,)"""
+    held: tuple[dict[str, AnyArray], ...]
+    """Outputs of sampled controllers by name; empty of others"""
+    memory: tuple[dict[str, AnyArray], ...]
+    """What sampled controllers remember; no equation reads it"""
+
+
+class ControlStep(NamedTuple):
+    """What controllers have to know of the step: where it began, and how long it is."""
+
+    start: ControlState
+    size: AnyArray
+
+
 class SystemMotion(NamedTuple):
     """What the equations are evaluated at."""
 
@@ -40,6 +68,8 @@ class SystemMotion(NamedTuple):
     """(n,)"""
     multipliers: AnyArray
     """(m,)"""
+    control: ControlStep | None = None
+    """None where there are no controllers"""
 
 
 def advance(model: Model, configuration: Configuration, increment: jax.Array) -> Configuration:

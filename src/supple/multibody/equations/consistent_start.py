@@ -10,118 +10,27 @@ Constraint equations that repeat others are found by orthogonalising the rows of
 from __future__ import annotations
 
 import warnings
-from typing import Generic, NamedTuple, Protocol, Self, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import scipy.linalg
 
-from supple.algebra.kept_programs import KeptProgram
-from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning
+from supple.errors import ModelError, RedundantConstraintWarning
 from supple.machine import System
-from supple.multibody.equations.balance import constraint_jacobian
 from supple.multibody.equations.build_model import row_scales
-from supple.multibody.equations.compiler_options import STARTING
-from supple.multibody.equations.configuration import AnyArray, Configuration, advance
-from supple.multibody.equations.joint_force import constraints
+from supple.multibody.equations.configuration import Configuration
+from supple.multibody.equations.joint_closure import joints_closed
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.singular_start import check_redundant_nearby, neighbours
 from supple.multibody.equations.start_change import StartChange
-from supple.multibody.equations.step_size import position_rounding
+from supple.multibody.equations.starting_machine import StartingMachine
 
-__all__ = ["ConsistentStart", "JointTerms", "StartingMachine", "consistent_start", "joint_terms"]
+__all__ = ["ConsistentStart", "consistent_start"]
 
 _REDUNDANT = 1e-9
 """A constraint row of which those before it leave less than this part adds nothing."""
 _OPEN = 1e-3
 """A joint open by more than this part of the system's size is a mistake, not a rounding error."""
-
-
-class JointTerms(NamedTuple):
-    """The constraints at one position and velocity."""
-
-    residual: AnyArray
-    """`g`, (m,)"""
-    jacobian: AnyArray
-    """`G`, (m, n)"""
-    rate: AnyArray
-    """`dg/dt`, (m,)"""
-    acceleration_bias: AnyArray
-    """`d2g/dt2` while the velocities stay constant, (m,)"""
-
-
-def _terms(model: Model, time: jax.Array, configuration: Configuration, velocity: jax.Array) -> JointTerms:
-    """Constraints, their Jacobian, and their first two time derivatives at constant velocity."""
-
-    def residual_after(duration: jax.Array) -> jax.Array:
-        return constraints(model, time + duration, advance(model, configuration, duration * velocity))
-
-    def with_rate(duration: jax.Array) -> tuple[jax.Array, jax.Array]:
-        return jax.jvp(residual_after, (duration,), (jnp.ones(()),))
-
-    (residual, rate), (_, bias) = jax.jvp(with_rate, (jnp.zeros(()),), (jnp.ones(()),))
-    return JointTerms(residual, constraint_jacobian(model, time, configuration), rate, bias)
-
-
-joint_terms = KeptProgram(_terms, STARTING)
-
-
-class StartingMachine(Protocol):
-    """A machine in the hands of one engine, as its start needs it. Vectors (n,) are the engine's own."""
-
-    @property
-    def system(self) -> System:
-        """The machine itself."""
-        ...
-
-    @property
-    def model(self) -> Model:
-        """What joints and forces see of it."""
-        ...
-
-    def restricted(self, active: tuple[int, ...]) -> Self:
-        """The machine with some of its constraint equations left out."""
-        ...
-
-    def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
-        """Constraints and their derivatives as NumPy arrays; the Jacobian for `model`'s velocities."""
-        ...
-
-    def metric(self, configuration: Configuration) -> np.ndarray:
-        """Positive matrix for `model`'s velocities, in whose inverse rows of the Jacobian are compared."""
-        ...
-
-    @property
-    def slices(self) -> tuple[slice, ...]:
-        """Where each body's freedoms stand in the engine's vectors, its frame's six first."""
-        ...
-
-    def frame_masses(self, configuration: Configuration) -> np.ndarray:
-        """Mass matrices of the bodies moving rigidly, for the velocities of their frames, (nb, 6, 6)."""
-        ...
-
-    def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
-        """Kinetic energies of the bodies, (nb,), at velocities (n,)."""
-        ...
-
-    def least_change(
-        self,
-        configuration: Configuration,
-        velocity: np.ndarray,
-        terms: JointTerms,
-        joint_residual: np.ndarray,
-    ) -> np.ndarray:
-        """The vector (n,) of least mass norm that takes away a residual of the joints, to first order.
-
-        `velocity` is what it is added to: conditions on it beside the joints' hold afterwards as well. The
-        `terms` are those of the joints in this configuration.
-        """
-        ...
-
-    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
-        """The configuration after an increment (n,)."""
-        ...
 
 
 M = TypeVar("M", bound=StartingMachine)
@@ -158,7 +67,7 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
     active = independent_constraints(system, terms.jacobian, machine.metric(configuration))
     if active != machine.model.active:
         machine = machine.restricted(active)
-    configuration = _joints_closed(machine, time, configuration, velocity)
+    configuration = joints_closed(machine, time, configuration, velocity)
     closed = every.joint_terms(time, configuration, velocity)
     left = closed.residual
     _check_redundant_closed(system, active, left)
@@ -196,7 +105,7 @@ def _check_nearby(
         increment = np.zeros_like(velocity)
         for part, own in zip(machine.slices, motion, strict=True):
             increment[part.start : part.start + 6] = own
-        return _joints_closed(machine, time, machine.moved(configuration, increment), velocity)
+        return joints_closed(machine, time, machine.moved(configuration, increment), velocity)
 
     check_redundant_nearby(
         _row_labels(machine.system),
@@ -222,49 +131,6 @@ def placed_velocity(system: System) -> np.ndarray:
     return np.concatenate([item for part in parts for item in part])
 
 
-def _joints_closed(
-    machine: StartingMachine, time: float, configuration: Configuration, velocity: np.ndarray
-) -> Configuration:
-    """Project the configuration on the joints by Newton's method, as closely as arithmetic allows."""
-    still = np.zeros_like(velocity)
-    largest, before = 0.0, np.inf
-    for _ in range(20):
-        terms = machine.joint_terms(time, configuration, velocity)
-        largest = float(np.max(abs(terms.residual), initial=0.0))
-        rounding = machine.model.length * float(
-            position_rounding(machine.model.length, configuration.origins)
-        )
-        # A further iteration takes away what is left of rounding errors, until it gains nothing.
-        if largest <= 0.01 * rounding or (largest <= rounding and largest > 0.1 * before):
-            return configuration
-        before = largest
-        change = _rigid_change(machine, configuration, terms)
-        if change is None:
-            change = machine.least_change(configuration, still, terms, terms.residual)
-        configuration = machine.moved(configuration, change)
-    raise ConvergenceError(
-        f"the joints could not be closed at the start: largest gap {largest:.3g} after 20 iterations. "
-        "Place the bodies closer to a configuration in which every joint fits"
-    )
-
-
-def _rigid_change(
-    machine: StartingMachine, configuration: Configuration, terms: JointTerms
-) -> np.ndarray | None:
-    """The least rigid motion of the bodies that closes the joints to first order; None without one."""
-    frames = [slice(part.start, part.start + 6) for part in machine.model.slices]
-    whitening = [np.linalg.inv(np.linalg.cholesky(own)).T for own in machine.frame_masses(configuration)]
-    jacobian = np.hstack([terms.jacobian[:, part] @ own for part, own in zip(frames, whitening, strict=True)])
-    change, *_ = np.linalg.lstsq(jacobian, -terms.residual, rcond=1e-9)
-    left = np.linalg.norm(jacobian @ change + terms.residual)
-    if left > 1e-6 * np.linalg.norm(terms.residual):
-        return None
-    increment = np.zeros(machine.slices[-1].stop)
-    for part, own, each in zip(machine.slices, whitening, change.reshape(-1, 6), strict=True):
-        increment[part.start : part.start + 6] = own @ each
-    return increment
-
-
 def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) -> None:
     """Raise ModelError for a joint whose ends lie apart in the initial configuration."""
     start = 0
@@ -277,7 +143,9 @@ def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) ->
                 raise ModelError(
                     f"joint '{joint.name}' is open in the initial configuration: {row} is off by "
                     f"{residual:.3g}. "
-                    "Place the bodies so that both ends meet, or let the prescribed motion start at zero"
+                    "Place the bodies so that both ends meet, let the prescribed motion start at zero, or "
+                    "have the machine assembled: assemble(system); in a case file, assemble = true in "
+                    "[simulation]"
                 )
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import permutations
 from typing import NamedTuple
 
 from supple.multibody.equations.model import Model
@@ -96,6 +97,9 @@ def _neighbours(model: Model) -> dict[int, set[int]]:
             if min(first, second) != NONE and first != second:
                 found[first].add(second)
                 found[second].add(first)
+    for control in model.controllers:
+        for first, second in permutations(control.bodies, 2):
+            found[first].add(second)
     return found
 
 

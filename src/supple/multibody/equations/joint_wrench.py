@@ -18,8 +18,8 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from supple.body import place_in_frame
 from supple.machine import GROUND, At, Joint, System
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.joint_linearization import affine_form
@@ -77,11 +77,8 @@ def _axes(system: System, joint: Joint, end: At, bodies: Mapping[str, Any]) -> n
     if end == GROUND:
         return joint.initial_axes[None]
     placed, motion = system.bodies[system.body_index(end.body)], bodies[end.body]
-    interface = placed.body.interface(end.interface)
-    theta = (motion.coordinates @ interface.motion.T)[:, 3:]
-    turned = (1 + interface.cubic_turn * (theta**2).sum(axis=1, keepdims=True)) * theta
-    own = placed.assembly.rotation.T @ joint.initial_axes
-    return motion.rotation @ Rotation.from_rotvec(turned).as_matrix() @ own
+    _, turn = place_in_frame(placed.body.interface(end.interface), motion.coordinates)
+    return motion.rotation @ turn @ placed.assembly.rotation.T @ joint.initial_axes
 
 
 def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:

@@ -18,7 +18,17 @@ import numpy as np
 from supple.multibody.equations.floating_inertia import InertiaArrays
 from supple.multibody.equations.places import Places
 
-__all__ = ["BodyGroup", "Ends", "ForceGroup", "JointGroup", "Model", "NodalLoadArrays"]
+__all__ = [
+    "Actuator",
+    "BodyGroup",
+    "ControlLaw",
+    "Ends",
+    "ForceGroup",
+    "JointGroup",
+    "Model",
+    "NodalLoadArrays",
+    "Reader",
+]
 
 STATIC = {"static": True}
 """Marks what belongs to the structure of a compiled program, not to its data."""
@@ -134,6 +144,50 @@ class NodalLoadArrays:
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
+class Reader:
+    """What a controller reads, under a name: the motion of two ends against each other, or of the first."""
+
+    name: str = field(metadata=STATIC)
+    of_joint: bool = field(metadata=STATIC)
+    first: Ends
+    second: Ends
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Actuator:
+    """A force element that a controller drives, under a name."""
+
+    name: str = field(metadata=STATIC)
+    shape: tuple[int, ...] = field(metadata=STATIC)
+    """Of the output"""
+    force: ForceGroup
+    """Of one element"""
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class ControlLaw:
+    """A controller."""
+
+    outputs: Callable[..., Any] | None = field(metadata=STATIC)
+    """None of a sampled one, whose outputs are held"""
+    rates: Callable[..., Any] | None = field(metadata=STATIC)
+    readers: tuple[Reader, ...]
+    actuators: tuple[Actuator, ...]
+    initial: Any
+    """(k,) states at the start"""
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        """Numbers of the bodies that it reads or drives; none of the ground."""
+        ends = [end for reader in self.readers for end in (reader.first, reader.second)]
+        ends += [end for each in self.actuators for end in (each.force.first, each.force.second)]
+        return tuple(sorted({end.bodies[0] for end in ends if not end.on_ground}))
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
 class Model:
     """The whole system."""
 
@@ -155,6 +209,7 @@ class Model:
     """Number of constraint equations, redundant ones included"""
     active: tuple[int, ...] = field(metadata=STATIC)
     """The constraint equations kept: all but the redundant ones."""
+    controllers: tuple[ControlLaw, ...] = ()
 
     @property
     def slices(self) -> tuple[slice, ...]:

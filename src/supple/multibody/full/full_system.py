@@ -34,10 +34,10 @@ from supple.multibody.equations.balance import Balance, Linearization, balance, 
 from supple.multibody.equations.build_model import build_model, is_on_full_nodes
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import Configuration, SystemMotion
-from supple.multibody.equations.consistent_start import JointTerms, joint_terms
 from supple.multibody.equations.inertia import mass_matrix
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
+from supple.multibody.equations.starting_machine import JointTerms, joint_terms
 from supple.multibody.equations.step_size import position_rounding
 from supple.multibody.full.bordered_solve import Border, EliminatedInterior, solve_bordered
 from supple.multibody.full.elimination import Elimination

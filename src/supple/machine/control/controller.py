@@ -1,0 +1,126 @@
+"""Controllers: what they read, what they drive, and the law between."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from supple.arguments import check_fields, check_instance, check_number
+from supple.errors import ModelError
+from supple.machine.control.readings import EndReading, JointReading, Reading
+from supple.machine.forces.force_element import ForceElement
+
+__all__ = ["Controller", "SampledController"]
+
+_NOTHING: Mapping[str, Any] = MappingProxyType({})
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Controller:
+    """A law that depends on time and on readings, with states of its own, within the compiled step.
+
+        dz/dt = rates(t, readings, z),     u = outputs(t, readings, z)
+
+    Each output adds to what the law of time of a force element gives: the torque of a `TorqueBetween`, the
+    command of a `MotorCurve`, ... Its states obey the trapezoidal rule, of second order and stable for
+    every step, together with the motion: outputs and motion of a step belong together, nothing lags.
+
+    Both functions are written with `jax.numpy`, and are part of the compiled program, as a `TimeFunction` is.
+
+    reads : by name, JointReading or EndReading
+    drives : by name, force elements with a law of time; they are not listed among the machine's loads
+    outputs : `(time, readings, states) -> {name: value}`, a value for every element that is driven;
+        `readings` is a dictionary of `AxialMotion` and `Pose`, `states` an array (k,)
+    rates : `(time, readings, states) -> (k,)`; None without states
+    initial : (k,) states at the start
+    Raises ModelError for an element without a law of time, states without rates, or rates without states.
+    """
+
+    reads: Mapping[str, Reading]
+    drives: Mapping[str, ForceElement]
+    outputs: Callable[[Any, Any, Any], Mapping[str, Any]]
+    rates: Callable[[Any, Any, Any], Any] | None = None
+    initial: Any = ()
+    name: str = "controller"
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        _check_ends(self)
+        states = np.array(self.initial, dtype=float)
+        if states.ndim != 1 or not np.isfinite(states).all():
+            raise ModelError(f"controller '{self.name}': its initial states must be (k,) finite numbers")
+        if (self.rates is None) != (states.size == 0):
+            function = "no function" if self.rates is None else "a function"
+            raise ModelError(
+                f"controller '{self.name}': states need rates, and rates states; it has {states.size} "
+                f"initial states and {function} of their rates"
+            )
+        states.setflags(write=False)
+        object.__setattr__(self, "initial", states)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SampledController:
+    """A law in plain Python, called between steps: its outputs are held until the next sampling instant.
+
+    The march stops at every instant `start + i every` of a run; there the function is called once, and
+    accelerations begin anew with its outputs. What it remembers is kept in result files, so that a run
+    that was cut off goes on as if it had not been.
+
+    reads, drives : as of a `Controller`; readings are NumPy arrays and numbers
+    law : `(time, readings, memory) -> (outputs, memory)`, outputs `{name: value}` of every element driven
+    memory : what it is given the first time: numbers and arrays by name, which keep their shapes
+    every : sampling period
+    Raises ModelError for an element without a law of time, or a period that is not positive.
+    """
+
+    reads: Mapping[str, Reading]
+    drives: Mapping[str, ForceElement]
+    law: Callable[[float, Any, dict[str, Any]], tuple[Any, Any]]
+    every: float
+    memory: Mapping[str, Any] = field(default_factory=dict)
+    name: str = "controller"
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        _check_ends(self)
+        check_number(f"controller '{self.name}': every", self.every)
+        if not (np.isfinite(self.every) and self.every > 0):
+            raise ModelError(f"controller '{self.name}': every must be a positive time, got {self.every}")
+        object.__setattr__(self, "memory", as_memory(self.name, self.memory))
+
+
+def as_memory(name: str, memory: Any) -> dict[str, np.ndarray]:
+    """What a controller remembers, as arrays of floats; ModelError for what is no dictionary of numbers."""
+    if not isinstance(memory, Mapping) or not all(isinstance(key, str) for key in memory):
+        raise ModelError(
+            f"controller '{name}': its memory must be a dictionary of numbers and arrays by name, got "
+            f"{type(memory).__name__}"
+        )
+    try:
+        return {key: np.array(value, dtype=float) for key, value in sorted(memory.items())}
+    except (TypeError, ValueError) as error:
+        raise ModelError(
+            f"controller '{name}': its memory must hold numbers and arrays of them, for they are kept in "
+            f"result files ({error})"
+        ) from error
+
+
+def _check_ends(controller: Controller | SampledController) -> None:
+    what = f"controller '{controller.name}'"
+    if not controller.drives:
+        raise ModelError(f"{what} drives nothing: name force elements, drives={{'motor': TorqueBetween(..)}}")
+    for reading in controller.reads.values():
+        expected = "JointReading(joint) or EndReading(at)"
+        check_instance(f"{what}, reads", reading, (JointReading, EndReading), expected)
+    for element in controller.drives.values():
+        check_instance(f"{what}, drives", element, ForceElement, "force elements such as TorqueBetween(..)")
+        if element.law is None:
+            raise ModelError(
+                f"{what} cannot drive {element.label}, in which nothing varies with time; drive one such as "
+                "TorqueBetween, ForceBetween, MotorCurve, FollowerForce or a servo"
+            )

@@ -1,0 +1,40 @@
+"""What a controller reads of a machine: places and velocities, not accelerations, which it changes itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from supple.errors import ModelError
+from supple.machine.ends import GROUND, At, as_end
+
+__all__ = ["EndReading", "JointReading", "Reading"]
+
+
+@dataclass(frozen=True)
+class JointReading:
+    """Angle, rate, slide and speed of a joint, an `AxialMotion`: as a `JointMotionSensor` reads them.
+
+    The angle goes on beyond pi, as long as a step turns the joint by less than half a turn.
+    """
+
+    joint: str
+    """Its name"""
+
+
+@dataclass(frozen=True)
+class EndReading:
+    """Place and motion of an interface, a `Pose`: point, axes, velocity, angular velocity; global."""
+
+    at: At | Any
+    """"BODY.INTERFACE" or `At(body, interface)`; its axes are global ones at assembly"""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "at", as_end(self.at))
+        if self.at == GROUND:
+            raise ModelError(
+                "a controller reads the ground, which does not move: name an interface of a body"
+            )
+
+
+Reading = JointReading | EndReading

@@ -1,0 +1,51 @@
+"""Torque about an axis and force along it between two ends: what motors and cylinders exert."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax.numpy as jnp
+
+from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.relative_motion import force_pair, moment_pair
+from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["ForceBetween", "TorqueBetween"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueBetween(AxialElement):
+    """A torque on the second end about an axis of the first, and its opposite on the first."""
+
+    torque: Any = 0.0
+    """a number or a law of time; what a controller gives adds to it"""
+
+    @property
+    def law(self) -> TimeLaw:
+        """The torque over time."""
+        return as_time_law(self.torque)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """`M_2 = m(t) z_1 = - M_1`."""
+        return moment_pair(first, value)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceBetween(AxialElement):
+    """A force on the second end along an axis of the first, and what balances it on the first."""
+
+    force: Any = 0.0
+    """a number or a law of time; what a controller gives adds to it"""
+
+    @property
+    def law(self) -> TimeLaw:
+        """The force over time."""
+        return as_time_law(self.force)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """`F_2 = f(t) z_1 = - F_1`, both on one line."""
+        return force_pair(first, second, value * first.axes[:, 2], jnp.zeros(3))

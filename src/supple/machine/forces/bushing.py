@@ -1,0 +1,108 @@
+"""Bushing: stiffness and damping against all six relative motions of its ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.rotation import rotation_log, rotation_right_jacobian
+from supple.errors import ModelError
+from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.relative_motion import force_pair
+from supple.machine.joints.joint import axes_along
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["Bushing"]
+
+_SYMMETRIC = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bushing(AxialElement):
+    """Forces and moments `K x + C dx/dt` against `x = (d, theta)`, seen in the first end's axes.
+
+        d = A_1^T (r_2 - r_1) - d_0,    exp(theta) = A_1^T A_2,    force on x: Q = - K x - C dx/dt
+
+    `d_0` is the offset of the ends when the machine is put together, where the bushing is undeformed. `Q` is
+    the force that does work on x, so that `x^T K x / 2` is kept without damping; the angle of theta must stay
+    below pi.
+
+    axis, x_axis : z and, as near as can be, x of the bushing's axes when the machine is put together, global
+    stiffness, damping : (6,) diagonal, or (6, 6) symmetric and not negative; translations first
+    Raises ModelError for a matrix that is none of these.
+    """
+
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    x_axis: tuple[float, float, float] | None = None
+    stiffness: Any
+    damping: Any = (0.0,) * 6
+    offset: tuple[float, float, float] | None = None
+    """d_0, in the bushing's axes; that of its ends when the machine is put together, unless given"""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _ = self.initial_axes
+        for name in ("stiffness", "damping"):
+            object.__setattr__(self, name, _matrix(f"{self.label}: {name}", getattr(self, name)))
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the axis, x near the x axis."""
+        return axes_along(self.axis, hint=self.x_axis)
+
+    @property
+    def parameters(self) -> tuple[Any, ...]:
+        """`(K, C, d_0)`."""
+        return (np.array(self.stiffness), np.array(self.damping), np.array(self.offset or np.zeros(3)))
+
+    def assembled(self, first: np.ndarray, second: np.ndarray) -> Bushing:
+        """With the offset of its ends."""
+        if self.offset is not None:
+            return self
+        return replace(self, offset=tuple((self.initial_axes.T @ (second - first)).tolist()))
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """`Q` on the second end, its opposite on the first."""
+        stiffness, damping, offset = parameters
+        x = _deformation(first, second, offset)
+        turning = rotation_right_jacobian(x[3:])
+        moving = second.velocity - first.velocity
+        moving = moving - jnp.cross(first.angular_velocity, second.point - first.point)
+        spin = second.axes.T @ (second.angular_velocity - first.angular_velocity)
+        rate = jnp.concatenate([first.axes.T @ moving, jnp.linalg.solve(turning, spin)])
+        load = -(stiffness @ x + damping @ rate)
+        moment = second.axes @ jnp.linalg.solve(turning.T, load[3:])
+        return force_pair(first, second, first.axes @ load[:3], moment)
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """`x^T K x / 2`."""
+        stiffness, _, offset = parameters
+        x = _deformation(first, second, offset)
+        return x @ stiffness @ x / 2
+
+
+def _deformation(first: Pose, second: Pose, offset: Any) -> Any:
+    shift = first.axes.T @ (second.point - first.point) - offset
+    return jnp.concatenate([shift, rotation_log(first.axes.T @ second.axes)])
+
+
+def _matrix(what: str, given: Any) -> tuple[tuple[float, ...], ...]:
+    """A symmetric matrix (6, 6) that is not negative, as tuples."""
+    array = np.asarray(given, dtype=float)
+    matrix = np.diag(array) if array.shape == (6,) else array
+    if matrix.shape != (6, 6) or not np.isfinite(matrix).all():
+        raise ModelError(f"{what} must be (6,) or (6, 6) finite numbers, got shape {array.shape}")
+    size = abs(matrix).max()
+    if abs(matrix - matrix.T).max() > _SYMMETRIC * size:
+        raise ModelError(f"{what} must be symmetric: without a potential it would give energy for nothing")
+    # By units of its own for every freedom: moments are not compared with forces.
+    own = np.sqrt(np.abs(np.diag(matrix)))
+    scaled = matrix / np.where(own > 0, np.outer(own, own), max(size, 1.0))
+    if np.linalg.eigvalsh(scaled).min() < -_SYMMETRIC:
+        raise ModelError(f"{what} must not be negative in any direction")
+    return tuple(map(tuple, matrix.tolist()))

@@ -1,0 +1,114 @@
+"""Quantities over one variable or two, as tables: joined by straight lines, held beyond their ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.arguments import check_numbers
+from supple.errors import ModelError
+
+__all__ = ["Curve", "Surface", "curve_at", "surface_at"]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """`z(x)` through rows of a table, straight between them, held beyond its ends.
+
+    x : (n,) ascending      z : (n,)
+    Raises ModelError for another shape, for what is not finite or does not ascend.
+    """
+
+    x: Any
+    z: Any
+
+    def __post_init__(self) -> None:
+        _freeze(self, "x", "z")
+        _check_ascending("a curve", self.x)
+        if np.shape(self.z) != np.shape(self.x):
+            raise ModelError(f"a curve has {len(self.x)} places, and values of shape {np.shape(self.z)}")
+
+    @property
+    def parameters(self) -> tuple[np.ndarray, ...]:
+        """As arrays."""
+        return (np.array(self.x), np.array(self.z))
+
+    def __call__(self, x: Any) -> Any:
+        """The value at a place."""
+        return curve_at(x, self.parameters)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """`z(x, y)` through a table, bilinear between its rows and columns, held beyond its edges.
+
+    x : (n,) ascending      y : (m,) ascending      z : (n, m)
+    Raises ModelError for another shape, for what is not finite or does not ascend.
+    """
+
+    x: Any
+    y: Any
+    z: Any
+
+    def __post_init__(self) -> None:
+        _freeze(self, "x", "y", "z")
+        _check_ascending("the rows of a surface", self.x)
+        _check_ascending("the columns of a surface", self.y)
+        if np.shape(self.z) != (len(self.x), len(self.y)):
+            raise ModelError(
+                f"a surface has {len(self.x)} rows and {len(self.y)} columns, and values of shape "
+                f"{np.shape(self.z)}"
+            )
+
+    @property
+    def parameters(self) -> tuple[np.ndarray, ...]:
+        """As arrays."""
+        return (np.array(self.x), np.array(self.y), np.array(self.z))
+
+    def __call__(self, x: Any, y: Any) -> Any:
+        """The value at a place."""
+        return surface_at(x, y, self.parameters)
+
+
+def curve_at(x: Any, parameters: Any) -> Any:
+    """The value of a curve (x (n,), z (n, ...))."""
+    places, values = map(jnp.asarray, parameters)
+    row, share = _interval(x, places)
+    return (1 - share) * values[row] + share * values[row + 1]
+
+
+def surface_at(x: Any, y: Any, parameters: Any) -> Any:
+    """The value of a surface (x (n,), y (m,), z (n, m))."""
+    rows, columns, values = map(jnp.asarray, parameters)
+    (row, down), (column, across) = _interval(x, rows), _interval(y, columns)
+    upper = (1 - across) * values[row, column] + across * values[row, column + 1]
+    lower = (1 - across) * values[row + 1, column] + across * values[row + 1, column + 1]
+    return (1 - down) * upper + down * lower
+
+
+def _interval(x: Any, places: Any) -> tuple[Any, Any]:
+    """The row before a place, and the share of the way to the next one."""
+    row = jnp.clip(jnp.searchsorted(places, x, side="right") - 1, 0, len(places) - 2)
+    return row, jnp.clip((x - places[row]) / (places[row + 1] - places[row]), 0.0, 1.0)
+
+
+def _freeze(table: Any, *names: str) -> None:
+    # As tuples, by which elements of equal numbers are equal.
+    for name in names:
+        check_numbers(f"{type(table).__name__}, {name}", getattr(table, name))
+        array = np.asarray(getattr(table, name), dtype=float)
+        if not np.isfinite(array).all():
+            raise ModelError(f"{type(table).__name__}, {name}: every number must be finite")
+        object.__setattr__(table, name, _tuples(array.tolist()))
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
+
+
+def _check_ascending(what: str, places: Any) -> None:
+    if np.ndim(places) != 1 or len(places) < 2 or not (np.diff(places) > 0).all():
+        raise ModelError(f"{what} must be two numbers or more that ascend, got {places}")

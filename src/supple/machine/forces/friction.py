@@ -1,0 +1,117 @@
+"""Coulomb friction, regularised: what resists sliding however slow it is, and its two joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.arguments import check_fields
+from supple.errors import ModelError
+from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.force_element import check_positive
+from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
+from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["Coulomb", "PrismaticFriction", "RevoluteFriction", "regularized_direction"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coulomb:
+    """Friction `mu N v / sqrt(|v|^2 + w^2)` against the sliding velocity v of a contact.
+
+    Below the width w it acts as a damper: what would stick creeps. With a tangential force T < mu N it slides
+    at `v = w s / sqrt(1 - s^2)`, `s = T/(mu N)`.
+
+    coefficient : mu, not negative
+    width : w, a velocity, positive
+    """
+
+    coefficient: float
+    width: float
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not (np.isfinite(self.coefficient) and self.coefficient >= 0):
+            raise ModelError(f"a friction coefficient must be finite, not negative, got {self.coefficient}")
+        if not (np.isfinite(self.width) and self.width > 0):
+            raise ModelError(
+                f"the width of a friction must be a positive velocity, got {self.width}: below it what "
+                "would stick creeps; a thousandth of the sliding velocities is usual"
+            )
+
+
+def regularized_direction(velocity: Any, width: Any) -> Any:
+    """`v / sqrt(|v|^2 + w^2)` of a number or a vector (3,)."""
+    return velocity / jnp.sqrt(jnp.sum(velocity**2) + width**2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RevoluteFriction(AxialElement):
+    """Moment `M v / sqrt(v^2 + w^2)` against the rate v of the angle about the axis of a hinge.
+
+    M does not follow the force in the joint: it is that of a preload, `mu N r` of a normal force N at a
+    radius r, a number or a law of time. Friction under the normal force of the motion is that of contacts.
+
+    moment : M              width : w, rad per time, below which it acts as a damper
+    """
+
+    moment: Any
+    width: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_positive(self, width=self.width)
+
+    @property
+    def law(self) -> TimeLaw:
+        """The moment over time."""
+        return as_time_law(self.moment)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(w,)`."""
+        return (self.width,)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+        """Equal and opposite moments about the first end's axis."""
+        rate = axial_motion(first, second).rate
+        return moment_pair(first, -value * regularized_direction(rate, parameters[0]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrismaticFriction(AxialElement):
+    """Force `F v / sqrt(v^2 + w^2)` against the speed v of the slide along an axis.
+
+    F does not follow the force in the joint: it is that of a preload, `mu N`, a number or a law of time.
+
+    force : F               width : w, a velocity, below which it acts as a damper
+    """
+
+    force: Any
+    width: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_positive(self, width=self.width)
+
+    @property
+    def law(self) -> TimeLaw:
+        """The force over time."""
+        return as_time_law(self.force)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(w,)`."""
+        return (self.width,)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+        """Equal and opposite forces along the first end's axis."""
+        speed = axial_motion(first, second).speed
+        force = -value * regularized_direction(speed, parameters[0]) * first.axes[:, 2]
+        return force_pair(first, second, force, jnp.zeros(3))

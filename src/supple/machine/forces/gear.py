@@ -1,0 +1,117 @@
+"""Gear: teeth of two wheels on parallel axes, which give way elastically."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.errors import ModelError
+from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.force_element import check_anchor, check_not_negative, check_positive
+from supple.machine.forces.relative_motion import wrapped
+from supple.machine.joints.joint import axes_along
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["Gear"]
+
+_TEETH = 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gear(AxialElement):
+    """Spur gear: a force `k s + c ds/dt` across the line of centres, at the point where the wheels roll.
+
+        s = l (z_1 phi_1 + z_2 phi_2) / (z_1 + z_2),      l = |r_2 - r_1|
+
+    with the angles of both wheels against the line of centres, about the axis: the line may turn with a
+    carrier, as of planets, which need not be named. The phase is taken within half a tooth, so that
+    the wheels may turn as often as they like; a load beyond half a tooth makes them skip one.
+
+    axis : parallel axes of both wheels when the machine is put together, which their joints must keep so
+    teeth : (z_1, z_2), whole numbers; negative of a ring with inner teeth
+    stiffness, damping : k and c of the mesh, force per length and per velocity
+    anchor : global centre of a wheel that is the ground, where one is
+    Raises ModelError for numbers of teeth that are not whole, or opposite and equal.
+    """
+
+    teeth: tuple[int, int]
+    stiffness: float
+    damping: float = 0.0
+    anchor: tuple[float, float, float] | None = None
+    line: tuple[float, float, float] | None = None
+    """From the first centre to the second when the machine is put together; unless given, it is found"""
+
+    acts_along_line: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_positive(self, stiffness=self.stiffness)
+        check_not_negative(self, damping=self.damping)
+        check_anchor(self, self.anchor)
+        whole = len(self.teeth) == _TEETH and all(z == int(z) and z for z in self.teeth)
+        if not whole or sum(self.teeth) == 0:
+            raise ModelError(
+                f"{self.label}: teeth are two whole numbers, a negative one for inner teeth, that are not "
+                f"opposite and equal; got {self.teeth}"
+            )
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the axis, x along the line of centres."""
+        return axes_along(self.axis, hint=self.line)
+
+    @property
+    def ground_point(self) -> np.ndarray | None:
+        """The anchor."""
+        return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(z_1, z_2, k, c)`."""
+        return (*map(float, self.teeth), self.stiffness, self.damping)
+
+    def assembled(self, first: np.ndarray, second: np.ndarray) -> Gear:
+        """With its line of centres."""
+        return self if self.line else replace(self, line=tuple((second - first).tolist()))
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """Equal and opposite forces at the point where the wheels roll."""
+        teeth_1, teeth_2, stiffness, damping = parameters
+        length, line, across, slip = _mesh(first, second, parameters)
+        radius = length * teeth_1 / (teeth_1 + teeth_2)
+        on_first = radius * line
+        on_second = on_first - (second.point - first.point)
+        moving = first.velocity + jnp.cross(first.angular_velocity, on_first)
+        moving = moving - second.velocity - jnp.cross(second.angular_velocity, on_second)
+        force = (stiffness * slip + damping * (across @ moving)) * across
+        return (
+            Wrench(-force, -jnp.cross(on_first, force)),
+            Wrench(force, jnp.cross(on_second, force)),
+        )
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """`k s^2 / 2`."""
+        return parameters[2] * _mesh(first, second, parameters)[3] ** 2 / 2
+
+
+def _mesh(first: Pose, second: Pose, parameters: Any) -> tuple[Any, Any, Any, Any]:
+    """Distance and line of the centres, the direction across, and `s`."""
+    teeth_1, teeth_2, _, _ = parameters
+    axis = first.axes[:, 2]
+    between = second.point - first.point
+    between = between - (axis @ between) * axis
+    length = jnp.sqrt(between @ between)
+    line = between / length
+    across = jnp.cross(axis, line)
+
+    def angle(pose: Pose) -> Any:
+        x, y = pose.axes[:, 0], pose.axes[:, 1]
+        return jnp.arctan2(x @ across - y @ line, x @ line + y @ across)
+
+    phase = wrapped(teeth_1 * angle(first) + teeth_2 * angle(second))
+    return length, line, across, length * phase / (teeth_1 + teeth_2)

@@ -1,0 +1,78 @@
+"""Bearing of a rotor: stiffness and damping across its axis, with cross terms, by speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.errors import ModelError
+from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.characteristic import curve_at
+from supple.machine.forces.relative_motion import axial_motion, force_pair
+from supple.machine.joints.joint import axes_along
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["JournalBearing"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class JournalBearing(AxialElement):
+    """Force `- K(Omega) u - C(Omega) du/dt` on the journal, the second end, across the bearing's axis.
+
+    `u` (2,) are the journal's motions along x and y of the bearing, the first end, from where both were when
+    the machine was put together; `Omega` is the rate at which the journal turns about the axis. Cross terms
+    of opposite sign feed energy into whirl. Between the speeds of the table the numbers are interpolated,
+    beyond them held.
+
+    axis, x_axis : z and, as near as can be, x of the bearing's axes when the machine is put together, global
+    stiffness, damping : (2, 2), or (n, 2, 2) with speeds
+    speeds : (n,) rad per time, ascending, two or more
+    Raises ModelError for other shapes, or what is not finite.
+    """
+
+    x_axis: tuple[float, float, float] | None = None
+    stiffness: Any
+    damping: Any = ((0.0, 0.0), (0.0, 0.0))
+    speeds: tuple[float, ...] = (0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _ = self.initial_axes
+        speeds = np.asarray(self.speeds, dtype=float)
+        if speeds.ndim != 1 or len(speeds) < 2 or not (np.diff(speeds) > 0).all():
+            raise ModelError(f"{self.label}: speeds must be two numbers or more that ascend")
+        object.__setattr__(self, "speeds", tuple(speeds.tolist()))
+        for name in ("stiffness", "damping"):
+            given = np.asarray(getattr(self, name), dtype=float)
+            table = np.broadcast_to(given, (len(speeds), 2, 2)) if given.shape == (2, 2) else given
+            if table.shape != (len(speeds), 2, 2) or not np.isfinite(table).all():
+                raise ModelError(
+                    f"{self.label}: {name} must be (2, 2) or ({len(speeds)}, 2, 2) finite numbers, one "
+                    f"matrix a speed, got shape {given.shape}"
+                )
+            object.__setattr__(self, name, tuple(tuple(map(tuple, own)) for own in table.tolist()))
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the axis, x near the x axis."""
+        return axes_along(self.axis, hint=self.x_axis)
+
+    @property
+    def parameters(self) -> tuple[Any, ...]:
+        """`(Omega (n,), K (n, 2, 2), C (n, 2, 2))`."""
+        return tuple(np.array(getattr(self, name)) for name in ("speeds", "stiffness", "damping"))
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """On the journal, and what balances it on the bearing."""
+        speeds, stiffness, damping = parameters
+        speed = axial_motion(first, second).rate
+        across = first.axes[:, :2]
+        between = second.point - first.point
+        moving = second.velocity - first.velocity - jnp.cross(first.angular_velocity, between)
+        force = curve_at(speed, (speeds, stiffness)) @ (across.T @ between)
+        force = force + curve_at(speed, (speeds, damping)) @ (across.T @ moving)
+        return force_pair(first, second, -across @ force, jnp.zeros(3))

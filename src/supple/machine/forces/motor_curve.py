@@ -1,0 +1,46 @@
+"""A motor: torque over the speed it runs at, and over what it is told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.characteristic import Curve, Surface, curve_at, surface_at
+from supple.machine.forces.relative_motion import axial_motion, moment_pair
+from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["MotorCurve"]
+
+_OF_A_CURVE = 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotorCurve(AxialElement):
+    """Torque on the second end about an axis of the first, by the rate at which it turns.
+
+    torque : Curve over the rate, which the command multiplies; or Surface over rate (rows) and command
+    command : a number or a law of time; what a controller gives adds to it
+    """
+
+    torque: Curve | Surface
+    command: Any = 1.0
+
+    @property
+    def law(self) -> TimeLaw:
+        """The command."""
+        return as_time_law(self.command)
+
+    @property
+    def parameters(self) -> tuple[Any, ...]:
+        """Of the table."""
+        return self.torque.parameters
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+        """Equal and opposite moments about the first end's axis."""
+        rate = axial_motion(first, second).rate
+        if len(parameters) == _OF_A_CURVE:
+            return moment_pair(first, value * curve_at(rate, parameters))
+        return moment_pair(first, surface_at(rate, value, parameters))

@@ -1,0 +1,58 @@
+"""How the second end of an element moves against the first, and forces that hold each other in balance."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["AxialMotion", "axial_motion", "force_pair", "moment_pair", "wrapped"]
+
+
+class AxialMotion(NamedTuple):
+    """Motion of the second end about and along the first end's z axis."""
+
+    angle: jax.Array
+    """phi in (-pi, pi], zero when the machine was put together"""
+    rate: jax.Array
+    """dphi/dt"""
+    slide: jax.Array
+    """`z_1 . (r_2 - r_1)`"""
+    speed: jax.Array
+    """Its rate"""
+
+
+def axial_motion(first: Pose, second: Pose) -> AxialMotion:
+    """`tan(phi) = (y_1 . x_2 - x_1 . y_2) / (x_1 . x_2 + y_1 . y_2)`, which small tilts do not change."""
+    x, y, z = first.axes.T
+    sine = y @ second.axes[:, 0] - x @ second.axes[:, 1]
+    cosine = x @ second.axes[:, 0] + y @ second.axes[:, 1]
+    between = second.point - first.point
+    # Seen in axes that turn with the first end.
+    moving = second.velocity - first.velocity - jnp.cross(first.angular_velocity, between)
+    return AxialMotion(
+        angle=jnp.arctan2(sine, cosine),
+        rate=z @ (second.angular_velocity - first.angular_velocity),
+        slide=z @ between,
+        speed=z @ moving,
+    )
+
+
+def moment_pair(first: Pose, moment: Any) -> tuple[Wrench, Wrench]:
+    """A moment about the first end's z axis on the second end, and its opposite on the first."""
+    own = moment * first.axes[:, 2]
+    return Wrench(jnp.zeros(3), -own), Wrench(jnp.zeros(3), own)
+
+
+def force_pair(first: Pose, second: Pose, force: Any, moment: Any) -> tuple[Wrench, Wrench]:
+    """Force and moment on the second end, and what balances both on the first: free bodies keep momentum."""
+    arm = second.point - first.point
+    return Wrench(-force, -moment - jnp.cross(arm, force)), Wrench(force, moment)
+
+
+def wrapped(angle: Any) -> Any:
+    """An angle in (-pi, pi] that differs by whole turns."""
+    return angle - 2 * jnp.pi * jnp.ceil((angle - jnp.pi) / (2 * jnp.pi))

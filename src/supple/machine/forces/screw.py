@@ -1,0 +1,143 @@
+"""Screw, and rack and pinion: a slide coupled with an angle by an elastic mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.errors import ModelError
+from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.force_element import check_not_negative, check_positive
+from supple.machine.forces.relative_motion import axial_motion, force_pair, wrapped
+from supple.machine.joints.joint import axes_along
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["RackAndPinion", "Screw"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Screw(AxialElement):
+    """The second end advances along the axis by the pitch in every turn about it.
+
+        s = x - x_0 - pitch phi / (2 pi),    force -(k s + c ds/dt),    moment pitch/(2 pi) (k s + c ds/dt)
+
+    with angle and slide of the second end about and along the first end's axis. The phase is taken within
+    half a turn of the thread, so that the screw may turn as often as it likes. What keeps the second end on
+    the axis is a cylindrical joint.
+
+    pitch : length per turn, positive for a right-hand thread
+    stiffness, damping : k and c along the axis
+    """
+
+    pitch: float
+    stiffness: float
+    damping: float = 0.0
+    offset: float | None = None
+    """x_0; the slide when the machine is put together, unless given"""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_positive(self, stiffness=self.stiffness)
+        check_not_negative(self, damping=self.damping)
+        if not (np.isfinite(self.pitch) and self.pitch):
+            raise ModelError(f"{self.label}: the pitch must be finite and not zero, got {self.pitch}")
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(pitch / (2 pi), k, c, x_0)`."""
+        return (self.pitch / (2 * np.pi), self.stiffness, self.damping, self.offset or 0.0)
+
+    def assembled(self, first: np.ndarray, second: np.ndarray) -> Screw:
+        """With the slide of its ends."""
+        slide = float(self.initial_axes[:, 2] @ (second - first))
+        return self if self.offset is not None else replace(self, offset=slide)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """Along and about the axis."""
+        advance, stiffness, damping, offset = parameters
+        motion = axial_motion(first, second)
+        slip = advance * wrapped((motion.slide - offset) / advance - motion.angle)
+        effort = stiffness * slip + damping * (motion.speed - advance * motion.rate)
+        axis = first.axes[:, 2]
+        return force_pair(first, second, -effort * axis, advance * effort * axis)
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """`k s^2 / 2`."""
+        advance, stiffness, _, offset = parameters
+        motion = axial_motion(first, second)
+        slip = advance * wrapped((motion.slide - offset) / advance - motion.angle)
+        return stiffness * slip**2 / 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class RackAndPinion(AxialElement):
+    """The second end, a pinion, rolls along the first, a rack.
+
+        s = x - x_0 + radius phi,      force -(k s + c ds/dt) on the pinion where it touches the rack
+
+    with the way x of the pinion's centre along the rack and its angle phi about the axis, both seen from the
+    rack. The phase is taken within half a turn of the pinion, which may turn as often as it likes.
+
+    axis : of the pinion                direction : of the rack, across the axis; both stay with the rack
+    radius : of the pitch circle; the pinion touches on the side of `- axis x direction`, if negative on the
+        other one
+    stiffness, damping : k and c of the mesh along the rack
+    """
+
+    direction: tuple[float, float, float]
+    radius: float
+    stiffness: float
+    damping: float = 0.0
+    offset: float | None = None
+    """x_0; the way when the machine is put together, unless given"""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _ = self.initial_axes
+        check_positive(self, stiffness=self.stiffness)
+        check_not_negative(self, damping=self.damping)
+        if not (np.isfinite(self.radius) and self.radius):
+            raise ModelError(f"{self.label}: the radius must be finite and not zero, got {self.radius}")
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the axis, x along the rack."""
+        return axes_along(self.axis, hint=self.direction)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(radius, k, c, x_0)`."""
+        return (self.radius, self.stiffness, self.damping, self.offset or 0.0)
+
+    def assembled(self, first: np.ndarray, second: np.ndarray) -> RackAndPinion:
+        """With the way of its ends."""
+        way = float(self.initial_axes[:, 0] @ (second - first))
+        return self if self.offset is not None else replace(self, offset=way)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """Along the rack, at the pitch point."""
+        radius, stiffness, damping, _ = parameters
+        along, across, _ = first.axes.T
+        between = second.point - first.point
+        moving = second.velocity - first.velocity - jnp.cross(first.angular_velocity, between)
+        rate = along @ moving + radius * axial_motion(first, second).rate
+        force = -(stiffness * _rolled(first, second, parameters) + damping * rate) * along
+        return force_pair(first, second, force, jnp.cross(-radius * across, force))
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """`k s^2 / 2`."""
+        return parameters[1] * _rolled(first, second, parameters) ** 2 / 2
+
+
+def _rolled(first: Pose, second: Pose, parameters: Any) -> Any:
+    """`s` of a pinion on a rack."""
+    radius, _, _, offset = parameters
+    way = first.axes[:, 0] @ (second.point - first.point) - offset
+    return radius * wrapped(way / radius + axial_motion(first, second).angle)

@@ -1,0 +1,109 @@
+"""Servos: an angle or a slide that follows a law of time, by a spring and damper with a limit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.errors import ModelError
+from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.force_element import check_not_negative
+from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
+from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_shape
+from supple.machine.laws.with_rate import WithRate
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["AngleServo", "SlideServo"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AngleServo(AxialElement):
+    """Moment `k (phi_0 - phi) + c (dphi_0/dt - dphi/dt)` about a hinge, held within a limit.
+
+    The difference of the angles is taken in (-pi, pi]: the hinge may turn as often as the law says, but must
+    not lag behind it by half a turn.
+
+    angle : phi_0(t), rad, a number or a law of time        limit : largest moment
+    stiffness, damping : k and c, moment per rad, and per rad per time
+    """
+
+    angle: Any
+    stiffness: float
+    damping: float = 0.0
+    limit: float = np.inf
+
+    value_shape: ClassVar[tuple[int, ...]] = (2,)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check(self, self.angle)
+
+    @property
+    def law(self) -> TimeLaw:
+        """The angle and its rate."""
+        return WithRate(as_time_law(self.angle))
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(k, c, limit)`."""
+        return (self.stiffness, self.damping, self.limit)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+        """Equal and opposite moments about the first end's axis."""
+        motion = axial_motion(first, second)
+        return moment_pair(
+            first, _effort(wrapped(value[0] - motion.angle), value[1] - motion.rate, parameters)
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlideServo(AxialElement):
+    """Force `k (x_0 - x) + c (dx_0/dt - dx/dt)` along an axis of the first end, held within a limit.
+
+    slide : x_0(t) of `x = z_1 . (r_2 - r_1)`, a number or a law of time        limit : largest force
+    stiffness, damping : k and c, force per length and per velocity
+    """
+
+    slide: Any
+    stiffness: float
+    damping: float = 0.0
+    limit: float = np.inf
+
+    value_shape: ClassVar[tuple[int, ...]] = (2,)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check(self, self.slide)
+
+    @property
+    def law(self) -> TimeLaw:
+        """The slide and its rate."""
+        return WithRate(as_time_law(self.slide))
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(k, c, limit)`."""
+        return (self.stiffness, self.damping, self.limit)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+        """Equal and opposite forces along the first end's axis."""
+        motion = axial_motion(first, second)
+        effort = _effort(value[0] - motion.slide, value[1] - motion.speed, parameters)
+        return force_pair(first, second, effort * first.axes[:, 2], jnp.zeros(3))
+
+
+def _effort(lag: Any, lag_rate: Any, parameters: Any) -> Any:
+    stiffness, damping, limit = parameters
+    return jnp.clip(stiffness * lag + damping * lag_rate, -limit, limit)
+
+
+def _check(servo: Any, target: Any) -> None:
+    check_not_negative(servo, stiffness=servo.stiffness, damping=servo.damping)
+    check_law_shape(servo.label, as_time_law(target), ())
+    if not servo.limit > 0:
+        raise ModelError(f"{servo.label}: the limit must be positive, or infinite, got {servo.limit}")

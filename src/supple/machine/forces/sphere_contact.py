@@ -1,0 +1,183 @@
+"""Contact of a sphere, or of a point, with a plane and with cylinders: by penalty, with friction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.errors import ModelError
+from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.force_element import check_anchor, check_not_negative, check_positive
+from supple.machine.forces.friction import Coulomb, regularized_direction
+from supple.machine.forces.penalty import Penalty, penalty_energy, penalty_force
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["SphereContact", "SphereInCylinder", "SphereOnCylinder", "SphereOnPlane"]
+
+_NO_FRICTION = (0.0, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SphereContact(AxialElement):
+    """A sphere about the first end against a surface that belongs to the second.
+
+    Where they overlap, the penalty pushes along the normal n, and friction acts against the velocity v at
+    which the surfaces slide over each other at the point of the sphere that is deepest:
+
+        F = N n - mu N v / sqrt(|v|^2 + w^2),      N = k depth^n (1 + a d depth/dt)
+
+    A disc or a wheel is a sphere as long as its axis is parallel to the surface.
+
+    radius : of the sphere; 0 of a point, such as a node that is an interface
+    penalty : Penalty       friction : Coulomb, or None
+    anchor : global point of the surface's end on the ground, where it is there
+    """
+
+    radius: float = 0.0
+    penalty: Penalty
+    friction: Coulomb | None = None
+    anchor: tuple[float, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_anchor(self, self.anchor)
+        check_not_negative(self, radius=self.radius)
+
+    @property
+    def ground_point(self) -> np.ndarray | None:
+        """The anchor."""
+        return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(radius, mu, w, k, n, a)`."""
+        friction = _NO_FRICTION
+        if self.friction is not None:
+            friction = (self.friction.coefficient, self.friction.width)
+        return (self.radius, *friction, *self.penalty.parameters)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SphereOnPlane(SphereContact):
+    """A sphere (first end) on a plane through the second end; `axis` is the plane's normal, out of it."""
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """On sphere and plane."""
+        return _pushed(first, second, _on_plane(first, second, parameters[0]), parameters)
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """Of the penalty."""
+        return penalty_energy(_on_plane(first, second, parameters[0]).depth, parameters[3:])
+
+
+@dataclass(frozen=True, kw_only=True)
+class SphereOnCylinder(SphereContact):
+    """A sphere (first end) outside a cylinder about `axis` through the second end: a cam, a roller.
+
+    cylinder_radius : positive
+    """
+
+    cylinder_radius: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_positive(self, cylinder_radius=self.cylinder_radius)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Those of contacts, and the cylinder's radius."""
+        return (*super().parameters, self.cylinder_radius)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """On sphere and cylinder."""
+        return _pushed(first, second, _on_cylinder(first, second, parameters), parameters[:-1])
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """Of the penalty."""
+        return penalty_energy(_on_cylinder(first, second, parameters).depth, parameters[3:-1])
+
+
+@dataclass(frozen=True, kw_only=True)
+class SphereInCylinder(SphereContact):
+    """A sphere (first end) inside a hollow cylinder about `axis` through the second end.
+
+    cylinder_radius : of the hollow, more than the sphere's
+    """
+
+    cylinder_radius: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not (np.isfinite(self.cylinder_radius) and self.cylinder_radius > self.radius):
+            raise ModelError(
+                f"{self.label}: the cylinder's radius must be more than the sphere's, got "
+                f"{self.cylinder_radius} and {self.radius}"
+            )
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Those of contacts, and the cylinder's radius."""
+        return (*super().parameters, self.cylinder_radius)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """On sphere and cylinder."""
+        return _pushed(first, second, _in_cylinder(first, second, parameters), parameters[:-1])
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """Of the penalty."""
+        return penalty_energy(_in_cylinder(first, second, parameters).depth, parameters[3:-1])
+
+
+class _Touch(NamedTuple):
+    depth: Any
+    normal: Any
+    """(3,), from the surface to the sphere"""
+
+
+def _on_plane(first: Pose, second: Pose, radius: Any) -> _Touch:
+    normal = second.axes[:, 2]
+    return _Touch(radius - normal @ (first.point - second.point), normal)
+
+
+def _from_axis(first: Pose, second: Pose) -> tuple[Any, Any]:
+    """Distance of the sphere's centre from the cylinder's axis, and the direction out of it."""
+    axis = second.axes[:, 2]
+    between = first.point - second.point
+    between = between - (axis @ between) * axis
+    square = between @ between
+    # On the axis there is no direction; nor is there a contact that needs one.
+    distance = jnp.sqrt(jnp.where(square > 0, square, 1.0))
+    return jnp.where(square > 0, distance, 0.0), between / distance
+
+
+def _on_cylinder(first: Pose, second: Pose, parameters: Any) -> _Touch:
+    distance, outwards = _from_axis(first, second)
+    return _Touch(parameters[0] + parameters[-1] - distance, outwards)
+
+
+def _in_cylinder(first: Pose, second: Pose, parameters: Any) -> _Touch:
+    distance, outwards = _from_axis(first, second)
+    return _Touch(distance + parameters[0] - parameters[-1], -outwards)
+
+
+def _pushed(first: Pose, second: Pose, touch: _Touch, parameters: Any) -> tuple[Wrench, Wrench]:
+    """Normal force and friction, at the deepest point of the sphere."""
+    radius, friction, width, *penalty = parameters
+    arm = -radius * touch.normal
+    other_arm = first.point + arm - second.point
+    velocity = first.velocity + jnp.cross(first.angular_velocity, arm)
+    velocity = velocity - second.velocity - jnp.cross(second.angular_velocity, other_arm)
+    approach = -touch.normal @ velocity
+    normal_force = penalty_force(touch.depth, approach, penalty)
+    sliding = velocity + approach * touch.normal
+    force = normal_force * (touch.normal - friction * regularized_direction(sliding, width))
+    return Wrench(force, jnp.cross(arm, force)), Wrench(-force, -jnp.cross(other_arm, force))

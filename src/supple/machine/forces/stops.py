@@ -1,0 +1,153 @@
+"""Stops: an angle, a slide or a distance that is held within limits by penalty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.errors import ModelError
+from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.force_element import ForceElement, check_anchor
+from supple.machine.forces.penalty import Penalty, penalty_energy, penalty_force
+from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["AngleStop", "DistanceStop", "SlideStop"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AngleStop(AxialElement):
+    """Holds the angle of the second end about the first end's axis in `lower <= phi <= upper`, by a moment.
+
+    lower, upper : rad, between -pi and pi, where the angle begins anew
+    penalty : Penalty   of the angle beyond a limit
+    """
+
+    lower: float
+    upper: float
+    penalty: Penalty
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not -np.pi < self.lower <= self.upper < np.pi:
+            raise ModelError(
+                f"{self.label}: the limits must be -pi < lower <= upper < pi, where the angle begins anew, "
+                f"got {self.lower} and {self.upper}"
+            )
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Limits and penalty."""
+        return (self.lower, self.upper, *self.penalty.parameters)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """A moment back between the limits."""
+        motion = axial_motion(first, second)
+        return moment_pair(first, _push(motion.angle, motion.rate, parameters))
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """Of the penalty."""
+        return _stored(axial_motion(first, second).angle, parameters)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlideStop(AxialElement):
+    """Holds the slide `z_1 . (r_2 - r_1)` along the first end's axis in `lower <= x <= upper`, by a force.
+
+    lower, upper : lengths; infinite where there is no stop
+    penalty : Penalty   of the slide beyond a limit
+    """
+
+    lower: float = -np.inf
+    upper: float = np.inf
+    penalty: Penalty
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_limits(self, self.lower, self.upper)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Limits and penalty."""
+        return (self.lower, self.upper, *self.penalty.parameters)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """A force back between the limits."""
+        motion = axial_motion(first, second)
+        push = _push(motion.slide, motion.speed, parameters)
+        return force_pair(first, second, push * first.axes[:, 2], jnp.zeros(3))
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """Of the penalty."""
+        return _stored(axial_motion(first, second).slide, parameters)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DistanceStop(ForceElement):
+    """Holds the distance of two points in `lower <= l <= upper`: a rope, a bump stop.
+
+    lower, upper : lengths; upper infinite where there is none
+    penalty : Penalty   of the distance beyond a limit
+    anchor : global point of the end that is on the ground, where one is
+    """
+
+    lower: float = 0.0
+    upper: float = np.inf
+    penalty: Penalty
+    anchor: tuple[float, float, float] | None = None
+
+    acts_along_line: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_anchor(self, self.anchor)
+        _check_limits(self, self.lower, self.upper)
+
+    @property
+    def ground_point(self) -> np.ndarray | None:
+        """The anchor."""
+        return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Limits and penalty."""
+        return (self.lower, self.upper, *self.penalty.parameters)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """Equal and opposite forces along the line."""
+        between = second.point - first.point
+        length = jnp.sqrt(between @ between)
+        direction = between / length
+        rate = direction @ (second.velocity - first.velocity)
+        force = _push(length, rate, parameters) * direction
+        return Wrench(-force, jnp.zeros(3)), Wrench(force, jnp.zeros(3))
+
+    @staticmethod
+    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+        """Of the penalty."""
+        between = second.point - first.point
+        return _stored(jnp.sqrt(between @ between), parameters)
+
+
+def _push(place: Any, rate: Any, parameters: Any) -> Any:
+    """Upwards below the lower limit, downwards above the upper one."""
+    lower, upper, *penalty = parameters
+    return penalty_force(lower - place, -rate, penalty) - penalty_force(place - upper, rate, penalty)
+
+
+def _stored(place: Any, parameters: Any) -> Any:
+    lower, upper, *penalty = parameters
+    return penalty_energy(lower - place, penalty) + penalty_energy(place - upper, penalty)
+
+
+def _check_limits(stop: Any, lower: float, upper: float) -> None:
+    if not lower <= upper:  # also what is not a number
+        raise ModelError(f"{stop.label}: lower must not be above upper, got {lower} and {upper}")

@@ -1,0 +1,47 @@
+"""Unbalance of a rotor, by the force it exerts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.errors import ModelError
+from supple.machine.forces.force_element import ForceElement
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["Unbalance"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unbalance(ForceElement):
+    """Force `- omega x (omega x U)` of a mass m beside an interface, at `U/m` from it.
+
+    It is the centrifugal part alone: the mass itself, and the force while the speed changes, are left out, as
+    they are where m is small. A mass that counts is a rigid body of its own.
+
+    moment : (3,) U, mass times eccentricity, global when the machine is put together; it turns along
+    """
+
+    moment: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        vector = np.asarray(self.moment, dtype=float)
+        if vector.shape != (3,) or not np.isfinite(vector).all():
+            raise ModelError(f"{self.label}: the moment must be three finite numbers, got {self.moment}")
+        object.__setattr__(self, "moment", tuple(vector.tolist()))
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`U`."""
+        return self.moment
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+        """On the first end."""
+        arm, spin = first.axes @ jnp.stack(parameters), first.angular_velocity
+        force = -jnp.cross(spin, jnp.cross(spin, arm))
+        return Wrench(force, jnp.zeros(3)), Wrench(jnp.zeros(3), jnp.zeros(3))

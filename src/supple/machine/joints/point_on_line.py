@@ -1,0 +1,35 @@
+"""Point on a line: the second point stays on an axis of the first end; all rotations are free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import numpy as np
+
+from supple.machine.joints.joint import Joint, axes_along, closing
+from supple.machine.pose import Pose
+
+__all__ = ["PointOnLine"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointOnLine(Joint):
+    """`x_1 . (r_2 - r_1) = y_1 . (r_2 - r_1) = 0`: a pin in a straight slot."""
+
+    axis: tuple[float, float, float]
+    """Direction of the line in the initial configuration, global; it stays with the first end."""
+
+    n_constraints: ClassVar[int] = 2
+    rows: ClassVar[tuple[str, ...]] = ("position x", "position y")
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the line."""
+        return axes_along(self.axis)
+
+    @staticmethod
+    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
+        """Offset from the line, (2,)."""
+        return closing(first, second)[:2]

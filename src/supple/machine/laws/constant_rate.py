@@ -1,0 +1,45 @@
+"""A quantity that grows at a constant rate: what a driver at constant speed prescribes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.machine.laws.law_numbers import are_numbers, finite
+from supple.machine.laws.unbounded_law import UnboundedLaw
+
+__all__ = ["ConstantRate"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class ConstantRate(UnboundedLaw):
+    """`q(t) = start + rate t`: of a prescribed rotation, a driver at constant speed.
+
+    The bodies must start at that speed, or the start makes them, and says so.
+
+    Raises ModelError for numbers that are not finite.
+    """
+
+    rate: Any
+    start: Any = 0.0
+
+    def __post_init__(self) -> None:
+        if are_numbers(self.rate, self.start):
+            object.__setattr__(self, "rate", finite("the rate of a law of constant rate", self.rate))
+            object.__setattr__(self, "start", finite("the start of a law of constant rate", self.start))
+
+    def __call__(self, time: Any) -> Any:
+        """The value at a time."""
+        return self.start + self.rate * time
+
+    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - it never breaks
+        """None."""
+        return np.zeros(0)
+
+    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002
+        """Infinite."""
+        return float("inf")

@@ -1,0 +1,47 @@
+"""A law of time together with its rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.machine.laws.instants import instants_of, shortest_scale_of
+from supple.machine.laws.time_law import TimeLaw
+
+__all__ = ["WithRate"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class WithRate:
+    """`(q(t), dq/dt)`, (2,), of a law of numbers."""
+
+    of: TimeLaw
+
+    def __call__(self, time: Any) -> jax.Array:
+        """Value and rate at a time."""
+        law = self.of
+        now = jnp.asarray(time, dtype=float)
+        return jnp.stack(jax.jvp(lambda t: jnp.asarray(law(t), dtype=float), (now,), (jnp.ones(()),)))
+
+    @property
+    def begin(self) -> float:
+        """First time at which the law is defined."""
+        return self.of.begin
+
+    @property
+    def end(self) -> float:
+        """Last time at which the law is defined."""
+        return self.of.end
+
+    def instants(self, begin: float, end: float) -> np.ndarray:
+        """Those of the law."""
+        return instants_of(self.of, begin, end)
+
+    def shortest_scale(self, begin: float, end: float) -> float:
+        """That of the law."""
+        return shortest_scale_of(self.of, begin, end)

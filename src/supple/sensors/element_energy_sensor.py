@@ -1,0 +1,67 @@
+"""Energy that an element between two ends has stored, and the power that it gives the machine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.integrate import Solution
+from supple.machine import System
+from supple.machine.forces import ForceElement
+from supple.machine.pose import Pose, Wrench
+from supple.multibody.equations.build_model import initial_points
+from supple.sensors.end_motion import both_ends
+from supple.sensors.reading import Channel, Quantity
+
+__all__ = ["ElementEnergySensor"]
+
+
+@dataclass(frozen=True, eq=False)
+class ElementEnergySensor:
+    """Energy stored in a spring, stop, contact, ..., and the power of its forces on both of its ends, (t, 2).
+
+    What the element dissipates is `-power - d(stored)/dt`; of one that is driven by a law of time or by a
+    controller this is what it is fed with as well. Of an element that a controller drives only the law of
+    time is known here.
+
+    element : ForceElement      of the machine's loads, or one that is only imagined there
+    """
+
+    name: str
+    element: ForceElement
+
+    def channels(self, _: System) -> Sequence[Channel]:
+        """stored, power."""
+        return (Channel("stored", Quantity.ENERGY, ""), Channel("power", Quantity.POWER, ""))
+
+    def values(self, system: System, solution: Solution) -> NDArray[np.float64]:
+        """(t, 2)."""
+        element = self.element.assembled(*initial_points(system, self.element))
+        ends = both_ends(system, solution, element, self.name)
+        law, parameters = element.law, jax.tree.map(jnp.asarray, element.parameters)
+        times = jnp.asarray(solution.times)
+        return np.asarray(_values(type(element), law, parameters, *ends, times))
+
+
+@partial(jax.jit, static_argnums=0)
+def _values(
+    kind: type[ForceElement], law: Any, parameters: Any, first: Any, second: Any, times: Any
+) -> jax.Array:
+    def at(one: Pose, other: Pose, time: Any) -> jax.Array:
+        value = None if law is None else law(time)
+        loads = kind.wrenches(one, other, value, parameters)
+        stored = jnp.asarray(kind.energy(one, other, value, parameters), dtype=float)
+        return jnp.stack([stored, _power(one, loads[0]) + _power(other, loads[1])])
+
+    return jax.vmap(at)(first, second, times)
+
+
+def _power(end: Pose, load: Wrench) -> Any:
+    return load.force @ end.velocity + load.moment @ end.angular_velocity

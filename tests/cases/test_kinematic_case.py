@@ -1,0 +1,112 @@
+"""A case that assembles a machine and moves it by its driving joint alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from supple.cases import read_case, run_case
+from supple.errors import CaseError
+
+CASE = """
+title = "slider-crank, drawn apart"
+units = { length = "m", mass = "kg", time = "s", force = "N", stress = "Pa" }
+
+[[body]]
+name = "crank"
+position = [0.5, 0, 0]
+rigid = { mass = 2.0, inertia = [[0.1, 0, 0], [0, 0.2, 0], [0, 0, 0.2]] }
+[[body.interface]]
+name = "hub"
+position = [-0.5, 0, 0]
+[[body.interface]]
+name = "pin"
+position = [0.5, 0, 0]
+
+[[body]]
+name = "rod"
+position = [2.5, 0.4, 0]
+rigid = { mass = 1.0, inertia = [[0.1, 0, 0], [0, 0.8, 0], [0, 0, 0.8]] }
+[[body.interface]]
+name = "pin"
+position = [-1.5, 0, 0]
+[[body.interface]]
+name = "wrist"
+position = [1.5, 0, 0]
+
+[[body]]
+name = "slider"
+position = [4.0, 0, 0]
+rigid = { mass = 3.0, inertia = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]] }
+[[body.interface]]
+name = "wrist"
+position = [0, 0, 0]
+
+[[joint]]
+name = "motor"
+kind = "prescribed-rotation"
+first = "ground"
+second = "crank.hub"
+axis = [0, 0, 1]
+law = { kind = "spin-up", speed = 2.0, duration = 1.0 }
+
+[[joint]]
+kind = "revolute"
+first = "crank.pin"
+second = "rod.pin"
+axis = [0, 0, 1]
+
+[[joint]]
+kind = "ball"
+first = "rod.wrist"
+second = "slider.wrist"
+
+[[joint]]
+kind = "prismatic"
+first = "ground"
+second = "slider.wrist"
+axis = [1, 0, 0]
+
+[simulation]
+duration = 4.0
+output_step = 0.05
+step = 0.05
+assemble = true
+kinematic = true
+
+[output]
+track = ["slider.wrist"]
+pictures = false
+animation = false
+"""
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text=CASE):
+        (tmp_path / "crank.toml").write_text(text, encoding="utf-8")
+        return read_case(tmp_path / "crank.toml")
+
+    return write
+
+
+@pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
+def test_the_slider_moves_as_its_crank_and_the_motor_does_the_work(written, tmp_path):
+    result = run_case(written(), tmp_path)
+    at, motion = result.solution, result.solution.bodies
+    angle = np.arctan2(motion["crank"].rotation[:, 1, 0], motion["crank"].rotation[:, 0, 0])
+    expected = np.cos(angle) + np.sqrt(9 - np.sin(angle) ** 2)
+    np.testing.assert_allclose(result.tracked["slider.wrist"].position[:, 0], expected, atol=1e-11)
+    power = at.joint_forces["motor"][:, 5] * motion["crank"].angular_velocity[:, 2]
+    work = np.zeros_like(power)
+    for name, mass, inertia in (("crank", 2.0, 0.2), ("rod", 1.0, 0.8), ("slider", 3.0, 0.1)):
+        own = motion[name]
+        work += mass * (own.velocity * own.acceleration).sum(axis=1)
+        work += inertia * own.angular_velocity[:, 2] * own.angular_acceleration[:, 2]
+    np.testing.assert_allclose(power, work, atol=1e-11 * abs(work).max())
+    assert (tmp_path / "crank.h5").exists()
+
+
+def test_what_an_integrator_would_need_is_a_mistake(written):
+    with pytest.raises(CaseError, match=r"simulation\.rho_inf: a kinematic run integrates nothing"):
+        written(CASE.replace("kinematic = true", "kinematic = true\nrho_inf = 0.5"))
