@@ -88,8 +88,7 @@ def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
     }
     for factor in (1, 3):
         held = Held(body, blade.leading_edge, factor, factor * wind, tip)
-        exact: Array | None = None
-        rotation = 0.0
+        exact, rotation = np.zeros(3), 0.0
         for method, places in methods.items():
             began = process_time()
             error: float | None = None
@@ -97,7 +96,7 @@ def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
             with suppress(ConvergenceError):
                 at = places(held)
                 moved = (at - body.nodes[tip]).mean(axis=0)
-                if exact is None:  # the first that finds an equilibrium
+                if not exact.any():  # the first that finds an equilibrium
                     exact, rotation = moved, _turn(body.nodes[tip], at)
                 error = float(np.linalg.norm(moved - exact) / np.linalg.norm(exact))
                 tip_moved = moved.tolist()
