@@ -26,7 +26,7 @@ def chosen_scheme(
     """
     side = coupling.elements
     root = 1 / np.sqrt(side.mass)
-    stiffness = side.stiffness.toarray() if hasattr(side.stiffness, "toarray") else side.stiffness
+    stiffness = side.stiffness @ np.eye(len(root))  # sparse or dense
     own = float(2 / np.sqrt(np.linalg.eigvalsh(root[:, None] * stiffness * root)[-1]))
     modes = float(2 / coupling.modal.frequencies.max())
     for limit, what in ((own, "elements"), (modes, "modes")):
