@@ -15,6 +15,7 @@ from supple.body import BodySource, FlexibleBody, FullBody, ModalDamping
 from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
 from supple.cases.case_tables import CaseTables, files_named
+from supple.cases.control import controllers_of
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
 from supple.cases.sensors import SensedCase, sensed_places
@@ -211,7 +212,9 @@ class Case:
 
     @cached_property
     def system(self) -> System:
-        """The bodies, reduced if their reduction has a fixed size, with joints, loads and springs.
+        """The bodies, reduced if their reduction has a fixed size, with joints, loads, springs and elements.
+
+        Without controllers, which `controlled` adds: they run code, and act in runs alone.
 
         Raises
         ------
@@ -226,7 +229,17 @@ class Case:
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
         loads = [table.build(*self.place(table.at), self.folder) for table in tables.load]
         springs = [table.build(unloaded) for table in tables.spring]
-        return replace(unloaded, loads=(*loads, *springs))
+        elements = [table.build(self.folder) for table in tables.element]
+        return replace(unloaded, loads=(*loads, *springs, *elements))
+
+    def controlled(self, system: System, *, allow_code: bool) -> System:
+        """The system with the controllers that the case names.
+
+        Raises CaseError for code that is not allowed to run, or that fails.
+        """
+        control = self.tables.control
+        made = controllers_of(control, system, self.folder, allow_code=allow_code)
+        return replace(system, controllers=made)
 
     @cached_property
     def starts(self) -> Mapping[str, ReductionStart]:
@@ -252,7 +265,9 @@ class Case:
         ------
         CaseError, ModelError   as for `sources`; stress of a body that has no elements
         """
-        named = zip(self.parts.spring, self.system.loads[len(self.parts.load) :], strict=True)
+        named = zip(
+            (*self.parts.spring, *self.parts.element), self.system.loads[len(self.parts.load) :], strict=True
+        )
         springs = {
             table.name: spring
             for table, spring in named

@@ -8,9 +8,23 @@ from typing import Annotated
 
 from pydantic import Field
 
-from supple.cases import bodies, joints, loads, output, sensors, simulation, spin, springs, stated_error
+from supple.cases import (
+    bodies,
+    control,
+    elements,
+    joints,
+    loads,
+    output,
+    sensors,
+    simulation,
+    spin,
+    springs,
+    stated_error,
+)
 from supple.cases.bodies import Body
 from supple.cases.body_kinds import KINDS
+from supple.cases.control import control_file
+from supple.cases.elements import ElementTable
 from supple.cases.ends import ends_exist
 from supple.cases.joints import Joint
 from supple.cases.laws import tables_suit_the_run
@@ -40,6 +54,8 @@ class CaseTables(CheckedTable):
     joint: Annotated[tuple[Joint, ...], Field(strict=False)] = ()
     load: Annotated[tuple[Load, ...], Field(strict=False)] = ()
     spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
+    element: Annotated[tuple[ElementTable, ...], Field(strict=False)] = ()
+    control: str | None = Field(None, description="FILE.py:FUNCTION; runs with --allow-code")
     sensor: Annotated[tuple[SensorTable, ...], Field(strict=False)] = ()
     simulation: Simulation
     spin: SpinTable | None = None
@@ -63,6 +79,8 @@ RULES: tuple[Rule, ...] = (
     *joints.RULES,
     *loads.RULES,
     *springs.RULES,
+    *elements.RULES,
+    *control.RULES,
     *simulation.RULES,
     *spin.RULES,
     *output.RULES,
@@ -102,6 +120,7 @@ def files_named(raw: Raw) -> Iterator[tuple[KeyPath, object]]:
         for kind, made_of in KINDS.items():
             for key in made_of.file_keys:
                 yield (*path, kind, key), table(body, kind).get(key)
-    for section in ("joint", "load"):
+    yield ("control",), control_file(raw.get("control"))
+    for section in ("joint", "load", "element"):
         for path, item in tables(raw, section):
             yield (*path, "law", "file"), table(item, "law").get("file")

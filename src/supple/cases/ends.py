@@ -17,6 +17,9 @@ def ends_exist(raw: Raw) -> Mistakes:
             ground = item.get("kind") != "straight"
             yield from _exists(raw, (*path, "first"), item.get("first"), ground=ground)
             yield from _exists(raw, (*path, "second"), item.get("second"))
+    for path, item in tables(raw, "element"):
+        yield from _exists(raw, (*path, "first"), item.get("first"), ground=True)
+        yield from _exists(raw, (*path, "second"), item.get("second"), ground=True)
     for path, load in tables(raw, "load"):
         yield from _exists(raw, (*path, "at"), load.get("at"), node_sets=True)
     tracked = table(raw, "output").get("track")

@@ -21,6 +21,7 @@ JointKind = Literal[
     "universal",
     "cylindrical",
     "prismatic",
+    "point-on-line",
     "prescribed-rotation",
     "prescribed-translation",
 ]
@@ -33,6 +34,7 @@ _KINDS: Mapping[JointKind, tuple[Callable[..., machine.Joint], Mapping[str, str]
         "universal": (machine.Universal, {"axis": "first_axis", "second_axis": "second_axis"}),
         "cylindrical": (machine.Cylindrical, {"axis": "axis"}),
         "prismatic": (machine.Prismatic, {"axis": "axis"}),
+        "point-on-line": (machine.PointOnLine, {"axis": "axis"}),
         "prescribed-rotation": (machine.PrescribedRotation, {"axis": "axis", "law": "angle"}),
         "prescribed-translation": (machine.PrescribedTranslation, {"axis": "axis", "law": "displacement"}),
     }

@@ -56,6 +56,16 @@ class SpinUp(Made):
     duration: Positive = Field(description="a time")
 
 
+class ConstantRate(Made):
+    """start + rate t"""
+
+    makes = machine.ConstantRate
+
+    kind: Literal["constant-rate"]
+    rate: float = Field(description="rad or length, per time")
+    start: float = 0.0
+
+
 LARGEST_EXCURSION = 0.01
 """By which a curve through the rows of a motion may leave their range: sixteen rows a period stay within."""
 
@@ -93,7 +103,7 @@ class TableLaw(CheckedTable):
 def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
     """The rule that a table can be read, as what it is used for, and lasts as long as the run."""
     duration = table(raw, "simulation").get("duration")
-    for section in ("joint", "load"):
+    for section in ("joint", "load", "element"):
         for path, item in tables(raw, section):
             file = table(item, "law").get("file")
             if table(item, "law").get("kind") != "table" or not isinstance(file, str):
@@ -103,7 +113,7 @@ def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
             law = TableLaw(kind="table", file=file)
             place = (*path, "law", "file")
             try:
-                made = law.build_of_load(folder) if section == "load" else law.build(folder)
+                made = law.build(folder) if section == "joint" else law.build_of_load(folder)
             except (ImportFormatError, ModelError) as error:
                 yield place, str(error)
                 continue
@@ -120,4 +130,4 @@ def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
                 )
 
 
-Law = Annotated[Constant | Ramp | Sine | SpinUp | TableLaw, Field(discriminator="kind")]
+Law = Annotated[Constant | ConstantRate | Ramp | Sine | SpinUp | TableLaw, Field(discriminator="kind")]

@@ -52,6 +52,7 @@ def run_case(
     force: bool = False,
     strict: bool = False,
     errors: bool = True,
+    allow_code: bool = False,
     progress: Progress = silent,
 ) -> CaseResult:
     """Run a case and write its results (HDF5, JSON) and, if it asks for them, its pictures into `folder`.
@@ -64,11 +65,13 @@ def run_case(
     strict : a motion beyond what a body's kinematics can describe is an error
     errors : state how wrong the run is, which takes two more runs where the case does not say otherwise;
         without, an accuracy is that of the basis alone
+    allow_code : run the Python file of `control`, if the case names one
 
     Raises
     ------
     SelfCorrectionError     an error was not met: what was reached, and the file of the best round
-    CaseError               --resume and --force at once; a file that changed while the case was read
+    CaseError               --resume and --force at once; a file that changed while the case was read; a
+                            controller without `allow_code`, or in a case that corrects itself
     ResultFileError         a result that would be lost; a result file that cannot be written or continued, or
                             whose case or files have changed since; another run that writes to the folder
     SuppleError             whatever the build and the simulation find wrong; what was computed is kept
@@ -76,17 +79,47 @@ def run_case(
     if resume and force:
         raise CaseError("--resume goes on with a result and --force replaces it: give one of them")
     check_outputs(case, folder)
+    _check_control(case, allow_code=allow_code)
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     with ExclusiveLock(folder):
         check_remains(case, folder, resume=resume, force=force)
         return _run_case(
-            case, folder, resume=resume, force=force, strict=strict, errors=errors, progress=progress
+            case,
+            folder,
+            resume=resume,
+            force=force,
+            strict=strict,
+            errors=errors,
+            allow_code=allow_code,
+            progress=progress,
+        )
+
+
+def _check_control(case: Case, *, allow_code: bool) -> None:
+    """CaseError where a controller may not run, or cannot: before anything is computed."""
+    control = case.tables.control
+    if control is None:
+        return
+    if not allow_code:
+        case.controlled(case.system, allow_code=False)
+    if case.starts:
+        raise CaseError(
+            f"{case.path}: body '{next(iter(case.starts))}' is reduced to an accuracy, whose error is not "
+            "known with a controller: give it a basis of fixed size (remove accuracy), or remove control"
         )
 
 
 def _run_case(
-    case: Case, folder: Path, *, resume: bool, force: bool, strict: bool, errors: bool, progress: Progress
+    case: Case,
+    folder: Path,
+    *,
+    resume: bool,
+    force: bool,
+    strict: bool,
+    errors: bool,
+    allow_code: bool,
+    progress: Progress,
 ) -> CaseResult:
     warn_of_units(case)
     inputs = case.inputs
@@ -113,6 +146,7 @@ def _run_case(
             },
             validity=Validity(strict=strict),
             errors=errors,
+            allow_code=allow_code,
             progress=progress,
         )
     except SelfCorrectionError:
@@ -152,10 +186,12 @@ def _simulated(
     *,
     validity: Validity,
     errors: bool,
+    allow_code: bool,
     progress: Progress,
 ) -> tuple[System, Solution]:
     """The motion, and the system it is of; rounds of a self-correction are added as they are finished."""
-    given = (starting_system(case), replace(case.run, validity=validity))
+    machine = case.controlled(starting_system(case), allow_code=allow_code)
+    given = (machine, replace(case.run, validity=validity))
     path = result_path(case.path, folder)
     if case.starts:
         corrected = correct_recorded(
@@ -175,7 +211,9 @@ def _simulated(
     simulating(0.0)
     system, solution = simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
     if errors:
-        solution = state_errors(system, case.run, solution, case.study, fulls=case.fulls, progress=progress)
+        # What a basis lacks is found from linearised equations, in which controllers have no part.
+        study = replace(case.study, basis=False) if system.controllers else case.study
+        solution = state_errors(system, case.run, solution, study, fulls=case.fulls, progress=progress)
         write_errors(path, solution)
     return system, solution
 

@@ -94,14 +94,16 @@ class TensorSensor(CheckedTable):
 
 
 class SpringSensor(CheckedTable):
-    """What a spring and damper carries."""
+    """What a spring and damper, or another element, carries, or has stored."""
 
-    kind: Literal["spring-force"]
-    name: str = Field(description="its columns are NAME.Fx, ..., NAME.Mz; on the second end, global")
-    spring: str = Field(description="its name")
+    kind: Literal["spring-force", "element-energy"]
+    name: str = Field(description="its columns are NAME.Fx, ..., NAME.Mz; or NAME.stored, NAME.power")
+    spring: str = Field(description="name of a spring or an element")
 
     def build(self, case: SensedCase) -> sensors.Sensor:
         """The sensor."""
+        if self.kind == "element-energy":
+            return sensors.ElementEnergySensor(self.name, case.springs[self.spring])
         return sensors.SpringForceSensor(self.name, case.springs[self.spring])
 
 
@@ -130,7 +132,8 @@ def sensed_places(raw: Raw) -> Iterator[tuple[KeyPath, str, Any, bool]]:
 
 def _elements_exist(raw: Raw) -> Mistakes:
     for what in ("joint", "spring"):
-        known = [str(each["name"]) for _, each in tables(raw, what) if "name" in each]
+        places = ("spring", "element") if what == "spring" else (what,)
+        known = [str(each["name"]) for place in places for _, each in tables(raw, place) if "name" in each]
         for path, each in tables(raw, "sensor"):
             name = each.get(what)
             if isinstance(name, str) and name not in known:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,6 @@ from supple.cases.joints import Joint
 from supple.cases.loads import Load
 from supple.cases.sensors import SensorTable
 from supple.cases.split import SplitSource
-from supple.cases.springs import Spring
 from supple.errors import ModelError, SuppleWarning
 from supple.machine import At
 from supple.machine.split_body import SplitBody, cut_name, part_name
@@ -67,7 +67,7 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
             text = each.place(text)
         return text
 
-    def at_parts(item: Joint | Spring) -> Joint | Spring:
+    def at_parts(item: Any) -> Any:
         return item.model_copy(update={"first": placed(item.first), "second": placed(item.second)})
 
     bodies = [
@@ -81,6 +81,7 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
         "sensor": tuple(_sensor_of_part(each, placed, by_name) for each in tables.sensor),
         "joint": (*map(at_parts, tables.joint), *(joint for each in given for joint in _ties(each))),
         "spring": tuple(map(at_parts, tables.spring)),
+        "element": tuple(map(at_parts, tables.element)),
         "load": tuple(part for load in tables.load for part in _load_parts(load, placed(load.at), by_name)),
         "output": tables.output.model_copy(update={"track": tuple(track)}),
     }

@@ -66,6 +66,13 @@ def run(
     no_errors: Annotated[
         bool, typer.Option("--no-errors", help="Leave out how wrong the run is, which takes two more runs.")
     ] = False,
+    allow_code: Annotated[
+        bool,
+        typer.Option(
+            "--allow-code",
+            help="Run the Python file that `control` of the case names; read it first: it may do anything.",
+        ),
+    ] = False,
     debug: Debug = False,
 ) -> None:
     """Simulate a case file; write results (HDF5, JSON), pictures (PNG) and an animation (GIF)."""
@@ -82,6 +89,7 @@ def run(
             force=force,
             strict=strict,
             errors=not no_errors,
+            allow_code=allow_code,
         )
 
 

@@ -30,6 +30,7 @@ def run_case(
     force: bool = False,
     strict: bool = False,
     errors: bool = True,
+    allow_code: bool = False,
 ) -> None:
     """Run the case file at `path` and print its tables; parameters and errors as for `cases.run_case`.
 
@@ -37,7 +38,15 @@ def run_case(
     """
     with raising_terminated():
         try:
-            _run(path, folder, resume=resume, force=force, strict=strict, errors=errors)
+            _run(
+                path,
+                folder,
+                resume=resume,
+                force=force,
+                strict=strict,
+                errors=errors,
+                allow_code=allow_code,
+            )
         except INTERRUPTIONS as error:
             kept = "; ".join(getattr(error, "__notes__", [])) or kept_so_far(path, folder)
             error_console.print(words("stopped: ", "bold red") + words(kept), soft_wrap=True)
@@ -45,7 +54,16 @@ def run_case(
             raise typer.Exit(128 + number) from error
 
 
-def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool, errors: bool) -> None:
+def _run(
+    path: Path,
+    folder: Path,
+    *,
+    resume: bool,
+    force: bool,
+    strict: bool,
+    errors: bool,
+    allow_code: bool,
+) -> None:
     if cases.is_explicit(path):
         _run_explicit(path, folder, resume=resume, force=force)
         return
@@ -56,7 +74,14 @@ def _run(path: Path, folder: Path, *, resume: bool, force: bool, strict: bool, e
     with bars:
         try:
             result = cases.run_case(
-                case, folder, resume=resume, force=force, strict=strict, errors=errors, progress=steps.share
+                case,
+                folder,
+                resume=resume,
+                force=force,
+                strict=strict,
+                errors=errors,
+                allow_code=allow_code,
+                progress=steps.share,
             )
         except SelfCorrectionError as error:
             print_table(*correction_table(correction_numbers(error.rounds), case.units))

@@ -39,6 +39,7 @@ from supple.error_equation import (
     second_correction,
 )
 from supple.error_equation.error_batch import first_together
+from supple.error_equation.linearised_march import ErrorState
 from supple.errors import ModelError
 from supple.integrate import ErrorPart, FloatingMotion, Run, Solution
 from supple.machine import System
@@ -196,7 +197,7 @@ class _Batch:
         )
 
     def _error(
-        self, number: int, equation: ErrorEquation, found: object, fresh: Mapping[str, np.ndarray]
+        self, number: int, equation: ErrorEquation, found: ErrorState, fresh: Mapping[str, np.ndarray]
     ) -> BasisError:
         histories = equation.histories(found)
         if all(np.isfinite(history.rms).all() for history in histories.values()):

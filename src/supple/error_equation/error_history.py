@@ -156,6 +156,8 @@ class ErrorEquation:
         here = self._differences(point.motion)
         still = [np.asarray(each[0]) - own[0] for each, own in zip(found[:2], here[:2], strict=True)]
         more = self._march(point, *still)
+        if not np.isfinite(more.position).all():
+            return jax.tree.map(lambda leaf: np.full_like(leaf, np.nan), more)
         return ErrorState(*(own + each for own, each in zip(here, more, strict=True)))._replace(
             position=self._composed(here.position, more.position)
         )

@@ -54,9 +54,10 @@ class Controller:
         if states.ndim != 1 or not np.isfinite(states).all():
             raise ModelError(f"controller '{self.name}': its initial states must be (k,) finite numbers")
         if (self.rates is None) != (states.size == 0):
+            function = "no function" if self.rates is None else "a function"
             raise ModelError(
-                f"controller '{self.name}': states need rates, and rates states; it has "
-                f"{states.size} initial states and {'no' if self.rates is None else 'a'} function of their rates"
+                f"controller '{self.name}': states need rates, and rates states; it has {states.size} "
+                f"initial states and {function} of their rates"
             )
         states.setflags(write=False)
         object.__setattr__(self, "initial", states)
@@ -79,7 +80,7 @@ class SampledController:
 
     reads: Mapping[str, Reading]
     drives: Mapping[str, ForceElement]
-    law: Callable[[float, Any, dict[str, Any]], tuple[Mapping[str, Any], Mapping[str, Any]]]
+    law: Callable[[float, Any, dict[str, Any]], tuple[Any, Any]]
     every: float
     memory: Mapping[str, Any] = field(default_factory=dict)
     name: str = "controller"

@@ -159,6 +159,7 @@ class CompiledEngine:
                 steps=int(after.steps - before.steps),
                 iterations=int(after.iterations - before.iterations),
                 rejected_steps=int(after.rejected_steps - before.rejected_steps),
+                factorizations=int(after.iterations - before.iterations),  # each makes its own
                 seconds=clock.perf_counter() - ready,
                 compile_seconds=ready - began,
                 largest_error=float(after.largest_error),

@@ -1,0 +1,76 @@
+"""The controllers of a case: made by a function in a Python file beside it, run only when allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+from supple.errors import CaseError
+from supple.importers.toml import Mistakes, Raw
+from supple.machine import Controller, SampledController, System
+
+__all__ = ["RULES", "control_file", "controllers_of"]
+
+_FORM = 'control = "controller.py:function"'
+
+
+def controllers_of(
+    control: str | None, system: System, folder: Path, *, allow_code: bool
+) -> tuple[Controller | SampledController, ...]:
+    """What the function that a case names makes of its machine; none where it names none.
+
+    control : "FILE.py:FUNCTION"; the function takes the system, and gives one controller or several
+
+    Raises
+    ------
+    CaseError   code that is not allowed to run, that is not there or fails, or that gives something else
+    """
+    if control is None:
+        return ()
+    if not allow_code:
+        raise CaseError(
+            f"{_at(control)} is a program, which may do on this computer whatever its author likes, and a "
+            "case file may come from anybody: read it, and give --allow-code to run it (in Python, "
+            "allow_code=True)"
+        )
+    name, _, function = control.partition(":")
+    path = folder / name
+    spec = spec_from_file_location(f"control_of_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise CaseError(f"{_at(control)}: {path} is no Python file")
+    module = module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+        made = getattr(module, function)(system)
+    except Exception as error:  # whatever a program of somebody else's may run into
+        raise CaseError(f"{_at(control)} fails: {type(error).__name__}: {error}") from error
+    every: Sequence[Any] = made if isinstance(made, list | tuple) else (made,)
+    for each in every:
+        if not isinstance(each, Controller | SampledController):
+            raise CaseError(
+                f"{_at(control)} must give a Controller or a SampledController, or a list of them; it gave a "
+                f"{type(each).__name__}"
+            )
+    return tuple(every)
+
+
+def control_file(control: Any) -> Any:
+    """The file that a value of the key names."""
+    return control.partition(":")[0] if isinstance(control, str) else None
+
+
+def _at(control: str) -> str:
+    return f'control = "{control}"'
+
+
+def _names_file_and_function(raw: Raw) -> Mistakes:
+    control = raw.get("control")
+    if isinstance(control, str):
+        file, _, function = control.partition(":")
+        if not (file.endswith(".py") and function.isidentifier()):
+            yield ("control",), f"{control!r} is not FILE.py:FUNCTION; write {_FORM}"
+
+
+RULES = (_names_file_and_function,)

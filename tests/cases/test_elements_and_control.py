@@ -1,0 +1,208 @@
+"""`[[element]]` and `control`: what they make, what runs only when allowed, and a run that is resumed."""
+
+from __future__ import annotations
+
+import re
+
+import h5py
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from supple import machine as m
+from supple.cases import read_case
+from supple.cli.main import app
+from supple.errors import CaseError
+
+CASE = """\
+title = "wheel"
+CONTROL
+
+[[body]]
+name = "wheel"
+rigid = { mass = 2.0, inertia = [[0.3, 0, 0], [0, 0.3, 0], [0, 0, 0.5]] }
+interface = [{ name = "axle", position = [0, 0, 0] }, { name = "rim", position = [0.4, 0, 0] }]
+
+[[joint]]
+name = "hinge"
+kind = "revolute"
+first = "ground"
+second = "wheel.axle"
+axis = [0, 0, 1]
+
+ELEMENTS
+[simulation]
+duration = 1.0
+output_step = 0.01
+step = 0.01
+
+[output]
+pictures = false
+animation = false
+"""
+
+CONTROLLER = '''\
+"""PI in plain Python."""
+from pathlib import Path
+
+from supple import machine as m
+
+
+def law(time, reads, memory):
+    if time > 0.5 and (Path(__file__).parent / "stop").exists():
+        raise KeyboardInterrupt
+    error = 0.5 - float(reads["hinge"].angle)
+    total = memory["total"] + 0.02 * error
+    return {"motor": 30 * error - 3 * float(reads["hinge"].rate) + 20 * total}, {"total": total}
+
+
+def controllers(system):
+    return m.SampledController(
+        reads={"hinge": m.JointReading("hinge")},
+        drives={"motor": m.TorqueBetween(first="ground", second="wheel.axle", axis=(0, 0, 1))},
+        law=law,
+        every=0.02,
+        memory={"total": 0.0},
+    )
+
+
+def nothing(system):
+    return None
+
+
+def fails(system):
+    raise RuntimeError("no gains")
+'''
+
+PUSH = "stiffness = 1e4, exponent = 1.5, dissipation = 0.1"
+KEEP = "stiffness = 3.0"
+AXIS = 'first = "ground", second = "wheel.rim", axis = [0, 0, 1]'
+MADE = {
+    'kind = "bushing", first = "ground", second = "wheel.rim", stiffness = [1, 2, 3, 4, 5, 6]': m.Bushing,
+    f'kind = "angle-stop", {AXIS}, lower = -0.1, upper = 0.2, {PUSH}': m.AngleStop,
+    f'kind = "slide-stop", {AXIS}, lower = -0.1, upper = 0.2, {PUSH}': m.SlideStop,
+    f'kind = "distance-stop", first = "wheel.rim", anchor = [1, 1, 0], upper = 2.0, {PUSH}': m.DistanceStop,
+    f'kind = "hinge-friction", {AXIS}, value = 2.0, width = 0.01': m.RevoluteFriction,
+    f'kind = "slide-friction", {AXIS}, value = 2.0, width = 0.01': m.PrismaticFriction,
+    f'kind = "torque-between", {AXIS}, value = 2.0': m.TorqueBetween,
+    f'kind = "force-between", {AXIS}, value = 2.0, law = {{ kind = "ramp", value = 1.0, duration = 2.0 }}': (
+        m.ForceBetween
+    ),
+    f'kind = "angle-servo", {AXIS}, law = {{ kind = "constant-rate", rate = 2.0 }}, {KEEP}': (m.AngleServo),
+    f'kind = "slide-servo", {AXIS}, law = {{ kind = "constant", value = 2.0 }}, {KEEP}': m.SlideServo,
+    f'kind = "motor", {AXIS}, speeds = [0, 1], torques = [3, 1]': m.MotorCurve,
+    f'kind = "gear", {AXIS}, teeth = [20, -60], stiffness = 3.0, anchor = [1, 1, 0]': m.Gear,
+    f'kind = "screw", {AXIS}, pitch = 0.1, {KEEP}': m.Screw,
+    f'kind = "rack-and-pinion", {AXIS}, direction = [1, 0, 0], radius = 0.1, {KEEP}': m.RackAndPinion,
+    f'kind = "bearing", {AXIS}, stiffness = [[[1, 2], [-2, 1]], [[1, 3], [-3, 1]]]': m.JournalBearing,
+    'kind = "unbalance", first = "wheel.rim", moment = [1, 0, 0]': m.Unbalance,
+    f'kind = "sphere-on-plane", first = "wheel.rim", axis = [0, 0, 1], anchor = [0, 0, 0], {PUSH}, '
+    "friction = 0.3, width = 0.01": m.SphereOnPlane,
+    f'kind = "sphere-on-cylinder", first = "wheel.rim", axis = [0, 0, 1], anchor = [0, 0, 0], {PUSH}, '
+    "cylinder_radius = 0.2": m.SphereOnCylinder,
+    f'kind = "sphere-in-cylinder", first = "wheel.rim", axis = [0, 0, 1], anchor = [0, 0, 0], {PUSH}, '
+    "cylinder_radius = 0.2": m.SphereInCylinder,
+}
+
+
+def written(folder, elements=(), control=""):
+    tables = "".join(
+        "[[element]]\n" + re.sub(r", (?=\w+ = )", "\n", re.sub(r"\{[^}]*\}", _dotted, each)) + "\n\n"
+        for each in elements
+    )
+    path = folder / "wheel.toml"
+    path.write_text(CASE.replace("CONTROL", control).replace("ELEMENTS", tables))
+    return path
+
+
+def _dotted(found):
+    """An inline table whose commas are not those between keys."""
+    return found.group().replace(", ", ",")
+
+
+def test_every_kind_makes_its_element(tmp_path):
+    system = read_case(written(tmp_path, MADE)).system
+    assert [type(load) for load in system.loads] == list(MADE.values())
+    plane = next(load for load in system.loads if isinstance(load, m.SphereOnPlane))
+    assert plane.friction == m.Coulomb(coefficient=0.3, width=0.01)
+    assert plane.penalty == m.Penalty(stiffness=1e4, exponent=1.5, dissipation=0.1)
+
+
+@pytest.mark.parametrize(
+    ("element", "message"),
+    [
+        (f'kind = "angle-stop", {AXIS}, lower = 0.0', "upper"),
+        ('kind = "unbalance", first = "whel.rim", moment = [1, 0, 0]', "did you mean 'wheel'"),
+        (f'kind = "screw", {AXIS.replace("1]", "0]")}, pitch = 0.1, {KEEP}', "axis of length zero"),
+        (
+            f'kind = "sphere-on-cylinder", first = "wheel.rim", axis = [0, 0, 1], {PUSH}',
+            "needs cylinder_radius",
+        ),
+        (
+            f'kind = "sphere-on-plane", first = "wheel.rim", axis = [0, 0, 1], {PUSH}, friction = 0.1',
+            "friction needs width",
+        ),
+    ],
+)
+def test_mistakes_of_elements_have_a_line_and_a_remedy(tmp_path, element, message):
+    with pytest.raises(CaseError, match=message):
+        read_case(written(tmp_path, [element]))
+
+
+def test_code_runs_only_where_it_is_allowed(tmp_path):
+    (tmp_path / "controller.py").write_text("raise SystemExit('it ran')")
+    path = written(tmp_path, control='control = "controller.py:controllers"')
+    case = read_case(path)
+    assert case.system.controllers == ()
+    result = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "out")])
+    assert result.exit_code == 2
+    assert "--allow-code" in result.output
+    assert "read it" in result.output
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("function", "message"),
+    [
+        ("nothing", "must give a Controller or a SampledController, or a list of them; it gave a NoneType"),
+        ("fails", "fails: RuntimeError: no gains"),
+        ("absent", "fails: AttributeError"),
+    ],
+)
+def test_what_a_function_must_give(tmp_path, function, message):
+    (tmp_path / "controller.py").write_text(CONTROLLER)
+    case = read_case(written(tmp_path, control=f'control = "controller.py:{function}"'))
+    with pytest.raises(CaseError, match=message):
+        case.controlled(case.system, allow_code=True)
+
+
+def test_control_names_a_file_and_a_function(tmp_path):
+    with pytest.raises(CaseError, match=r"is not FILE\.py:FUNCTION"):
+        read_case(written(tmp_path, control='control = "controller.py"'))
+    with pytest.raises(CaseError, match="there is no file"):
+        read_case(written(tmp_path, control='control = "absent.py:controllers"'))
+
+
+def test_a_killed_run_is_resumed_to_the_last_bit(tmp_path):
+    (tmp_path / "controller.py").write_text(CONTROLLER)
+    path = written(tmp_path, control='control = "controller.py:controllers"')
+
+    def command(folder, *more):
+        given = ["run", str(path), "-o", str(tmp_path / folder), "--no-errors", "--allow-code", *more]
+        return CliRunner().invoke(app, given)
+
+    assert command("whole").exit_code == 0
+    (tmp_path / "stop").touch()
+    assert command("cut").exit_code == 130
+    (tmp_path / "stop").unlink()
+    result = command("cut", "--resume")
+    assert result.exit_code == 0, result.output
+    with h5py.File(tmp_path / "whole" / "wheel.h5") as whole, h5py.File(tmp_path / "cut" / "wheel.h5") as cut:
+        for item in ("rotation", "angular_velocity", "angular_acceleration"):
+            one, other = (file[f"bodies/wheel/{item}"][...] for file in (whole, cut))
+            assert len(one) == 101
+            np.testing.assert_array_equal(one, other)
+    (tmp_path / "controller.py").write_text(CONTROLLER.replace("30 *", "31 *"))
+    changed = command("whole", "--resume")
+    assert changed.exit_code == 2
+    assert "controller.py" in changed.output
