@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from supple import machine as m
 from supple.body import RigidBody
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
+from supple.sensors import ElementEnergySensor
 from supple.simulation import simulate
 
 MASS, INERTIA = 2.0, 0.3
@@ -331,8 +332,6 @@ def test_a_bar_swings_between_its_stops_and_a_rope_catches_it():
     assert turned.min() < -0.2
     assert 0.1 < abs(moved["slider"].position[:, 2]).max() < 0.2
     assert 0.3 < moved["weight"].position[:, 0].max() < 0.4
-    from supple.sensors import ElementEnergySensor
-
     for name, load in zip(names, loads, strict=True):
         own = moved[name]
         kinetic = (MASS * (own.velocity**2).sum(axis=1) + INERTIA * (own.angular_velocity**2).sum(axis=1)) / 2
