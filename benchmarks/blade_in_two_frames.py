@@ -38,6 +38,7 @@ def main() -> None:
     body = blade.body()
     rayleigh = blade_damping(root_held_frequencies(body))
     kinds = {
+        "alpha M, beta by strain rate": rayleigh,
         "alpha M + beta K": rayleigh.linearized(),
         "beta by strain rate": replace(rayleigh, alpha=0.0),
         "alpha M alone": replace(rayleigh, beta=0.0),

@@ -87,9 +87,7 @@ def test_every_part_of_a_plain_run_is_the_truth(plain):
         stated = solution.errors[quantity.name]
         basis = quantity_distance(quantity, system, solution, whole, same)
         step = quantity_distance(quantity, system, solution, system, fine)
-        # Below a millionth of the quantity, where the force of the condensed one is, it is an upper bound.
-        assert 0.7 < stated.basis.value / basis
-        assert stated.basis.value < max(1.4 * basis, 1e-6 * stated.size)
+        assert 0.7 < stated.basis.value / basis < 1.4
         assert 0.7 < stated.step.value / step < 1.4
     assert solution.bodies["beam"].error is solution.errors["beam"]
 
@@ -168,16 +166,16 @@ def test_a_part_that_is_unknown_is_mended_as_far_as_goes_at_once():
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True,
-    reason="at large bending the part of the model tells 2.2e-4 where the frames are 4.4e-3 apart",
-)
 @pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")
 def test_the_model_costs_what_the_mean_axes_save(beam):
-    """Full runs in both frames differ by what the kinematics cost in the worse one, that of the root."""
+    """Full runs in both frames differ by what the kinematics cost in the worse one, that of the root.
+
+    Damped by the strain rate alone: a drag on the motion in the frame is another one in another frame.
+    """
     run = Run(1.0, 0.02, step=FixedStep(0.02))
     frames = {"root": NodalFixedFrame("root"), "mean": MeanAxisFrame()}
-    fulls = {name: FullBody(beam, frame, DAMPING) for name, frame in frames.items()}
+    damping = RayleighDamping(alpha=0.0, beta=1e-3)
+    fulls = {name: FullBody(beam, frame, damping) for name, frame in frames.items()}
     motions = {name: simulate(pushed(full, 6.0, 0.8), run) for name, full in fulls.items()}
     true = quantity_distance(
         WholeBody("beam"),

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 from error_equation.machines import soft_strip
 
-from supple.error_equation.elastic_history import force_polynomial, tangent_history
+from supple.error_equation.elastic_history import (
+    force_polynomial,
+    strain_rate_history,
+    strain_rate_polynomial,
+    tangent_history,
+)
 
 N_STEPS = 60
 
@@ -35,8 +40,8 @@ def test_the_force_is_that_of_the_elements(along):
 
 
 def test_tangents_between_the_chosen_instants_are_those_of_the_elements(along):
-    body, motion, onto, coordinates, rates = along
-    tangents = tangent_history(body, motion, coordinates, rates, onto)
+    body, motion, onto, coordinates, _ = along
+    tangents = tangent_history(body, motion, coordinates, onto)
     assert len(tangents.material) < N_STEPS / 2
     assert tangents.missed < 1e-5
     for row in (2, 23, 47):
@@ -51,21 +56,38 @@ def test_tangents_between_the_chosen_instants_are_those_of_the_elements(along):
         np.testing.assert_allclose(told[1], geometric, atol=1e-5 * size)
 
 
-def test_rates_of_the_weights_are_those_of_the_tangent(along):
-    """Central difference over the motion, whose error is of second order in the step."""
+def test_the_force_of_strain_rates_is_that_of_the_elements(along):
     body, motion, onto, coordinates, rates = along
-    tangents = tangent_history(body, motion, coordinates, rates, onto)
-    row, step = 30, 1e-5
-    ahead, behind = (
-        body.assembly.tangent(motion @ (coordinates[row] + sign * step * rates[row])) for sign in (1, -1)
+    gained = strain_rate_polynomial(body, motion, onto, force_polynomial(body, motion, onto))(
+        coordinates, rates
     )
-    exact = onto.T @ ((ahead - behind) @ onto) / (2 * step)
-    told = np.tensordot(tangents.weight_rates[row], tangents.material + tangents.geometric, axes=1)
-    np.testing.assert_allclose(told, exact, atol=1e-4 * np.abs(exact).max())
+    for row in (1, 20, 59):
+        q, rate = motion @ coordinates[row], motion @ rates[row]
+        exact = onto.T @ (body.assembly.strain_rate_force(q, rate) - body.stiffness @ rate)
+        np.testing.assert_allclose(gained[row], exact, rtol=1e-9, atol=1e-11 * np.abs(exact).max())
+
+
+def test_what_strain_rates_add_is_the_derivative_of_their_force(along):
+    """Central difference over the coordinates at constant rates; the force is quadratic in them: exact."""
+    body, motion, onto, coordinates, rates = along
+    told = strain_rate_history(body, motion, coordinates, rates, onto)
+    assert len(told.samples) < N_STEPS / 2
+    for row in (3, 30, 52):
+        q, rate = motion @ coordinates[row], motion @ rates[row]
+        ahead, behind = (
+            np.column_stack([body.assembly.strain_rate_force(q + sign * z, rate) for z in onto.T])
+            for sign in (1, -1)
+        )
+        exact = onto.T @ (ahead - behind) / 2
+        assert np.abs(exact - exact.T).max() > 0.03 * np.abs(exact).max()
+        np.testing.assert_allclose(
+            np.tensordot(told.weights[row], told.samples, axes=1), exact, atol=1e-5 * np.abs(exact).max()
+        )
 
 
 def test_a_body_that_does_not_deform_gains_nothing(along):
     body, motion, onto, coordinates, rates = along
-    tangents = tangent_history(body, motion, 0 * coordinates, 0 * rates, onto)
+    tangents = tangent_history(body, motion, 0 * coordinates, onto)
     assert tangents.material.shape == (0, 9, 9)
+    assert strain_rate_history(body, motion, 0 * coordinates, 0 * rates, onto).samples.shape == (0, 9, 9)
     assert not force_polynomial(body, motion, onto)(0 * coordinates).any()

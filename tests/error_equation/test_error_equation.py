@@ -80,15 +80,15 @@ def test_its_residual_is_that_of_the_full_equations(spun):
 
 def operators_at(equation, row):
     """Operators of the linearised step at one instant, and the motion there."""
-    point = equation._run
-    gained = [equation._gained(name, own) for name, own in point.bodies.items()]
+    point = equation.point
+    gained = [equation.gained(name, own) for name, own in point.bodies.items()]
     bodies = tuple(each[0] for each in gained)
     here = [
         jax.tree.map(lambda leaf: leaf[row], _weighted(body, history))
         for body, (_, history) in zip(bodies, gained, strict=True)
     ]
     motion = jax.tree.map(lambda leaf: leaf[row], point.motion)
-    return _operators(equation._model, bodies, motion, here), motion
+    return _operators(equation.model, bodies, motion, here), motion
 
 
 @pytest.mark.parametrize("frame", [NODAL, MEAN], ids=["nodal-fixed", "mean-axis"])

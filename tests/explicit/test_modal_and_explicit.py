@@ -134,6 +134,19 @@ def test_a_ball_hits_the_modal_part_and_momentum_goes_over():
     assert np.abs(total / total[0] - 1).max() < 5e-4
 
 
+def test_the_balance_is_closed_while_a_ball_hits_a_spinning_modal_part():
+    """What a turn by a finite angle in a step does to the energy is known, and is little."""
+    ball = RigidSphere((2.0, 0.5, 1.05), 0.5, velocity=(0.0, 0.0, -0.5), mass=0.5)
+    own = system(spin=(0.02, 0.1, 0.05), contacts=[Contact(At("modal", "z_max"), ball)])
+    span = Run(4.0, 0.5)
+    solution = run(ExplicitEngine(own, span, ExplicitOptions(largest_ratio=1)), span.times)
+    e = solution.bodies[ENERGIES].values
+    total = e[:, :7].sum(axis=1) - e[:, 7]
+    assert np.abs(e[:, 4]).max() > 5e-4 * total[0]  # contact, at the output times
+    assert np.abs(total / total[0] - 1).max() < 1e-10
+    assert 1e-9 * total[0] < np.abs(e[:, 6]).max() < 1e-3 * total[0]  # interface, with the turn
+
+
 def test_a_force_that_follows_the_frame_turns_with_it():
     body = modal_half()
     force = NodalForce(At("modal", "tip"), (0.0, 0.1, 0.0), follows=True)

@@ -22,6 +22,7 @@ from supple.fem.quadratic_strain import (
     stiffness,
     strain,
     strain_rate_force,
+    strain_rate_tangent,
     tangent,
     tangent_derivative,
 )
@@ -117,6 +118,13 @@ def test_strain_rate_force_is_the_power_of_the_stress_of_the_strain_rate(element
     np.testing.assert_allclose(
         (material @ y[..., None])[..., 0], force, rtol=0, atol=1e-12 * np.abs(force).max()
     )
+
+
+def test_strain_rate_tangent_is_the_gradient_of_the_strain_rate_force(elements, random):
+    q, rates, x = random(), random(), random()
+    K = strain_rate_tangent(elements, q, rates)
+    exact = strain_rate_force(elements, q + STEP * 1j * x, rates).imag / STEP
+    assert_close((K @ x[..., None])[..., 0], exact)
 
 
 @pytest.mark.parametrize("cell_type", [CellType.TETRA10, CellType.HEXA8])

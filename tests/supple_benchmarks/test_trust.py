@@ -54,10 +54,5 @@ def test_what_is_stated_is_the_truth(report):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True,
-    reason="a round of the damped beam, a thousandth of what is allowed, is stated twice too large: what the "
-    "space of the error lacks is bounded there, not found",
-)
 def test_what_is_stated_is_near_the_truth(report):
     assert report["coverage"]["within_0.7_1.4"] >= 0.95

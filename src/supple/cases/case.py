@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from supple.body import BodySource, FlexibleBody, FullBody, ModalDamping
 from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
-from supple.cases.case_tables import CaseTables
+from supple.cases.case_tables import CaseTables, files_named
 from supple.cases.control import controllers_of
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
@@ -72,6 +72,11 @@ class Case:
         return frozenset(body.name for body in self.parts.body if body.reduced is None)
 
     @property
+    def files(self) -> tuple[str, ...]:
+        """Names of the files that it reads, as they stand in it."""
+        return tuple(name for _, name in files_named(tomllib.loads(self.text)) if isinstance(name, str))
+
+    @property
     def inputs(self) -> Inputs:
         """All that the motion depends on, by name: keys of the case, digests of its files as they are now.
 
@@ -79,7 +84,7 @@ class Case:
         ------
         CaseError   a file that cannot be read
         """
-        return inputs_of_case(self.tables, tomllib.loads(self.text), self.folder)
+        return inputs_of_case(self.tables, self.files, self.folder)
 
     def place(self, text: str) -> tuple[str, str | NDArray[np.int64]]:
         """The body of `BODY.PLACE`, and the name of its interface, or the nodes of the set of its mesh."""

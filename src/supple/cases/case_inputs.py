@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from supple.cases.case_tables import CaseTables, files_named
 from supple.errors import CaseError
 from supple.importers import files_read_with
-from supple.importers.toml import Raw
+from supple.importers.toml import CheckedTable
 from supple.storage.run_inputs import Inputs, digest_of
 
 _SAID_NOT_COMPUTED = {"title", "units", "output"}
 
 
-def inputs_of_case(tables: CaseTables, raw: Raw, folder: Path) -> Inputs:
+def inputs_of_case(tables: CheckedTable, files: Iterable[str], folder: Path) -> Inputs:
     """Values of all keys that the motion depends on, defaults too, and digests of all files, by name.
 
     Raises
@@ -23,7 +22,7 @@ def inputs_of_case(tables: CaseTables, raw: Raw, folder: Path) -> Inputs:
     CaseError   a file that cannot be read
     """
     values = tables.model_dump(exclude=_SAID_NOT_COMPUTED)
-    return dict(_leaves("", values)) | dict(_digests(raw, folder))
+    return dict(_leaves("", values)) | dict(_digests(files, folder))
 
 
 def _leaves(name: str, value: Any) -> Iterator[tuple[str, str]]:
@@ -40,14 +39,13 @@ def _leaves(name: str, value: Any) -> Iterator[tuple[str, str]]:
         yield name, repr(value)
 
 
-def _digests(raw: Raw, folder: Path) -> Iterator[tuple[str, str]]:
-    for _, name in files_named(raw):
-        if isinstance(name, str):
-            for path in files_read_with(folder / name):
-                try:
-                    yield f"the file {_shown(path, folder)}", digest_of(path.read_bytes())
-                except OSError as error:
-                    raise CaseError(f"cannot read {path}: {error.strerror}; check the path") from error
+def _digests(files: Iterable[str], folder: Path) -> Iterator[tuple[str, str]]:
+    for name in files:
+        for path in files_read_with(folder / name):
+            try:
+                yield f"the file {_shown(path, folder)}", digest_of(path.read_bytes())
+            except OSError as error:
+                raise CaseError(f"cannot read {path}: {error.strerror}; check the path") from error
 
 
 def _shown(path: Path, folder: Path) -> str:

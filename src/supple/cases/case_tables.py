@@ -63,7 +63,8 @@ class CaseTables(CheckedTable):
     output: Output = Field(default_factory=lambda: Output.model_validate({}))
 
 
-def _units_are_one_set(raw: Raw) -> Mistakes:
+def units_are_one_set(raw: Raw) -> Mistakes:
+    """The rule that the units of a case agree."""
     units = raw.get("units", {})
     if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
         return
@@ -85,7 +86,7 @@ RULES: tuple[Rule, ...] = (
     *output.RULES,
     *stated_error.RULES,
     *sensors.RULES,
-    _units_are_one_set,
+    units_are_one_set,
     ends_exist,
 )
 """What one key demands of another; each section states its own."""

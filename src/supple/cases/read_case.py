@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from supple.arguments import checked_arguments
 from supple.cases.case import Case
@@ -14,7 +14,17 @@ from supple.cases.notify import Notify, silent
 from supple.cases.reduced_file import with_interfaces_of_files
 from supple.errors import CaseError
 from supple.importers.plain_number import LARGEST_INTEGER
-from supple.importers.toml import KeyPath, checked, index_lines, listed_mistakes
+from supple.importers.toml import (
+    CheckedTable,
+    KeyPath,
+    LineIndex,
+    Raw,
+    checked,
+    index_lines,
+    listed_mistakes,
+)
+
+_Root = TypeVar("_Root", bound=CheckedTable)
 
 LARGEST = 1e60
 """Of any number: powers and products of a few such numbers still are numbers."""
@@ -36,22 +46,54 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
     CaseError   no such file, not TOML, or any number of mistakes: one line each, with line number and remedy
     """
     path = Path(path)
-    text = _text(path)
-    raw = _raw(path, text)
-    lines = index_lines(text)
-    beyond = list(_values_beyond_any_use(raw))
-    if beyond:  # no rule is written for these
-        raise CaseError(listed_mistakes(path, lines, beyond))
-    raw, mistakes = with_interfaces_of_files(raw, path.parent)
-    mistakes += broken_rules(raw, path.parent)
-    tables, mistakes = checked(CaseTables, raw, mistakes)
-    if tables is None or mistakes:
-        raise CaseError(listed_mistakes(path, lines, mistakes))
+
+    def completed(raw: Raw) -> tuple[Raw, Sequence[tuple[KeyPath, str]]]:
+        if "part" in raw and "body" not in raw:
+            raise CaseError(
+                f"{path} describes the parts of an explicit run, which `supple run` takes (in Python "
+                "read_explicit_case); here a case of [[body]] tables is needed"
+            )
+        raw, mistakes = with_interfaces_of_files(raw, path.parent)
+        return raw, [*mistakes, *broken_rules(raw, path.parent)]
+
+    text, tables, lines = checked_file(path, CaseTables, completed)
     try:
         tables.simulation.build()
     except ValueError as error:  # of the numbers of the run together
         raise CaseError(listed_mistakes(path, lines, [(("simulation",), str(error))])) from error
     return Case(path, text, tables, lines, notify)
+
+
+def checked_file(
+    path: Path,
+    root: type[_Root],
+    completed: Callable[[Raw], tuple[Raw, Sequence[tuple[KeyPath, str]]]],
+) -> tuple[str, _Root, LineIndex]:
+    """The text of a case file, its tables, and the way back to its lines.
+
+    root : the table of the whole file
+    completed : from what the TOML reader returns to what the schema sees, with the mistakes that rules find
+
+    Raises
+    ------
+    CaseError   no such file, not TOML, or any number of mistakes
+    """
+    text, raw = raw_tables(path)
+    lines = index_lines(text)
+    beyond = list(_values_beyond_any_use(raw))
+    if beyond:  # no rule is written for these
+        raise CaseError(listed_mistakes(path, lines, beyond))
+    raw, mistakes = completed(raw)
+    tables, mistakes = checked(root, raw, mistakes)
+    if tables is None or mistakes:
+        raise CaseError(listed_mistakes(path, lines, mistakes))
+    return text, tables, lines
+
+
+def raw_tables(path: Path) -> tuple[str, Raw]:
+    """The text of a case file, and its tables as the TOML reader returns them; CaseError without either."""
+    text = _text(path)
+    return text, _raw(path, text)
 
 
 def _text(path: Path) -> str:

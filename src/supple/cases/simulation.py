@@ -64,7 +64,8 @@ def _first_step_is_not_too_long(raw: Raw) -> Mistakes:
         yield path, f"the first step, {first}, exceeds the largest, {largest}"
 
 
-def _output_steps_fill_the_duration(raw: Raw) -> Mistakes:
+def output_steps_fill_the_duration(raw: Raw) -> Mistakes:
+    """The rule that the duration is a number of output steps, few enough to be stored."""
     given = table(raw, "simulation")
     output_step, duration = given.get("output_step"), given.get("duration")
     if not (isinstance(output_step, int | float) and isinstance(duration, int | float)) or output_step <= 0:
@@ -99,5 +100,5 @@ RULES = (
     _a_kinematic_run_takes_no_steps_of_an_integrator,
     _steps_are_given_once,
     _first_step_is_not_too_long,
-    _output_steps_fill_the_duration,
+    output_steps_fill_the_duration,
 )

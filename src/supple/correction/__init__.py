@@ -4,6 +4,7 @@ from supple.correction.basis_error import (
     BasisError,
     BodyError,
 )
+from supple.correction.batch_estimate import estimate_batch_errors, state_batch_errors
 from supple.correction.correction_folder import (
     CorrectionFolder,
 )
@@ -69,9 +70,11 @@ __all__ = [
     "best_round",
     "correct_recorded",
     "correction_numbers",
+    "estimate_batch_errors",
     "estimate_error",
     "residual_corrections",
     "self_correct",
+    "state_batch_errors",
     "state_errors",
     "system_corrections",
 ]

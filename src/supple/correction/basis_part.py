@@ -20,7 +20,7 @@ from supple.integrate import ErrorPart, Run, Solution
 from supple.machine import Placed, System
 from supple.reduction import ReductionBasis
 
-__all__ = ["basis_parts"]
+__all__ = ["basis_parts", "in_full"]
 
 
 def basis_parts(
@@ -40,7 +40,7 @@ def basis_parts(
     asked = [each for each in quantities if each.body is None or each.body in bases]
     step = "the error equation"
     share = None if progress is None else lambda fraction: progress(step, fraction)
-    whole = replace(system, bodies=tuple(_in_full(each, fulls, bases) for each in system.bodies))
+    whole = in_full(system, fulls, bases)
     estimate = ErrorEstimator(whole, run).judge(system, bases, solution, progress=share)
     found = estimate.error.bodies
     if estimate.corrected is not None and all(map(_is_sure, found.values())):
@@ -59,14 +59,19 @@ def _is_sure(error: BodyError) -> bool:
     return bool(np.isfinite(error.estimate)) and (error.second is None or error.second <= FIRST_ORDER)
 
 
-def _in_full(placed: Placed, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]) -> Placed:
-    name = placed.body.name
-    if name not in bases:
-        return placed
-    V = bases[name].vectors
-    return replace(
-        placed,
-        body=fulls[name],
-        coordinates=V @ placed.coordinates,
-        coordinate_rates=V @ placed.coordinate_rates,
-    )
+def in_full(system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]) -> System:
+    """The machine with its reduced bodies in full, as deformed at the start as they were."""
+
+    def whole(placed: Placed) -> Placed:
+        name = placed.body.name
+        if name not in bases:
+            return placed
+        V = bases[name].vectors
+        return replace(
+            placed,
+            body=fulls[name],
+            coordinates=V @ placed.coordinates,
+            coordinate_rates=V @ placed.coordinate_rates,
+        )
+
+    return replace(system, bodies=tuple(whole(each) for each in system.bodies))

@@ -10,7 +10,7 @@ import numpy as np
 
 from supple.algebra.rotation import rotation_log
 from supple.body import FullBody, ModalDamping
-from supple.correction.basis_error import BasisError, BodyError
+from supple.correction.basis_error import FIRST_ORDER, BasisError, BodyError
 from supple.correction.looked_at_instants import jittered, striking
 from supple.correction.residual_correction import ResidualCorrections, system_corrections
 from supple.error_equation import (
@@ -24,6 +24,7 @@ from supple.error_equation import (
     run_columns,
     second_correction,
 )
+from supple.error_equation.linearised_march import ErrorState
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
@@ -34,7 +35,16 @@ from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.full.full_system import FullSystem
 from supple.reduction import ReducedBody, ReductionBasis
 
-__all__ = ["ErrorEstimate", "ErrorEstimator", "estimate_error"]
+__all__ = [
+    "ErrorEstimate",
+    "ErrorEstimator",
+    "body_error",
+    "deformed_rows",
+    "estimate_error",
+    "is_small",
+    "modal_damping",
+    "untold",
+]
 
 INSTANTS = 50
 FRESH = 16
@@ -42,6 +52,8 @@ FRESH = 16
 DEFORMED = 8
 SMALL_SECOND = 0.02
 """A second correction below it is not made: the first is right to as much."""
+SWEEPS = 3
+"""About the corrected motion, at most."""
 SMALL_TURN = 0.02
 """Error of a frame's turn, rad, below which it counts as small."""
 
@@ -56,6 +68,7 @@ class ErrorEstimate:
     corrections : ResidualCorrections, by body      the static ones among them
     corrected : the system in the columns of the error and its true motion, as far as it is told: what any
                 quantity of the run differs from; None where it is not told
+    factorizations : int    of matrices of the whole system or a body in full
     """
 
     error: BasisError
@@ -63,6 +76,7 @@ class ErrorEstimate:
     missed: Mapping[str, np.ndarray]
     corrections: Mapping[str, ResidualCorrections]
     corrected: tuple[System, Solution] | None = None
+    factorizations: int = 0
 
 
 def estimate_error(
@@ -142,8 +156,8 @@ class ErrorEstimator:
         )
         fields = {name: own.deformation for name, own in missed.items()}
         if not whole:
-            return ErrorEstimate(BasisError(dict.fromkeys(fulls, _untold(solution))), {}, fields, missed)
-        start = self._start_errors(steps.solution, bases)
+            return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
+        start = self.start_errors(steps.solution, bases)
         judged = {
             name: self._judged_body(
                 name, full, reduced, bases[name], steps.solution, missed[name], len(looked), start
@@ -155,25 +169,20 @@ class ErrorEstimator:
             judged,
             self._run.second_order_method.coefficients,
             steps.solution,
-            self._active(solution),
+            self.active(solution),
             start,
         )
         found = equation.first()
         histories = equation.histories(found)
         if not all(np.isfinite(history.rms).all() for history in histories.values()):
-            return ErrorEstimate(BasisError(dict.fromkeys(fulls, _untold(solution))), {}, fields, missed)
+            return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
         second = {name: second_correction(history) for name, history in histories.items()}
-        if not _is_small(histories, second):
-            more = equation.again(found)
-            again = equation.histories(more)
-            second = {name: _change(histories[name], own) for name, own in again.items()}
-            # Where it changes more than was there, the first is the better guess, and no more than that.
-            if max(second.values()) < 1:
-                found, histories = more, again
+        if not is_small(histories, second):
+            found, histories, second = _settled(equation, found, histories)
         if progress is not None:
             progress(1.0)
         errors = {
-            name: _body_error(history, second[name], steps.outputs, missed[name], len(looked))
+            name: body_error(history, second[name], steps.outputs, fields[name][:, len(looked) :])
             for name, history in histories.items()
         }
         missing = {
@@ -181,7 +190,9 @@ class ErrorEstimator:
             for name, history in histories.items()
         }
         corrected = equation.corrected(found, steps.outputs)
-        return ErrorEstimate(BasisError(errors), histories, missing, missed, corrected)
+        # One an instant; that of the modes and that of the couplings, of each body.
+        factorizations = len(both) + 2 * len(fulls)
+        return ErrorEstimate(BasisError(errors), histories, missing, missed, corrected, factorizations)
 
     def _judged(self, bases: Mapping[str, ReductionBasis]) -> dict[str, FullBody]:
         fulls = self._system.bodies_of(FullBody)
@@ -196,7 +207,8 @@ class ErrorEstimator:
         looked = np.union1d(looked, striking(self._system, times))
         return looked, jittered(len(times), fresh, seed=1)
 
-    def _active(self, solution: Solution) -> tuple[int, ...]:
+    def active(self, solution: Solution) -> tuple[int, ...]:
+        """The constraint equations that the run kept, by their numbers."""
         known = solution.engine_state.get("active")
         if known is not None:
             return tuple(int(index) for index in known)
@@ -225,12 +237,11 @@ class ErrorEstimator:
         if name in start:
             at_start = np.column_stack([start[name].position[6:], start[name].velocity[6:]])
             corrections = np.hstack([corrections, at_start])
-        rows = np.unique(np.linspace(0, len(steps.times) - 1, DEFORMED + 1).round().astype(int))[1:]
-        deformed = motion.vectors @ motion.coordinates[rows].T
+        deformed = motion.vectors @ motion.coordinates[deformed_rows(len(steps.times))[1:]].T
         space = error_space(self._modes[name], motion.vectors, corrections, deformed)
-        return JudgedBody(full, motion, space, full.damping or _modal_damping(body))
+        return JudgedBody(full, motion, space, full.damping or modal_damping(body))
 
-    def _start_errors(self, steps: Solution, bases: Mapping[str, ReductionBasis]) -> dict[str, StartError]:
+    def start_errors(self, steps: Solution, bases: Mapping[str, ReductionBasis]) -> dict[str, StartError]:
         """How the full system would start, less how the run did; nothing where both start as placed."""
         placed = {each.body.name: each for each in self._system.bodies}
         as_given = all(
@@ -259,7 +270,7 @@ class ErrorEstimator:
         }
 
 
-def _modal_damping(body: ReducedBody) -> ModalDamping | None:
+def modal_damping(body: ReducedBody) -> ModalDamping | None:
     """The ratios of a reduced body whose full one knows no damping; modes beyond its own take the last."""
     if not body.damping.any():
         return None
@@ -292,7 +303,29 @@ def _start_error(
     return StartError(position, moving)
 
 
-def _is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
+def _settled(
+    equation: ErrorEquation, first: ErrorState, histories: Mapping[str, ErrorHistory]
+) -> tuple[ErrorState, Mapping[str, ErrorHistory], dict[str, float]]:
+    """The differences about the corrected motion, once more until they change no more, and the last change.
+
+    Each time is a step of Newton's method for the motion itself. Where it does not settle, the first is as
+    good a guess as any, and no more than that.
+    """
+    found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
+    for _ in range(SWEEPS):
+        more = equation.again(found)
+        again = equation.histories(more)
+        changes = {name: _change(own[name], each) for name, each in again.items()}
+        if not np.isfinite(max(changes.values())):
+            break
+        found, own = more, again
+        if max(changes.values()) <= FIRST_ORDER:
+            return found, own, changes
+    return first, histories, changes
+
+
+def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
+    """Whether errors are small, by their second corrections and the turns of the frames."""
     turned = max(float(np.abs(history.turn).max()) for history in histories.values())
     return max(second.values()) <= SMALL_SECOND and turned <= SMALL_TURN
 
@@ -309,13 +342,13 @@ def _change(first: ErrorHistory, again: ErrorHistory) -> float:
     return apart / max(float(first.rms.max()), np.finfo(float).tiny)
 
 
-def _body_error(
+def body_error(
     history: ErrorHistory,
     second: float,
     outputs: np.ndarray,
-    missed: ResidualCorrections,
-    n_looked: int,
+    fresh: np.ndarray,
 ) -> BodyError:
+    """What a body's error comes to; fresh (n, m) are corrections that its space does not know."""
     rms = history.rms[outputs]
     row = int(outputs[np.argmax(rms)])
     sizes = np.linalg.norm(history.at_nodes(row), axis=1)
@@ -324,23 +357,28 @@ def _body_error(
         worst=float(sizes.max()),
         worst_node=int(np.argmax(sizes)),
         worst_time=float(history.times[row]),
-        rest=_rest(history, missed.deformation[:, n_looked:]),
+        rest=_rest(history, fresh),
         second=max(second, float(rms.max()) / max(_deflection(history), 1e-300)),
         history=rms,
     )
+
+
+def deformed_rows(n_steps: int) -> np.ndarray:
+    """Steps of a run at which its deformation is looked at, the first among them."""
+    return np.unique(np.linspace(0, n_steps - 1, DEFORMED + 1).round().astype(int))
 
 
 def _deflection(history: ErrorHistory) -> float:
     """Largest RMS over the nodes of the deformation itself: an error of its size is not small, however the
     second correction compares with the first where the linearised march grows without bound."""
     motion = history.body.motion
-    rows = np.unique(np.linspace(0, len(motion.coordinates) - 1, DEFORMED + 1).round().astype(int))
+    rows = deformed_rows(len(motion.coordinates))
     fields = history.body.full.expand(motion.vectors.T)
     deformed = np.tensordot(motion.coordinates[rows], fields, axes=1)
     return float(np.sqrt(np.mean(np.sum(deformed**2, axis=2), axis=1)).max(initial=0.0))
 
 
-def _untold(solution: Solution) -> BodyError:
+def untold(solution: Solution) -> BodyError:
     """Of a run that broke off, or whose error equation grows out of bounds."""
     times = solution.times
     return BodyError(np.inf, np.inf, 0, float(times[-1]), np.inf, None, np.full(len(times), np.inf))

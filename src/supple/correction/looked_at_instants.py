@@ -14,7 +14,8 @@ from supple.multibody.equations.stops import laws_of
 
 __all__ = ["jittered", "striking"]
 
-MOST_STRIKING = 12
+MOST_STRIKING = 8
+"""With 50 others, and what a body's modes take: sixty factorisations."""
 
 
 def jittered(n_times: int, number: int, seed: int) -> NDArray[np.intp]:

@@ -11,7 +11,16 @@ from scipy import linalg
 from supple.body import FlexibleBody
 from supple.error_equation.products_of_run import few_instants, pair_products, weights_of_instants
 
-__all__ = ["ForcePolynomial", "TangentHistory", "force_polynomial", "tangent_history"]
+__all__ = [
+    "ForcePolynomial",
+    "StrainRateHistory",
+    "StrainRatePolynomial",
+    "TangentHistory",
+    "force_polynomial",
+    "strain_rate_history",
+    "strain_rate_polynomial",
+    "tangent_history",
+]
 
 Array = NDArray[np.float64]
 
@@ -62,6 +71,44 @@ def force_polynomial(body: FlexibleBody, motion: Array, onto: Array) -> ForcePol
 
 
 @dataclass(frozen=True, eq=False)
+class StrainRatePolynomial:
+    """`Z^T (K_mat(X g) - K) X g_dot`: what the stress of strain rates adds to that at rest, seen by Z.
+
+        gained = sum_jk g_j g_dot_k bilinear_jk + 2 sum_i g_i cubic_i m,   m = g (x) g_dot
+
+    Weights of instants would not do for a force: what they miss of a stiff shell is more than the residual
+    of a good run.
+
+    bilinear : (k, s^2)
+    cubic : (s, k, n2)      those of the elastic force
+    """
+
+    bilinear: Array
+    cubic: Array
+
+    def __call__(self, coordinates: Array, rates: Array) -> Array:
+        """Forces (t, k) by unit of retardation time at coordinates g and rates (t, s)."""
+        gained = np.empty((len(coordinates), len(self.bilinear)))
+        for start in range(0, len(coordinates), FACTOR_ROWS):
+            rows = slice(start, start + FACTOR_ROWS)
+            g, rate = coordinates[rows], rates[rows]
+            gained[rows] = (g[:, :, None] * rate[:, None]).reshape(len(g), -1) @ self.bilinear.T
+            products = 2 * pair_products(g, rate)
+            for i, cubic in enumerate(self.cubic):
+                gained[rows] += (g[:, i, None] * products) @ cubic.T
+        return gained
+
+
+def strain_rate_polynomial(
+    body: FlexibleBody, motion: Array, onto: Array, elastic: ForcePolynomial
+) -> StrainRatePolynomial:
+    """The exact polynomial, whose cubic part is that of the elastic force in the same columns."""
+    at_rest = np.zeros(len(motion))
+    bilinear = [onto.T @ (body.assembly.strain_rate_tangent(at_rest, rate) @ motion) for rate in motion.T]
+    return StrainRatePolynomial(np.stack(bilinear, axis=2).reshape(onto.shape[1], -1), elastic.cubic)
+
+
+@dataclass(frozen=True, eq=False)
 class TangentHistory:
     """What tangents `Z^T K_t(q(t)) Z` gain along a run: few matrices, and their weights at every step.
 
@@ -72,36 +119,30 @@ class TangentHistory:
     material : (m, k, k)    of stiffness through the strains
     geometric : (m, k, k)   of stress
     weights : (t, m)
-    weight_rates : (t, m)   by which the samples give the rate of change
     missed : float          part of the gain that was missed at an instant that was not chosen
     """
 
     material: Array
     geometric: Array
     weights: Array
-    weight_rates: Array
     missed: float
 
 
-def tangent_history(
-    body: FlexibleBody, motion: Array, coordinates: Array, rates: Array, onto: Array
-) -> TangentHistory:
+def tangent_history(body: FlexibleBody, motion: Array, coordinates: Array, onto: Array) -> TangentHistory:
     """Tangents along q = X g(t) from those at a few instants, chosen so that all others follow from them.
 
     The monomials (g, g g) of the run are factored with column pivoting, which picks the instants; then
     tangents at other instants are compared, and join in where they are missed.
 
-    motion : (n, s) X;  coordinates, rates : (t, s);  onto : (n, k) Z
+    motion : (n, s) X;  coordinates : (t, s);  onto : (n, k) Z
     """
     k = onto.shape[1]
-    scale = np.sqrt(np.sum(motion * (body.stiffness @ motion), axis=0))
-    largest = float(np.max(np.abs(coordinates * scale), initial=0.0))
-    if not largest:
-        none, without = np.zeros((0, k, k)), np.zeros((len(coordinates), 0))
-        return TangentHistory(none, none, without, without, 0.0)
-    g, rate = coordinates * (scale / largest), rates * (scale / largest)
+    scale = _unit_energies(body, motion, coordinates)
+    if scale is None:
+        none = np.zeros((0, k, k))
+        return TangentHistory(none, none, np.zeros((len(coordinates), 0)), 0.0)
+    g = coordinates * scale
     monomials = np.hstack([g, pair_products(g, g)])
-    moving = np.hstack([rate, 2 * pair_products(g, rate)])
     chosen, others = few_instants(monomials, SMALLEST_MONOMIAL, MOST_SAMPLES)
     sampled = [_gains(body, motion @ coordinates[i], onto) for i in chosen]
     weights = weights_of_instants(monomials, chosen, monomials)
@@ -111,8 +152,52 @@ def tangent_history(
         told = np.tensordot(weights[other], np.sum(sampled, axis=1), axes=1)
         missed = max(missed, float(linalg.norm(told - exact) / max(float(linalg.norm(exact)), 1e-300)))
     material, geometric = (np.array(each) for each in zip(*sampled, strict=True))
-    rates_of_weights = weights_of_instants(monomials, chosen, moving)
-    return TangentHistory(material, geometric, weights, rates_of_weights, missed)
+    return TangentHistory(material, geometric, weights, missed)
+
+
+@dataclass(frozen=True, eq=False)
+class StrainRateHistory:
+    """What the stress of strain rates adds to the tangent along a run, by unit of retardation time.
+
+        Z^T { A^T D N(q_dot) + N(D eps_dot) } Z = sum_i weights(t)_i samples_i
+
+    It is linear in the rates, and has no symmetry: a motion that keeps its strains as the body moves on,
+    A dq_dot + N(q_dot) dq = 0, meets no resistance, which no symmetric half of it shows.
+
+    samples : (m, k, k)
+    weights : (t, m)
+    """
+
+    samples: Array
+    weights: Array
+
+
+def strain_rate_history(
+    body: FlexibleBody, motion: Array, coordinates: Array, rates: Array, onto: Array
+) -> StrainRateHistory:
+    """The same at few instants, whose monomials (g_dot, g g_dot) span those of the run.
+
+    motion : (n, s) X;  coordinates, rates : (t, s);  onto : (n, k) Z
+    """
+    k, t = onto.shape[1], len(coordinates)
+    scale = _unit_energies(body, motion, coordinates)
+    if scale is None or not np.any(rates):
+        return StrainRateHistory(np.zeros((0, k, k)), np.zeros((t, 0)))
+    g, rate = coordinates * scale, rates * scale
+    monomials = np.hstack([rate, (g[:, :, None] * rate[:, None]).reshape(t, -1)])
+    chosen = few_instants(monomials, SMALLEST_MONOMIAL, MOST_SAMPLES).chosen
+    samples = [
+        onto.T @ (body.assembly.strain_rate_tangent(motion @ coordinates[i], motion @ rates[i]) @ onto)
+        for i in chosen
+    ]
+    return StrainRateHistory(np.array(samples), weights_of_instants(monomials, chosen, monomials))
+
+
+def _unit_energies(body: FlexibleBody, motion: Array, coordinates: Array) -> Array | None:
+    """Factors (s,) that weigh coordinates by strain energy, 1 at most; None where nothing moves."""
+    scale = np.sqrt(np.sum(motion * (body.stiffness @ motion), axis=0))
+    largest = float(np.max(np.abs(coordinates * scale), initial=0.0))
+    return scale / largest if largest else None
 
 
 def _gains(body: FlexibleBody, q: Array, onto: Array) -> tuple[Array, Array]:

@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import jax
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from supple.body import Damping, FullBody, in_space
-from supple.error_equation.elastic_history import force_polynomial, tangent_history
+from supple.error_equation.elastic_history import (
+    force_polynomial,
+    strain_rate_history,
+    strain_rate_polynomial,
+    tangent_history,
+)
 from supple.error_equation.error_model import body_of_columns, system_of_columns
 from supple.error_equation.error_space import ErrorSpace
 from supple.error_equation.linearised_march import (
     ElasticGain,
     ErrorState,
     GainHistory,
-    StepOfRun,
     first_error,
     march_error,
 )
 from supple.error_equation.nodal_squares import nodal_squares
 from supple.error_equation.run_columns import RunColumns
+from supple.error_equation.steps_of_run import blocks_of_run, rotation_vectors, rotations, standing
 from supple.integrate import Coefficients, Solution, Statistics
 from supple.machine import System
 from supple.multibody.equations.build_model import build_model
@@ -33,12 +37,12 @@ from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.floating_solution import body_motions, joint_multipliers
 from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.model import Model
+from supple.reduction import ReducedBody
 
 __all__ = ["ErrorEquation", "ErrorHistory", "JudgedBody", "StartError"]
 
 Array = NDArray[np.float64]
 
-STEPS_AT_ONCE = 64
 MORE_DIRECTIONS = 8
 SMALLEST_DIRECTION = 0.02
 """Of the error: what the columns of the corrected motion leave out of it."""
@@ -52,6 +56,17 @@ class JudgedBody:
     motion: RunColumns
     space: ErrorSpace
     damping: Damping | None = None
+
+    @cached_property
+    def columns(self) -> ReducedBody:
+        """The body in the columns of its error."""
+        return body_of_columns(self.full.body, self.full.frame, self.space.vectors, self.damping)
+
+    def along(self, motion: RunColumns) -> JudgedBody:
+        """The same for another run in the same columns."""
+        other = replace(self, motion=motion)
+        object.__setattr__(other, "columns", self.columns)
+        return other
 
 
 class StartError(NamedTuple):
@@ -129,7 +144,7 @@ class ErrorEquation:
 
     def first(self) -> ErrorState:
         """Differences of the true motion and the run's at every step, to first order; of all columns."""
-        return self._march(self._run, *self._start_vectors())
+        return self._march(self.point, *self.start_vectors())
 
     def again(self, found: ErrorState) -> ErrorState:
         """The differences once more, from the equation about the corrected motion.
@@ -141,6 +156,8 @@ class ErrorEquation:
         here = self._differences(point.motion)
         still = [np.asarray(each[0]) - own[0] for each, own in zip(found[:2], here[:2], strict=True)]
         more = self._march(point, *still)
+        if not np.isfinite(more.position).all():
+            return jax.tree.map(lambda leaf: np.full_like(leaf, np.nan), more)
         return ErrorState(*(own + each for own, each in zip(here, more, strict=True)))._replace(
             position=self._composed(here.position, more.position)
         )
@@ -154,7 +171,7 @@ class ErrorEquation:
         motion = jax.tree.map(lambda leaf: leaf[rows], self._moved(found))
         system = self._system
         bodies = body_motions(
-            system, self._model.slices, motion.configuration, motion.velocity, motion.acceleration
+            system, self.model.slices, motion.configuration, motion.velocity, motion.acceleration
         )
         multipliers = joint_multipliers(system, self.active, motion.multipliers)
         solution = Solution(
@@ -168,14 +185,11 @@ class ErrorEquation:
 
     @cached_property
     def _system(self) -> System:
-        columns = {
-            name: body_of_columns(each.full.body, each.full.frame, each.space.vectors, each.damping)
-            for name, each in self.bodies.items()
-        }
-        return system_of_columns(self.reduced, columns)
+        return system_of_columns(self.reduced, {name: each.columns for name, each in self.bodies.items()})
 
     @cached_property
-    def _model(self) -> Model:
+    def model(self) -> Model:
+        """The equations in the columns of the error."""
         return build_model(self._system, self.active)
 
     @cached_property
@@ -184,14 +198,14 @@ class ErrorEquation:
 
     @cached_property
     def _places(self) -> dict[str, slice]:
-        return dict(zip(self._names, self._model.slices, strict=True))
+        return dict(zip(self._names, self.model.slices, strict=True))
 
     @cached_property
     def _coordinate_places(self) -> dict[str, slice]:
-        return dict(zip(self._names, self._model.coordinate_slices, strict=True))
+        return dict(zip(self._names, self.model.coordinate_slices, strict=True))
 
     @cached_property
-    def _run(self) -> _Point:
+    def point(self) -> _Point:
         """The run itself."""
         steps, names = self.steps, self._names
         sizes = {name: place.stop - place.start for name, place in self._coordinate_places.items()}
@@ -260,8 +274,8 @@ class ErrorEquation:
 
     def _moved(self, found: ErrorState) -> SystemMotion:
         """The run with differences added."""
-        run = self._run.motion
-        frames = np.asarray(found.position)[:, self._model.frames.index]
+        run = self.point.motion
+        frames = np.asarray(found.position)[:, self.model.frames.index]
         coordinates = run.configuration.coordinates.copy()
         for name in self._names:
             place = self._places[name]
@@ -270,7 +284,7 @@ class ErrorEquation:
             run.time,
             Configuration(
                 run.configuration.origins + frames[:, :, :3],
-                run.configuration.rotations @ _exp(frames[:, :, 3:]),
+                run.configuration.rotations @ rotations(frames[:, :, 3:]),
                 coordinates,
             ),
             run.velocity + found.velocity,
@@ -280,9 +294,11 @@ class ErrorEquation:
 
     def _differences(self, motion: SystemMotion) -> ErrorState:
         """Of a corrected motion and the run."""
-        run = self._run.motion
+        run = self.point.motion
         position = np.zeros_like(run.velocity)
-        turned = _log(run.configuration.rotations.swapaxes(-1, -2) @ motion.configuration.rotations)
+        turned = rotation_vectors(
+            run.configuration.rotations.swapaxes(-1, -2) @ motion.configuration.rotations
+        )
         moved = motion.configuration.origins - run.configuration.origins
         for index, name in enumerate(self._names):
             place, own = self._places[name], self._coordinate_places[name]
@@ -303,12 +319,13 @@ class ErrorEquation:
     def _composed(self, first: Array, more: Array) -> Array:
         """Differences of positions one after the other."""
         composed = first + more
-        rows = self._model.frames.index[:, 3:]
-        composed[:, rows] = _log(_exp(first[:, rows]) @ _exp(more[:, rows]))
+        rows = self.model.frames.index[:, 3:]
+        composed[:, rows] = rotation_vectors(rotations(first[:, rows]) @ rotations(more[:, rows]))
         return composed
 
-    def _start_vectors(self) -> tuple[Array, Array]:
-        position, velocity = np.zeros(self._model.n_velocities), np.zeros(self._model.n_velocities)
+    def start_vectors(self) -> tuple[Array, Array]:
+        """Differences of positions and velocities at the start."""
+        position, velocity = np.zeros(self.model.n_velocities), np.zeros(self.model.n_velocities)
         for name, error in self.start.items():
             place = self._places[name]
             for vector, given in ((position, error.position), (velocity, error.velocity)):
@@ -322,51 +339,52 @@ class ErrorEquation:
     def _march(self, point: _Point, position: Array, velocity: Array) -> ErrorState:
         """The linearised march about a motion, from differences of positions and velocities."""
         gained = [
-            self._gained(name, own)
+            self.gained(name, own)
             for name, own in point.bodies.items()
             if not self.bodies[name].full.body.is_linear
         ]
         gains, histories = tuple(each[0] for each in gained), tuple(each[1] for each in gained)
-        model, gains = jax.device_put((self._model, gains))
+        model, gains = jax.device_put((self.model, gains))
         state = first_error(
-            model, gains, self.coefficients, _standing(point.motion, histories), position, velocity
+            model, gains, self.coefficients, standing(point.motion, histories), position, velocity
         )
         found = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)]
-        for block, number in _blocks(point.motion, histories):
+        for block, number in blocks_of_run(point.motion, histories):
             states = jax.device_get(march_error(model, gains, self.coefficients, state, block)[1])
             state = jax.tree.map(lambda leaf, last=number - 1: leaf[last], states)
             found.append(jax.tree.map(lambda leaf, n=number: leaf[:n], states))
         return jax.tree.map(lambda *leaves: np.concatenate(leaves), *found)
 
-    def _gained(self, name: str, motion: _InColumns) -> tuple[ElasticGain, GainHistory]:
+    def gained(self, name: str, motion: _InColumns) -> tuple[ElasticGain, GainHistory]:
         """What the deformation of a nonlinear body adds along a motion."""
         judged, start = self.bodies[name], self._places[name].start + 6
         body, Z = judged.full.body, judged.space.vectors
         k, size = judged.space.size, self._places[name].stop - start
         columns = Z @ motion.chosen
-        force = force_polynomial(body, columns, Z)(motion.coordinates)
-        tangents = tangent_history(body, columns, motion.coordinates, motion.rates, Z)
+        polynomial = force_polynomial(body, columns, Z)
+        force = polynomial(motion.coordinates)
+        tangents = tangent_history(body, columns, motion.coordinates, Z)
         time = 0.0 if judged.damping is None else judged.damping.retardation_time
-        # Room for more, as with the columns: runs whose tangents take nearly as many share one program.
-        more = -len(tangents.material) % 16
+        if time:
+            viscous = strain_rate_polynomial(body, columns, Z, polynomial)
+            force += time * viscous(motion.coordinates, motion.rates)
+        moving = motion.rates if time else 0 * motion.rates
+        rates = strain_rate_history(body, columns, motion.coordinates, moving, Z)
 
         def padded(samples: Array) -> Array:
-            return np.pad(samples, ((0, more), (0, size - k), (0, size - k)))
+            return np.pad(samples, ((0, _more(len(samples))), (0, size - k), (0, size - k)))
 
         def with_room(weights: Array) -> Array:
-            return np.pad(weights, ((0, 0), (0, more)))
+            return np.pad(weights, ((0, 0), (0, _more(weights.shape[1]))))
 
         gain = ElasticGain(
             start,
             stiffness=padded(tangents.material + tangents.geometric),
             viscous=time * padded(tangents.material),
-            # The stress D eps_dot turns with the strains too; of what strains gain by it, the symmetric half.
-            viscous_stiffness=time * padded(tangents.geometric + tangents.material / 2),
+            viscous_stiffness=time * padded(rates.samples),
         )
         return gain, GainHistory(
-            np.pad(force, ((0, 0), (0, size - k))),
-            with_room(tangents.weights),
-            with_room(tangents.weight_rates),
+            np.pad(force, ((0, 0), (0, size - k))), with_room(tangents.weights), with_room(rates.weights)
         )
 
     def _history(self, name: str, errors: Array) -> ErrorHistory:
@@ -383,6 +401,11 @@ class ErrorEquation:
         return ErrorHistory(judged, self.steps.times, own.rotation, origin, turn, coordinates, rms)
 
 
+def _more(number: int) -> int:
+    """Room for more samples, as with the columns: runs that take nearly as many share one program."""
+    return -number % 16
+
+
 def _with_directions(errors: Array, n_motion: int) -> Array:
     """Columns (k, s): the first ones, and the leading directions of errors (t, k) outside them."""
     outside = errors[:, n_motion:]
@@ -394,40 +417,6 @@ def _with_directions(errors: Array, n_motion: int) -> Array:
     chosen[:n_motion, :n_motion] = np.eye(n_motion)
     chosen[n_motion:, n_motion:] = rows[:number].T
     return chosen
-
-
-def _blocks(motion: SystemMotion, histories: tuple[GainHistory, ...]) -> Iterator[tuple[StepOfRun, int]]:
-    """Steps of the run, so many at once, the last one repeated where there are fewer; and their number."""
-    rotations = motion.configuration.rotations
-    # (t, nb, 3): the turn of every frame in the step that ends at each time.
-    turn = _log(rotations[:-1].swapaxes(-1, -2) @ rotations[1:])
-    h = np.diff(motion.time)
-    for start in range(0, len(h), STEPS_AT_ONCE):
-        rows = np.arange(start, start + STEPS_AT_ONCE)
-        number = int(np.sum(rows < len(h)))
-        rows = np.minimum(rows, len(h) - 1)
-        ends, own = jax.tree.map(lambda leaf, at=rows + 1: leaf[at], (motion, histories))
-        yield StepOfRun(h[rows], ends, turn[rows], own), number
-
-
-def _exp(vectors: Array) -> Array:
-    """Rotations (t, k, 3, 3) of rotation vectors (t, k, 3); in NumPy, which compiles nothing."""
-    turned = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_matrix()
-    return turned.reshape(*vectors.shape, 3)
-
-
-def _log(rotations: Array) -> Array:
-    """Rotation vectors (t, k, 3) of rotations (t, k, 3, 3)."""
-    return Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_rotvec().reshape(rotations.shape[:-1])
-
-
-def _standing(motion: SystemMotion, histories: tuple[GainHistory, ...]) -> StepOfRun:
-    """The start of a run as a block of steps of no length."""
-    first, own = jax.tree.map(
-        lambda leaf: np.broadcast_to(leaf[0], (STEPS_AT_ONCE, *np.shape(leaf)[1:])), (motion, histories)
-    )
-    turn = np.zeros((STEPS_AT_ONCE, motion.configuration.origins.shape[1], 3))
-    return StepOfRun(np.zeros(STEPS_AT_ONCE), first, turn, own)
 
 
 def _at_nodes(full: FullBody, columns: Array) -> Array:

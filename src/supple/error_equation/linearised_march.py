@@ -54,18 +54,18 @@ class ElasticGain:
     viscous: Any
     """(m, k, k): damping's; zero where it does not follow the strain rate"""
     viscous_stiffness: Any
-    """(m, k, k): by the rate of the weights"""
+    """(n, k, k): of the stress of strain rates"""
 
 
 class GainHistory(NamedTuple):
     """Of one body at every step."""
 
     force: Any
-    """(t, k) elastic, beyond the stiffness at rest"""
+    """(t, k) elastic and of damping, beyond stiffness and damping at rest"""
     weights: Any
     """(t, m)"""
-    weight_rates: Any
-    """(t, m)"""
+    rate_weights: Any
+    """(t, n)"""
 
 
 class StepOfRun(NamedTuple):
@@ -110,7 +110,7 @@ def _operators(model: Model, bodies: tuple[ElasticGain, ...], motion: SystemMoti
     residual, damping, stiffness = terms.residual, with_damping - mass, with_stiffness - mass
     for body, (force, gained, viscous) in zip(bodies, gains, strict=True):
         own = slice(body.start, body.start + force.shape[0])
-        residual = residual.at[own].add(force + viscous @ motion.velocity[own])
+        residual = residual.at[own].add(force)
         damping = damping.at[own, own].add(viscous)
         stiffness = stiffness.at[own, own].add(gained)
     rows = constraint_rows(model, terms.linearization.joints)
@@ -120,7 +120,7 @@ def _operators(model: Model, bodies: tuple[ElasticGain, ...], motion: SystemMoti
 def _weighted(body: ElasticGain, history: GainHistory) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Force, tangent and damping that a body gains at every step of a stretch."""
     gained = jnp.tensordot(history.weights, body.stiffness, axes=1)
-    gained = gained + jnp.tensordot(history.weight_rates, body.viscous_stiffness, axes=1)
+    gained = gained + jnp.tensordot(history.rate_weights, body.viscous_stiffness, axes=1)
     return history.force, gained, jnp.tensordot(history.weights, body.viscous, axes=1)
 
 

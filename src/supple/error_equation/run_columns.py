@@ -39,6 +39,11 @@ class RunColumns:
     accelerations: Array
     shown: Array
 
+    def at(self, rows: slice) -> RunColumns:
+        """A part of the run."""
+        parts = (self.coordinates, self.rates, self.accelerations, self.shown)
+        return RunColumns(self.vectors, *(each[rows] for each in parts))
+
     @property
     def basis(self) -> Array:
         """V (n, r)."""

@@ -1,8 +1,17 @@
 """Explicit march: modal sub-domains on four-point frames beside nonlinear finite elements."""
 
 from supple.explicit.engine import ENERGIES, OBSTACLES, STEPS, ExplicitEngine, ExplicitOptions
+from supple.explicit.explicit_shell import ExplicitShell, explicit_shell
 from supple.explicit.explicit_subdomain import ExplicitSubdomain, explicit_subdomain
-from supple.explicit.explicit_system import Contact, ExplicitSystem, NodalForce, Part, Support, Tie
+from supple.explicit.explicit_system import (
+    Contact,
+    ExplicitSystem,
+    NodalForce,
+    Part,
+    Support,
+    SurfaceContact,
+    Tie,
+)
 from supple.explicit.march.model import Energies
 from supple.explicit.materials import (
     J2Plasticity,
@@ -23,7 +32,7 @@ from supple.explicit.published_scheme import (
     PredictedLinks,
     PublishedScheme,
 )
-from supple.explicit.simulate_explicit import simulate_explicit
+from supple.explicit.simulate_explicit import keep_explicit, simulate_explicit
 
 __all__ = [
     "ENERGIES",
@@ -34,6 +43,7 @@ __all__ = [
     "ExactLinks",
     "ExplicitEngine",
     "ExplicitOptions",
+    "ExplicitShell",
     "ExplicitSubdomain",
     "ExplicitSystem",
     "FourPointMotion",
@@ -55,8 +65,11 @@ __all__ = [
     "RigidSphere",
     "StVenantKirchhoff",
     "Support",
+    "SurfaceContact",
     "Tie",
+    "explicit_shell",
     "explicit_subdomain",
+    "keep_explicit",
     "modal_subdomain",
     "part_positions",
     "simulate_explicit",

@@ -46,7 +46,10 @@ class ExplicitSubdomain:
     def __post_init__(self) -> None:
         check_fields(self)
         if self.model.dofs_per_node != 3:
-            raise ModelError(f"explicit sub-domain '{self.name}': its law is of solids, its model of shells")
+            raise ModelError(
+                f"explicit sub-domain '{self.name}': its law is of solids, its model of shells; "
+                "explicit_shell takes these"
+            )
         if not 0 <= self.hourglass <= 1:
             raise ModelError(f"the hourglass stiffness is a fraction, 0 to 1, got {self.hourglass}")
         if not self.deletion > 0:
@@ -89,7 +92,7 @@ class ExplicitSubdomain:
 
     @property
     def _density(self) -> float:
-        return self.model.sections[0].property.density  # type: ignore[union-attr]
+        return self.model.sections[0].property.density  # type: ignore[union-attr] - of solids
 
 
 @checked_arguments

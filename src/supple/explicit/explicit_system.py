@@ -10,6 +10,7 @@ import numpy as np
 
 from supple.arguments import check_fields
 from supple.errors import ModelError, did_you_mean
+from supple.explicit.explicit_shell import ExplicitShell
 from supple.explicit.explicit_subdomain import ExplicitSubdomain
 from supple.explicit.modal_subdomain import ModalSubdomain
 from supple.explicit.obstacles import Obstacle
@@ -17,9 +18,9 @@ from supple.machine import At
 from supple.machine.placement import rotation_matrix, space_vector
 from supple.mesh import Mesh
 
-__all__ = ["Contact", "ExplicitSystem", "NodalForce", "Part", "Support", "Tie"]
+__all__ = ["Contact", "ExplicitSystem", "NodalForce", "Part", "Support", "SurfaceContact", "Tie"]
 
-Subdomain = ModalSubdomain | ExplicitSubdomain
+Subdomain = ModalSubdomain | ExplicitSubdomain | ExplicitShell
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,17 +108,42 @@ class Contact:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        if self.stiffness is not None and not self.stiffness > 0:
-            raise ModelError(f"the stiffness of a contact must be positive, got {self.stiffness}")
-        if not 0 < self.fraction <= 1:
-            raise ModelError(f"the fraction of a contact must lie in (0, 1], got {self.fraction}")
+        _check_stiffness(self.stiffness, self.fraction)
+
+
+@dataclass(frozen=True)
+class SurfaceContact:
+    """Nodes of a part that must not enter the faces of another, by penalty: stiffness * depth at each.
+
+    nodes : At(part, node set)
+    surface : At(part, node set)    the outer faces all of whose corners are in the set; give the coarser,
+        or stiffer, side
+    stiffness : N/m a node; where left out, `fraction` of what the lightest node of either side bears at the
+        step limit
+    fraction : of m omega_max^2; it shortens the step by no more than sqrt(1 + 2 fraction)
+    """
+
+    nodes: At
+    surface: At
+    stiffness: float | None = None
+    fraction: float = 0.2
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        _check_stiffness(self.stiffness, self.fraction)
+        if self.nodes.body == self.surface.body:
+            raise ModelError(
+                f"contact of '{self.nodes}' with '{self.surface}': both are of one part; a part does not "
+                "touch itself here, make two parts of it"
+            )
 
 
 @dataclass(frozen=True)
 class Support:
     """Nodes of an explicit sub-domain that are held.
 
-    nodes : At(sub-domain, node set);   axes : which of x, y, z are held, 0 to 2
+    nodes : At(sub-domain, node set);   axes : which of x, y, z are held, 0 to 2; of shells also rotations
+        about them, 3 to 5
     """
 
     nodes: At
@@ -147,7 +173,7 @@ class ExplicitSystem:
 
     parts: Sequence[Part | Subdomain]
     ties: Sequence[Tie] = ()
-    contacts: Sequence[Contact] = ()
+    contacts: Sequence[Contact | SurfaceContact] = ()
     supports: Sequence[Support] = ()
     forces: Sequence[NodalForce] = ()
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
@@ -165,9 +191,18 @@ class ExplicitSystem:
             raise ModelError(f"sub-domains need names of their own; there are {', '.join(names)}")
         for end in [each.nodes for each in (*self.ties, *self.contacts, *self.supports, *self.forces)]:
             self.node_numbers(end)
+        for contact in self.surface_contacts:
+            self.node_numbers(contact.surface)
+        for support in self.supports:
+            most = 6 if isinstance(self.part(support.nodes.body).subdomain, ExplicitShell) else 3
+            if not all(0 <= axis < most for axis in support.axes):
+                raise ModelError(
+                    f"support of '{support.nodes}': axes {support.axes}; give 0 to {most - 1}, rotations of "
+                    "shells alone"
+                )
         for tie in self.ties:
             self.part(tie.on)
-            if not isinstance(self.part(tie.nodes.body).subdomain, ExplicitSubdomain):
+            if isinstance(self.part(tie.nodes.body).subdomain, ModalSubdomain):
                 raise ModelError(
                     f"the nodes of a tie belong to an explicit sub-domain; '{tie.nodes.body}' is modal. "
                     f"Two modal "
@@ -189,6 +224,16 @@ class ExplicitSystem:
         """The parts, all of them placed."""
         return tuple(part for part in self.parts if isinstance(part, Part))
 
+    @property
+    def rigid_contacts(self) -> tuple[Contact, ...]:
+        """With rigid obstacles, in the order of these in results."""
+        return tuple(contact for contact in self.contacts if isinstance(contact, Contact))
+
+    @property
+    def surface_contacts(self) -> tuple[SurfaceContact, ...]:
+        """Between parts."""
+        return tuple(contact for contact in self.contacts if isinstance(contact, SurfaceContact))
+
     def node_numbers(self, end: At) -> np.ndarray:
         """Of a node set, within its part."""
         sets = self.part(end.body).mesh.node_sets
@@ -198,3 +243,10 @@ class ExplicitSystem:
                 + did_you_mean(end.interface, list(sets))
             )
         return np.asarray(sets[end.interface])
+
+
+def _check_stiffness(stiffness: float | None, fraction: float) -> None:
+    if stiffness is not None and not stiffness > 0:
+        raise ModelError(f"the stiffness of a contact must be positive, got {stiffness}")
+    if not 0 < fraction <= 1:
+        raise ModelError(f"the fraction of a contact must lie in (0, 1], got {fraction}")

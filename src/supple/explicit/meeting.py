@@ -7,22 +7,13 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from supple.errors import ModelError
-from supple.mesh import CellType, Mesh
+from supple.explicit.outer_faces import FACE_TRIANGLES
+from supple.mesh import Mesh
 
 __all__ = ["meeting_nodes", "on_faces"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-_TETRA_FACES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
-_HEXA_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-_TRIANGLES = {
-    CellType.TRIANGLE3: np.array([(0, 1, 2)]),
-    CellType.TETRA4: np.array(_TETRA_FACES),
-    CellType.TETRA10: np.array(_TETRA_FACES),
-    CellType.HEXA8: np.array([t for a, b, c, d in _HEXA_FACES for t in ((a, b, c), (a, c, d))]),
-    CellType.HEXA20: np.array([t for a, b, c, d in _HEXA_FACES for t in ((a, b, c), (a, c, d))]),
-}
 
 
 def meeting_nodes(points: FloatArray, nodes: FloatArray, within: float) -> IntArray:
@@ -39,9 +30,9 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
     """
     triangles = np.concatenate(
         [
-            cells[:, _TRIANGLES[kind]].reshape(-1, 3)
+            cells[:, FACE_TRIANGLES[kind]].reshape(-1, 3)
             for kind, cells in mesh.cells.items()
-            if kind in _TRIANGLES
+            if kind in FACE_TRIANGLES
         ]
     )
     corners = mesh.nodes[triangles]

@@ -27,6 +27,8 @@ class NodalMotion(StackedMotion):
     """(t, E) equivalent plastic strain of each element, the largest of its points; zero of elastic ones."""
     alive: np.ndarray
     """(t, E) 1, or 0 from when an element has been deleted."""
+    von_mises: np.ndarray
+    """(t, E) von Mises' Cauchy stress of each element, the largest of its points; zero of deleted ones."""
 
 
 @register_motion

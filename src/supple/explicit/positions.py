@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.explicit.explicit_shell import ExplicitShell
 from supple.explicit.explicit_subdomain import ExplicitSubdomain
 from supple.explicit.modal_subdomain import ModalSubdomain
 from supple.explicit.motions import FourPointMotion, NodalMotion
@@ -13,7 +14,7 @@ __all__ = ["part_positions"]
 
 
 def part_positions(
-    subdomain: ModalSubdomain | ExplicitSubdomain,
+    subdomain: ModalSubdomain | ExplicitSubdomain | ExplicitShell,
     motion: FourPointMotion | NodalMotion,
     nodes: ArrayLike | slice = slice(None),
 ) -> NDArray[np.float64]:
@@ -22,7 +23,7 @@ def part_positions(
     x = sum_a w_a x_a + P Phi y     of a modal one: [Radioss] (5), never integrated
     """
     own = nodes if isinstance(nodes, slice) else np.asarray(nodes)
-    if isinstance(subdomain, ExplicitSubdomain):
+    if not isinstance(subdomain, ModalSubdomain):
         assert isinstance(motion, NodalMotion)
         return motion.nodes[:, own]
     assert isinstance(motion, FourPointMotion)

@@ -38,7 +38,8 @@ class Links(Protocol):
 class PredictedLinks:
     """Forces along d + h v in one linear solution: the acceleration's square dropped, errors fed back."""
 
-    def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):  # noqa: D102 (of the protocol)
+    def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):
+        """See `Links`; the rows of the predicted links stand on both sides."""
         d, rate, h = link_vectors(p), link_vectors(v), steps.after
         rows = _padded(link_rows(d + h * rate), len(free))
         open_ = ((squared_lengths - (d * d).sum(axis=1)) / h - ((2 * d + h * rate) * rate).sum(axis=1)) / (
@@ -53,7 +54,8 @@ class PredictedLinks:
 class ExactLinks:
     """SHAKE: forces along the links at t_n such that D(p_n+1) = 0."""
 
-    def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):  # noqa: D102 (of the protocol)
+    def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):
+        """See `Links`; Newton's method with the Jacobian kept, to round-off."""
         h = steps.after
         rows = _padded(link_rows(link_vectors(p)), len(free))
         spread = inverse_mass @ rows.T
@@ -86,7 +88,8 @@ class GyroscopicForce(Protocol):
 class NoGyroscopicForce:
     """None, as in the open implementation."""
 
-    def force(self, model, p, v, rates):  # noqa: ARG002, D102 (of the protocol)
+    def force(self, model, p, v, rates):  # noqa: ARG002 - of the protocol
+        """Zero."""
         return Generalized(jnp.zeros_like(p), jnp.zeros_like(rates))
 
 
@@ -94,7 +97,8 @@ class NoGyroscopicForce:
 class LaggedGyroscopicForce:
     """-2 M_C^T(P') y' and -2 sum (P^T P')_ij C_ij y' at the last half step, as published."""
 
-    def force(self, model, p, v, rates):  # noqa: D102 (of the protocol)
+    def force(self, model, p, v, rates):
+        """See `GyroscopicForce`; linear in the rates of points and of modes."""
         P, dP = arms(p), arms(v)
         k = len(rates)
         on_modes = (P.T @ dP).reshape(9) @ (model.moments.C.reshape(9, k, k) @ rates)
@@ -128,6 +132,10 @@ class PublishedScheme:
         a, multipliers = self.links.accelerations(inverse_mass, free, p, vp, model.squared_lengths, steps)
         vp, vy = vp + mean * a[:12].reshape(4, 3), vy + mean * a[12:]
         return FrameState(p + steps.after * vp, y + steps.after * vy, vp, vy), multipliers
+
+    def turning_work(self, model, old, new, multipliers, steps):  # noqa: ARG002 - of a scheme
+        """Zero: what the neglected terms do to the energy stays open in the balance."""
+        return jnp.zeros(())
 
 
 def _padded(rows: Array, size: int) -> Array:

@@ -6,6 +6,8 @@ import pickle
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
 
 from supple.arguments import checked_arguments
 from supple.errors import ResultFileError
@@ -14,8 +16,10 @@ from supple.explicit.explicit_system import ExplicitSystem
 from supple.integrate import Progress, Run, Solution
 from supple.integrate import run as march_through
 from supple.storage import ResultFile, read_header, read_solution
+from supple.storage.result_content import Metadata
+from supple.storage.run_inputs import Inputs
 
-__all__ = ["simulate_explicit"]
+__all__ = ["keep_explicit", "simulate_explicit"]
 
 
 @checked_arguments
@@ -44,8 +48,7 @@ def simulate_explicit(
     Returns
     -------
     Solution    a `NodalMotion` or `FourPointMotion` per sub-domain; under `ENERGIES` the energy balance in
-    the
-                order of `Energies`, under `STEPS` the step and the ratio, under `OBSTACLES` how far each
+                the order of `Energies`, under `STEPS` the step and the ratio, under `OBSTACLES` how far each
                 has moved and its velocity
 
     Raises
@@ -55,11 +58,11 @@ def simulate_explicit(
     ResultFileError     the file holds another run, or cannot be read or written
     """
     engine = ExplicitEngine(system, run, options)
-    times = run.times
     if file is None:
-        return march_through(engine, times, progress=progress, check=check)
+        return march_through(engine, run.times, progress=progress, check=check)
     path, case = Path(file), _case(system, run)
     inputs = {"the run": repr(run), "the system": _digest(engine), "the options": repr(options)}
+    begun = False
     if path.exists() and not overwrite:
         header = read_header(path)
         if dict(header.inputs) != inputs:
@@ -68,10 +71,68 @@ def simulate_explicit(
             )
         if header.complete:
             return read_solution(path)
-        if header.n_times:
-            with ResultFile.resume(path, case=case, inputs=inputs) as kept:
-                return _recorded(engine, run, kept, kept.last_instant(), progress, check)
-    with ResultFile.create(path, case=case, inputs=inputs, overwrite=overwrite) as kept:
+        begun = bool(header.n_times)
+    names = _Names(case, inputs, {})
+    return _kept(engine, run, path, names, begun, overwrite, progress, check)
+
+
+def keep_explicit(
+    system: ExplicitSystem,
+    run: Run,
+    path: Path,
+    *,
+    options: ExplicitOptions | None = None,
+    case: str,
+    inputs: Inputs,
+    metadata: Metadata = MappingProxyType({}),
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> Solution:
+    """A run in a result file that is told what it depends on: begun, or continued where it was cut off.
+
+    Parameters
+    ----------
+    system, run, options, progress : as for `simulate_explicit`
+    case, inputs, metadata : kept in the file; a file of other inputs is not continued
+    resume : continue the run that was cut off
+    overwrite : replace what is there; otherwise only a run without any output is replaced
+
+    Raises
+    ------
+    ResultFileError     a file that cannot be written, or not be continued
+    errors of `simulate_explicit`; what was computed until then is kept in the file
+    """
+    engine = ExplicitEngine(system, run, options)
+    begun = resume and bool(read_header(path).n_times)
+    return _kept(engine, run, path, _Names(case, inputs, metadata), begun, overwrite, progress, True)
+
+
+class _Names(NamedTuple):
+    """What a result file says of its run."""
+
+    case: str
+    inputs: Inputs
+    metadata: Metadata
+
+
+def _kept(
+    engine: ExplicitEngine,
+    run: Run,
+    path: Path,
+    names: _Names,
+    begun: bool,
+    overwrite: bool,
+    progress: Progress | None,
+    check: bool,
+) -> Solution:
+    """The run in its file, from its start or from the last instant that is there."""
+    if begun:
+        with ResultFile.resume(path, case=names.case, inputs=names.inputs) as kept:
+            return _recorded(engine, run, kept, kept.last_instant(), progress, check)
+    with ResultFile.create(
+        path, case=names.case, inputs=names.inputs, metadata=names.metadata, overwrite=overwrite
+    ) as kept:
         return _recorded(engine, run, kept, None, progress, check)
 
 

@@ -87,6 +87,11 @@ class Assembly:
         forces = self._over_elements(quadratic_strain.strain_rate_force, q, rates)
         return np.sum([gather.T @ f.ravel() for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
 
+    def strain_rate_tangent(self, q: Array, rates: Array) -> csr_array:
+        """Derivative of the force of stresses D eps_dot by q at given rates, (n, n); not symmetric."""
+        # The sums go by rows, which in the columns of a symmetric matrix makes no difference.
+        return self._matrix(self._over_elements(quadratic_strain.strain_rate_tangent, q, rates)).T
+
     def tangent(self, q: Array, *, material: float = 1.0) -> csc_array:
         """Tangent stiffness (n, n), the derivative of the internal force.
 

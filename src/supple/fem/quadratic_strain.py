@@ -96,6 +96,20 @@ def strain_rate_force(block: QuadraticStrain, q: Array, rates: Array) -> Array:
     return _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
 
 
+def strain_rate_tangent(block: QuadraticStrain, q: Array, rates: Array) -> Array:
+    """Derivative (E, n, n) of the force of stresses D eps_dot by q at given rates; not symmetric.
+
+    sum_g w { A^T D N(G q_dot)G + G^T N^T(D eps_dot) G },   A = B + N(Gq)G
+    """
+    Na = _contract(block.N, _apply(block.G, q))
+    A = block.B + Na @ block.G
+    A_rate = _contract(block.N, _apply(block.G, rates)) @ block.G
+    weighted_D = block.weighted_D
+    stress = _apply(weighted_D, _apply(A, rates))
+    turned = _congruence(block.G, _stress_form(block.N, stress) @ block.G)
+    return _congruence(A, weighted_D @ A_rate) + turned
+
+
 def tangent(block: QuadraticStrain, q: Array, *, material: float = 1.0) -> Array:
     """Tangent stiffness dF/dq (E, n, n): sum_g w { A^T D A + G^T N^T(sigma) G }, A = B + N(Gq)G.
 

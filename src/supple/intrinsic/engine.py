@@ -33,7 +33,7 @@ __all__ = ["IntrinsicEngine", "intrinsic_engine", "line_rule"]
 
 
 def intrinsic_engine(system: System, run: Run) -> IntrinsicEngine | JoinedEngine:
-    """The engine of a machine with intrinsic bodies: joined, unless the ground alone holds them, by their roots."""
+    """The engine of a machine with intrinsic bodies; the joined one unless the ground alone holds roots."""
     return JoinedEngine(system, run) if is_joined(system) else IntrinsicEngine(system, run)
 
 

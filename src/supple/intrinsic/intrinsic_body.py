@@ -197,9 +197,8 @@ def body_of(placed: Placed) -> IntrinsicBody:
     body = placed.body
     if not isinstance(body, IntrinsicBody):
         raise ModelError(
-            f"body '{body.name}' is {body.kind}, in a machine with intrinsic bodies: these move by "
-            "themselves, on the ground or flying, or tied to each other by springs. Keep the slender "
-            "body in a floating frame (reduce), or give the mass of this body to a station"
+            f"body '{body.name}' is {body.kind}, and only intrinsic bodies are looked at without a march: "
+            "simulate, which takes bodies of both kinds, with damping where rest is wanted"
         )
     return body
 

@@ -151,8 +151,8 @@ def checked_modes(modes: IntrinsicModes) -> IntrinsicModes:
     if not max(first, second) < LARGEST_DEFECT:
         omega = modes.omega[modes.n_rigid :]
         raise AccuracyError(
-            f"line '{modes.line.name}': its modes are orthonormal to {first:.1e} (velocities) and {second:.1e} "
-            f"(forces) only, over frequencies from {omega.min(initial=np.inf):.3g} to "
+            f"line '{modes.line.name}': its modes are orthonormal to {first:.1e} (velocities) and "
+            f"{second:.1e} (forces) only, over frequencies from {omega.min(initial=np.inf):.3g} to "
             f"{omega.max(initial=0):.3g} rad/s: ask for fewer modes (n_modes), or mend masses that are "
             "tiny beside the others"
         )

@@ -13,7 +13,7 @@ import numpy as np
 from supple.errors import ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
 from supple.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
-from supple.intrinsic.joined_equations import Instant, all_velocities
+from supple.intrinsic.joined_equations import Instant, Motion, all_velocities
 from supple.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine
 from supple.intrinsic.joined_start import instant_rates, joined_start
 from supple.intrinsic.joined_step import JoinedState, joined_step
@@ -36,7 +36,7 @@ class JoinedEngine:
         if not isinstance(run.method, GeneralizedAlpha):
             raise ModelError(
                 f"joints that connect intrinsic bodies do not take {type(run.method).__name__}: give "
-                "GeneralizedAlpha(rho_inf); explicit rules step bodies whose root alone is held, by the ground"
+                "GeneralizedAlpha(rho_inf); explicit rules step bodies whose roots the ground holds"
             )
         if not isinstance(run.step_control, FixedStep):
             raise ModelError(
@@ -52,9 +52,10 @@ class JoinedEngine:
 
     def start(self, time: float) -> JoinedState:
         """Velocities on the joints, consistent rates and joint forces."""
-        begun = joined_start(self._machine, time)
-        self._arrays = begun.arrays
-        return JoinedState(begun.now, begun.rates, begun.multipliers, jnp.zeros(()), jnp.zeros((), dtype=int))
+        self._arrays, now = joined_start(self._machine, time)
+        _, rates, multipliers = self._outputs(jax.tree.map(lambda leaf: leaf[None], now))
+        first, forces = jax.tree.map(lambda leaf: leaf[0], (rates, multipliers))
+        return JoinedState(now, first, forces, jnp.zeros(()), jnp.zeros((), dtype=int))
 
     def resumed(self, last: Solution) -> JoinedState:
         """The state at the end of a recorded part, exact."""
@@ -110,15 +111,23 @@ class JoinedEngine:
             "allow more iterations (Tolerances), or look for a singular position of the joints"
         )
 
+    def _outputs(self, now: Instant) -> tuple[Any, Motion, Any]:
+        """Velocities of the model's bodies, rates and multipliers at instants; of a leg's length, to share a
+        program."""
+        n = len(now.time)
+        longer = max(self._length - n, 0)
+        filled = jax.tree.map(lambda leaf: jnp.concatenate([leaf, *[leaf[-1:]] * longer]), now)
+        return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, filled))
+
     def solution(self, leg: Leg[JoinedState]) -> Solution:
         """The motion of a leg; forces of joints and accelerations are those of its very instants."""
         now: Instant = leg.states.now
         times = np.asarray(now.time)
-        velocities, acceleration, multipliers = jax.device_get(_outputs(self._arrays, now))
+        velocities, rates, multipliers = jax.device_get(self._outputs(now))
         model, seen = self._arrays.model, self._machine.seen
         still = np.zeros((len(times), 6 * self._arrays.n_held))
         floating = body_motions(
-            seen, model.slices, now.floating, velocities, np.concatenate([acceleration, still], axis=1)
+            seen, model.slices, now.floating, velocities, np.concatenate([rates.acceleration, still], axis=1)
         )
         of_joints = joint_multipliers(seen, model.active, multipliers)
         bodies: dict[str, Any] = {
@@ -163,11 +172,5 @@ def _march(
 
 
 @partial(jax.jit, compiler_options=STARTING)
-def _outputs(arrays: JoinedArrays, states: Instant) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Velocities of the model's bodies, accelerations of floating ones, multipliers; (t, ..) each."""
-
-    def at(now: Instant) -> tuple[jax.Array, jax.Array, jax.Array]:
-        rates, multipliers = instant_rates(arrays, now)
-        return all_velocities(arrays, now), rates.acceleration, multipliers
-
-    return jax.vmap(at)(states)
+def _outputs(arrays: JoinedArrays, states: Instant) -> tuple[jax.Array, Motion, jax.Array]:
+    return jax.vmap(lambda now: (all_velocities(arrays, now), *instant_rates(arrays, now)))(states)

@@ -152,7 +152,7 @@ def motion_residuals(
     _, back = jax.vjp(lambda q1: station_twists(arrays, now.lines, q1), amplitudes)
     (held,), (pushed,) = back(-left[n:]), back(push[n:])
     system = arrays.line_system
-    wrenches = system_wrenches(system, now.lines, now.time, system.drives)
+    wrenches = system_wrenches(system, now.lines, now.time, (None,) * len(now.lines))
     lines = []
     for model_, state, rate, wrench, force, shift in zip(
         arrays.lines, now.lines, rates.lines, wrenches, held, pushed, strict=True

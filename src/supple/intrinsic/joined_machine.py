@@ -16,7 +16,7 @@ import numpy as np
 
 from supple.body import FullBody, RigidBody
 from supple.errors import ModelError
-from supple.intrinsic.intrinsic_body import IntrinsicBody
+from supple.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.intrinsic.line_model import LineModel
 from supple.intrinsic.line_system import LineSystem, States
 from supple.intrinsic.machine_loads import machine_loads
@@ -103,7 +103,7 @@ def joined_machine(system: System, time: float) -> JoinedMachine:
     own_loads = [load for load in nodal if load.body in names]
     on_lines = System(lines, loads=[*own_loads, *bases], gravity=system.gravity)
     arrays = JoinedArrays(
-        lines=tuple(placed.body.model for placed in lines),
+        lines=tuple(body_of(placed).model for placed in lines),
         loads=machine_loads(on_lines),
         model=seen_model(seen, len(others), None),
         held=held,
@@ -138,10 +138,10 @@ def _check_bodies(lines: tuple[Placed, ...], others: tuple[Placed, ...]) -> None
                 "it, or condense it on stations"
             )
     for placed in lines:
-        if placed.body.support.free.shape[1] < 6:
+        if body_of(placed).support.free.shape[1] < 6:
             raise ModelError(
-                f"intrinsic body '{placed.body.name}': its modes hold its root, in a machine where joints do: "
-                "place released(body), which has rigid motion besides"
+                f"intrinsic body '{placed.body.name}': its modes hold its root, where joints do: place "
+                "released(body), which has rigid motion besides"
             )
 
 
@@ -152,7 +152,7 @@ def _held(placed: Placed, elements: list[Any]) -> tuple[int, ...]:
 
 
 def _number(placed: Placed, end: At) -> int:
-    return placed.body.interface(end.interface).number
+    return body_of(placed).interface(end.interface).number
 
 
 def _label(placed: Placed, number: int) -> str:
@@ -162,7 +162,7 @@ def _label(placed: Placed, number: int) -> str:
 def _station(placed: Placed, number: int) -> Placed:
     """A rigid body in the place of a station, undeformed."""
     position, rotation = placed.assembly
-    point = position + rotation @ placed.body.line.tree.points[number]
+    point = position + rotation @ body_of(placed).line.tree.points[number]
     body = RigidBody(_label(placed, number), 1.0, np.zeros(3), np.eye(3), {"station": np.zeros(3)})
     return Placed(body, point, rotation)
 

@@ -1,4 +1,4 @@
-"""A consistent start of joined lines and floating bodies: velocities on the joints, rates and joint forces."""
+"""A consistent start of joined lines and floating bodies: velocities on the joints, rates, joint forces."""
 
 from __future__ import annotations
 
@@ -41,12 +41,10 @@ CHANGED = 1e-5
 
 
 class JoinedStart(NamedTuple):
-    """The machine without redundant equations, and where and how it begins."""
+    """The machine without redundant equations, and where and how it begins, on its joints."""
 
     arrays: JoinedArrays
     now: Instant
-    rates: Motion
-    multipliers: jax.Array
 
 
 def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
@@ -72,8 +70,7 @@ def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
         rows, missed = rows[np.array(active)], missed[np.array(active)]
     if len(active):
         now = _on_joints(machine, now, np.asarray(rows), np.asarray(missed), np.asarray(metric))
-    rates, multipliers = _RATES(arrays, now)
-    return JoinedStart(arrays, now, rates, multipliers)
+    return JoinedStart(arrays, now)
 
 
 def _begun(
@@ -137,8 +134,8 @@ def _on_joints(
         after = (given + change) @ metric @ (given + change)
         names = ", ".join(f"'{joint.name}'" for joint in machine.system.joints)
         warnings.warn(
-            f"the joints ({names}) do not allow the initial velocities, which were changed: the kinetic energy "
-            f"is {after / 2:.4g} instead of {energy / 2:.4g}. Give velocities that the joints allow, or none",
+            f"the joints ({names}) do not allow the initial velocities, which were changed: the kinetic "
+            f"energy is {after / 2:.4g} instead of {energy / 2:.4g}. Give velocities that the joints allow",
             StartWarning,
             stacklevel=2,
         )
@@ -177,4 +174,3 @@ def instant_rates(arrays: JoinedArrays, now: Instant) -> tuple[Motion, jax.Array
 
 
 _BEGUN = jax.jit(_begun, compiler_options=STARTING)
-_RATES = jax.jit(instant_rates, compiler_options=STARTING)

@@ -117,6 +117,7 @@ def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineStat
 def line_motion(
     placed: Placed, model: LineModel, drive: RootDrive | None, state: LineState, times: Array
 ) -> IntrinsicMotion:
+    """The motion of a body from stacked states of its line (leading axis: time)."""
     body = body_of(placed)
     rotation, position, twist = (np.asarray(each) for each in _roots(model, drive, state, jnp.asarray(times)))
     root = body.line.tree.points[0]

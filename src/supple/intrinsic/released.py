@@ -1,4 +1,4 @@
-"""A body whose root is free, in the modes that it has on a support: what the joints of a machine take hold of."""
+"""A body whose root is free, in the modes that it has on a support: what joints take hold of."""
 
 from __future__ import annotations
 
@@ -43,15 +43,15 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
     gram = V.T @ line.mass @ V
     if np.linalg.cond(gram) > LARGEST_CONDITION:
         raise ModelError(
-            f"body '{body.name}': its {e} elastic modes hold its rigid motion already, for its root has no mass "
-            "of its own: keep fewer modes (n_modes)"
+            f"body '{body.name}': its {e} elastic modes hold its rigid motion already, for its root has no "
+            "mass of its own: keep fewer modes (n_modes)"
         )
     lower = np.linalg.cholesky(gram)
     coupling = linalg.solve_triangular(lower, np.vstack([np.zeros((6, e)), np.diag(omega)]), lower=True)
     left, values, right = linalg.svd(coupling, full_matrices=False)
     order = np.argsort(values, kind="stable")
     left, values, W = left[:, order], values[order], right[order].T
-    moving = V @ linalg.solve_triangular(lower, left, lower=True, trans="T")
+    moving = V @ linalg.solve_triangular(lower, left, lower=True, trans=1)
     velocities = np.hstack([R, moving])
     own = IntrinsicModes(
         line=line,

@@ -68,8 +68,7 @@ def held_root(system: System, placed: Placed) -> HeldRoot:
         raise ModelError(
             f"intrinsic body '{body.name}' has {len(joints)} joints ("
             + ", ".join(f"'{joint.name}'" for joint in joints)
-            + "); it takes one, between its root and the ground: hold its other stations by springs, or keep "
-            "the body in a floating frame (reduce)"
+            + "), and its modes hold its root: place released(body), which takes joints at any station"
         )
     joint = joints[0] if joints else None
     support, drive = (FREE, None) if joint is None else _support(placed, joint)
@@ -79,7 +78,7 @@ def held_root(system: System, placed: Placed) -> HeldRoot:
         raise ModelError(
             f"intrinsic body '{body.name}': its modes leave the root {_freedom(body.support)}, but {holds}, "
             f"which leaves it {_freedom(support)}: condense it with the support of the joint (CLAMPED, FREE, "
-            "BALL, hinged(axis), sliding(axis))"
+            "BALL, hinged(axis), sliding(axis)), or place released(body), which any joint may hold"
         )
     return HeldRoot(joint, drive)
 
@@ -97,14 +96,14 @@ def _support(placed: Placed, joint: Joint) -> tuple[RootSupport, RootDrive | Non
     where = f"intrinsic body '{body.name}', joint '{joint.name}'"
     if other != GROUND:
         raise ModelError(
-            f"{where}: it joins the body to '{other.body}'; intrinsic bodies are joined to the ground alone. "
-            "Connect the two by springs, or keep this body in a floating frame (reduce)"
+            f"{where}: it joins the body to '{other.body}', and only what the ground alone holds is looked "
+            "at without a march: simulate, with damping where rest is wanted"
         )
     station = body.interface(own.interface)
     if station.number != 0:
         raise ModelError(
-            f"{where}: it holds station {station.number} ('{own.interface}'); a joint holds the root: begin "
-            "the load path there, or hold this station by springs"
+            f"{where}: it holds station {station.number} ('{own.interface}'), and its modes hold its root: "
+            "place released(body), which takes joints at any station"
         )
     axis = placed.rotation.T @ joint.initial_axes[:, 2]
     turn, shift = np.concatenate([np.zeros(3), axis]), np.concatenate([axis, np.zeros(3)])
@@ -127,8 +126,7 @@ def _support(placed: Placed, joint: Joint) -> tuple[RootSupport, RootDrive | Non
     if free is None:
         raise ModelError(
             f"{where}: a {type(joint).__name__} joint leaves freedoms that are not fixed in the root's axes; "
-            "take Fixed, Ball, Revolute, Prismatic, Cylindrical, PrescribedRotation or "
-            "PrescribedTranslation, or keep the body in a floating frame (reduce)"
+            "place released(body), which takes any joint"
         )
     return free, None
 

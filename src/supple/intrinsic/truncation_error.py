@@ -82,7 +82,7 @@ def truncation_error(
     states = tuple(_filled(by_name[p.body.name], solution.bodies[p.body.name]) for p in system.bodies)
     found = _followed(lines, tuple(kept), jnp.asarray(solution.times), states)
     return {
-        placed.body.name: _error(placed.body.modes.n_elastic, n, state)
+        placed.body.name: _error(body_of(placed).modes.n_elastic, n, state)
         for placed, n, state in zip(system.bodies, kept, found, strict=True)
     }
 

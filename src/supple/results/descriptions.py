@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -79,11 +80,19 @@ def describe_result(path: Path) -> Iterator[Row]:
         span = f"{header.n_times}, from {solution.times[0]:g} to {solution.times[-1]:g}"
         yield "times", measured(span, units.time)
         for name, motion in solution.bodies.items():
-            yield f"body {name}", f"{motion.coordinates.shape[1]} coordinates"
+            yield f"body {name}", _described(motion)
         for name in solution.joint_forces:
             yield f"joint {name}", f"{', '.join(JOINT_COMPONENTS)} on its second end"
     cost = header.statistics
     yield "cost", f"{cost.steps} steps, {cost.iterations} iterations, {cost.seconds:.2f} s"
+
+
+def _described(motion: Any) -> str:
+    """The size of a motion: coordinates of a form that has them, or the kinds and shapes of its arrays."""
+    if hasattr(motion, "coordinates"):
+        return f"{motion.coordinates.shape[1]} coordinates"
+    first, values = next(iter(motion.arrays().items()))
+    return f"{first} {' x '.join(str(n) for n in values.shape[1:])}"
 
 
 def _point(position: np.ndarray) -> str:

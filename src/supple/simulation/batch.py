@@ -206,6 +206,7 @@ def _marched_together(
             steps=int(final.steps[own]),
             iterations=int(final.iterations[own]),
             rejected_steps=int(final.rejected_steps[own]),
+            factorizations=int(final.iterations[own]),
             seconds=seconds / len(cases),
             largest_error=float(final.largest_error[own]),
             largest_turn=float(final.largest_turn[own]),

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from supple.body import flexible_body
+from supple.body import AveragingInterface, flexible_body
 from supple.explicit import (
     Contact,
     ExplicitEngine,
@@ -26,7 +26,7 @@ from supple.fem import FiniteElementModel, Isotropic, solid_model
 from supple.integrate import Run, run
 from supple.machine import At
 from supple.mesh import CellType, Mesh, block
-from supple.reduction import NormalModes
+from supple.reduction import Rubin
 
 __all__ = ["crash"]
 
@@ -60,7 +60,9 @@ def crash(quick: bool) -> dict[str, float]:
     rest, nose = _models(n, long)
     law = J2Plasticity(ALUMINIUM, LinearHardening(100e6, 300e6))
     crushing = Part(explicit_subdomain(nose, law, name=_NOSE), velocity=SPEED)
-    modal = modal_subdomain(flexible_body(_REST, rest), NormalModes(30 if quick else 60))
+    # Six columns answer forces and moments at the joint statically: they halve the error of as many modes.
+    body = flexible_body(_REST, rest, [AveragingInterface("tip", "tip")])
+    modal = modal_subdomain(body, Rubin(24 if quick else 54))
     common: dict[str, Any] = {
         "ties": [Tie(At(_NOSE, "root"), _REST)],
         "contacts": [Contact(At(_NOSE, "tip"), RigidPlane((1.2, 0.0, 0.0), (-1.0, 0.0, 0.0)))],

@@ -111,7 +111,7 @@ def step_limit(_quick: bool) -> dict[str, float]:
             stays = max(stays, fraction)
         else:
             grows = min(grows, fraction)
-    mesh = box.body.model.mesh  # type: ignore[union-attr]
+    mesh = box.body.model.mesh  # type: ignore[union-attr] - made of elements
     held = np.zeros((27, box.body.n))
     held[np.arange(27), (3 * mesh.node_sets["root"][:, None] + np.arange(3)).ravel()] = 1
     clamped = lowest_modes(box.body.stiffness, box.body.mass, 12, constraint=held)

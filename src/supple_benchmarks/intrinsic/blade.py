@@ -91,27 +91,28 @@ def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
         for method, places in methods.items():
             began = process_time()
             error: float | None = None
-            moved: Array | None = None
+            tip_moved: list[float] | None = None
             with suppress(ConvergenceError):
                 at = places(held)
                 moved = (at - body.nodes[tip]).mean(axis=0)
                 if method == REFERENCE:
                     exact, rotation = moved, _turn(body.nodes[tip], at)
                 error = float(np.linalg.norm(moved - exact) / np.linalg.norm(exact))
+                tip_moved = moved.tolist()
             yield {
                 "body": "blade",
                 "load": factor,
                 "tip_rotation": rotation,
                 "method": method,
                 "error": error,
-                "tip": None if moved is None else moved.tolist(),
+                "tip": tip_moved,
                 "seconds": process_time() - began,
             }
 
 
 def _turn(rest: Array, moved: Array) -> float:
     """Angle by which the nodes of a section have turned, rad."""
-    found, _ = Rotation.align_vectors(moved - moved.mean(axis=0), rest - rest.mean(axis=0))
+    found = Rotation.align_vectors(moved - moved.mean(axis=0), rest - rest.mean(axis=0))[0]
     return float(found.magnitude())
 
 

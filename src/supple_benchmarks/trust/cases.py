@@ -157,7 +157,9 @@ def _meeting(first: np.ndarray, one: float, second: np.ndarray, other: float) ->
 
 
 def _tumbling(angular_velocity: list[float], mean_axes: bool = True) -> System:
-    return System((Placed(framed(beam(), mean_axes=mean_axes), angular_velocity=np.array(angular_velocity)),))
+    """A beam that flies and turns, pushed at its end: turning alone it would ring along its axis only."""
+    placed = Placed(framed(beam(), mean_axes=mean_axes), angular_velocity=np.array(angular_velocity))
+    return System((placed,), loads=(pushed(blow(2.0, 0.05, 0.1)),))
 
 
 def _of(
@@ -178,9 +180,11 @@ def _shaken(body: Callable[[], Any], over: Callable[[Any], Any]) -> Callable[[],
 
 
 _SLOW_AND_BLOW = (
-    struck(29, lambda t: 20.0 * t * (2.0 - t)),
-    struck(14, blow(150.0, 0.71, 0.036)),
+    struck(29, lambda t: 40.0 * t * (1.0 - t)),
+    struck(14, blow(150.0, 0.41, 0.036)),
 )
+"""What rings after the blow is followed for a twentieth of a second: its phase would ask for steps of
+which no full run could be made with an eighth."""
 
 CASES: tuple[TrustCase, ...] = (
     TrustCase("strip spun up", _turned(shell_strip, spin(6.0, 1.0)), 1.2, 60, 1e-3),
@@ -198,7 +202,7 @@ CASES: tuple[TrustCase, ...] = (
         100,
         1e-2,
     ),
-    TrustCase("plate, slow load and a blow", _of(plate, *_SLOW_AND_BLOW), 1.0, 100, 1e-3),
+    TrustCase("plate, slow load and a blow", _of(plate, *_SLOW_AND_BLOW), 0.5, 50, 1e-3),
     TrustCase(
         "plate, blow between outputs", _of(plate, struck(17, blow(400.0, 0.1015, 0.002))), 0.3, 60, 1e-2
     ),
@@ -234,8 +238,8 @@ CASES: tuple[TrustCase, ...] = (
     ),
     TrustCase("strip, base shaken", _shaken(shell_strip, lambda t: 3.0 * jnp.sin(15.0 * t)), 1.0, 100),
     TrustCase("beam, base struck", _shaken(beam, blow(60.0, 0.1, 0.03)), 0.5, 100, 1e-2),
-    TrustCase("beam tumbling freely", lambda: _tumbling([0.3, 5.0, 0.2]), 0.8, 80, 1e-4, NormalModes(5)),
-    TrustCase("beam spinning freely", lambda: _tumbling([0.0, 0.0, 8.0], False), 0.8, 80, 1e-3),
+    TrustCase("beam tumbling freely", lambda: _tumbling([0.3, 5.0, 0.2]), 0.5, 50, 1e-3, NormalModes(5)),
+    TrustCase("beam spinning freely", lambda: _tumbling([0.0, 0.0, 8.0], False), 0.5, 50, 1e-2),
     TrustCase("strip dropped on its hinge", _hinged, 0.6, 60, 1e-2),
     TrustCase("strip dropped, damped, mean axes", lambda: _hinged(True, DAMPED), 0.6, 60),
     TrustCase("strip caught by a spring", _caught, 0.6, 60, 1e-2),

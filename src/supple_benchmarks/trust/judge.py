@@ -8,17 +8,20 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
 
 from supple.correction import (
+    CorrectedSystem,
+    ErrorEstimator,
     ErrorStudy,
     ReductionStart,
     Round,
     WholeBody,
     self_correct,
+    system_corrections,
 )
 from supple.correction.integration_error import with_shorter_steps, with_tolerance
 from supple.correction.judged_quantity import quantity_distance
@@ -62,6 +65,7 @@ def judge(case: TrustCase, folder: Path, told: Callable[[float], None]) -> dict[
             "allowed": min((each.allowed for each in rounds[-len(_fulls(system)) :]), default=0.0),
             "parts": dict.fromkeys(PARTS),
             "true_total": None,
+            "cost": None,
             "seconds": seconds,
             "full_seconds": full_runs.at(last).statistics.seconds,
             "accuracy": case.accuracy,
@@ -73,8 +77,33 @@ def judge(case: TrustCase, folder: Path, told: Callable[[float], None]) -> dict[
                 with_tolerance(with_shorter_steps(last, EIGHTH), TIGHT * last.tolerances.residual)
             )
             record |= _worst(corrected.system, corrected.solution, system, exact)
+            record["cost"] = _cost(system, corrected, last)
     told(1.0)
     return record
+
+
+def _cost(system: System, corrected: CorrectedSystem, run: Run) -> dict[str, Any]:
+    """Processor time of the accepted run and of the estimate of what its bases cost, compiled before both.
+
+    Of the estimate a part goes into factorisations of the system in full: as many are timed by themselves.
+    """
+    bases = {name: own.basis for name, own in corrected.bodies.items()}
+    began = process_time()
+    simulate(corrected.system, run, check=False)
+    simulated = process_time()
+    estimate = ErrorEstimator(system, run).judge(corrected.system, bases, corrected.solution)
+    estimated = process_time()
+    n_times = len(corrected.solution.times)
+    instants = np.linspace(1, n_times - 1, estimate.factorizations).round().astype(int)
+    system_corrections(corrected.system, tuple(_fulls(system).values()), bases, corrected.solution, instants)
+    return {
+        "coordinates": sum(basis.r for basis in bases.values()),
+        "steps": corrected.solution.statistics.steps,
+        "run_seconds": simulated - began,
+        "estimator_seconds": estimated - simulated,
+        "factorizations": estimate.factorizations,
+        "factorization_seconds": process_time() - estimated,
+    }
 
 
 def _fulls(system: System) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from supple.integrate import PARTS
 from supple_benchmarks.table import Table
 
 __all__ = ["tables"]
@@ -14,7 +15,8 @@ def tables(report: Mapping[str, Any]) -> list[Table]:
     """Cases, and what they come to."""
     heads = (
         *("body", "freedoms", "coordinates", "estimated / true", "sum", "true", "allowed"),
-        *("basis", "step", "newton", "model"),
+        *PARTS,
+        "estimator / run",
     )
     rows = []
     for case in report["cases"]:
@@ -30,12 +32,24 @@ def tables(report: Mapping[str, Any]) -> list[Table]:
                 _cell(case.get("stated_total")) if accepted else "refused",
                 _cell(case["true_total"]),
                 _cell(case["allowed"]),
-                *(_cell(case["parts"][part]) for part in ("basis", "step", "newton", "model")),
+                *(_cell(case["parts"][part]) for part in PARTS),
+                _cost(case.get("cost")),
             ]
         )
     shares = [[name, f"{value:.3g}"] for name, value in report["coverage"].items()]
+    beams = [
+        [
+            each["name"],
+            str(each["coordinates"]),
+            *(_cell(each["parts"][part]) for part in PARTS),
+            _cell(each["stated_total"]),
+            _cell(each["true_total"]),
+        ]
+        for each in report["exact_beams"]
+    ]
     return [
         ("Runs that correct themselves, against full runs", list(heads), rows),
+        ("Beside exact beams", ["beam", "coordinates", *PARTS, "sum", "true"], beams),
         ("What they come to", ["motion", "value"], shares),
     ]
 
@@ -44,6 +58,10 @@ def _ratio(each: Mapping[str, Any]) -> str:
     if each["estimated"] is None or not each["true"]:
         return "-"
     return f"{each['estimated'] / each['true']:.2f}"
+
+
+def _cost(cost: Mapping[str, Any] | None) -> str:
+    return "" if cost is None else f"{cost['estimator_seconds'] / cost['run_seconds']:.2g}"
 
 
 def _cell(value: float | None) -> str:

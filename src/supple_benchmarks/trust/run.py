@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from supple.storage import write_json
 from supple_benchmarks.computer import describe_computer
-from supple_benchmarks.progress import Announce
+from supple_benchmarks.progress import Announce, Progress
 from supple_benchmarks.trust.cases import CASES, QUICK
+from supple_benchmarks.trust.exact_beams import EXACT_BEAMS, judge_by_exact_beam
 from supple_benchmarks.trust.judge import judge
 
 __all__ = ["coverage", "run_trust"]
@@ -24,27 +25,40 @@ def run_trust(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[st
 
     folder : full runs and finished cases are kept there, and read by the next run
     """
-    report: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "cases": []}
+    report: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "cases": [], "exact_beams": []}
     for case in QUICK if quick else CASES:
         told = announce(case.name)
-        told(0.0)
         kept = folder / "cases" / f"{case.file_name}.json"
-        if kept.exists():
-            record = json.loads(kept.read_text(encoding="utf-8"))
-            told(1.0)
-        else:
-            record = judge(case, folder / "full-runs", told)
-            kept.parent.mkdir(parents=True, exist_ok=True)
-            write_json(kept, record)
+        record = _kept_or(kept, told, lambda case=case, told=told: judge(case, folder / "full-runs", told))
         report["cases"].append(record)
-        report["coverage"] = coverage(report["cases"])
+        report["coverage"] = coverage(report["cases"], report["exact_beams"])
+        yield report
+    for beam in () if quick else EXACT_BEAMS:
+        told = announce(beam.name)
+        kept = folder / "exact-beams" / f"{beam.file_name}.json"
+        record = _kept_or(kept, told, lambda beam=beam, told=told: judge_by_exact_beam(beam, told))
+        report["exact_beams"].append(record)
+        report["coverage"] = coverage(report["cases"], report["exact_beams"])
         yield report
 
 
-def coverage(cases: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def _kept_or(path: Path, told: Progress, judged: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """A record that is there already, or made and kept."""
+    told(0.0)
+    if path.exists():
+        record = json.loads(path.read_text(encoding="utf-8"))
+    else:
+        record = judged()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_json(path, record)
+    told(1.0)
+    return record
+
+
+def coverage(cases: Sequence[dict[str, Any]], beams: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
     """Shares of the estimates from the second round of a body on, and how many acceptances were wrong.
 
-    Estimates without a number, and truths of exactly nothing, are left out.
+    Estimates without a number, and truths of exactly nothing, are left out; sums are those of `beams`, too.
     """
     ratios = []
     for case in cases:
@@ -56,7 +70,7 @@ def coverage(cases: Sequence[dict[str, Any]]) -> dict[str, Any]:
                 ratios.append(each["estimated"] / each["true"])
     n = max(len(ratios), 1)
     finished = [case for case in cases if case["accepted"]]
-    sums = [case["stated_total"] / case["true_total"] for case in finished if case["true_total"]]
+    sums = [case["stated_total"] / case["true_total"] for case in [*finished, *beams] if case["true_total"]]
     return {
         "rounds": len(ratios),
         "within_0.7_1.4": sum(0.7 <= ratio <= 1.4 for ratio in ratios) / n,

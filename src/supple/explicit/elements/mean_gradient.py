@@ -41,7 +41,8 @@ def solid_points(model: FiniteElementModel, section: Section, block: QuadraticSt
     kind, nodes = section.cell_type, section.nodes(model.mesh)
     if kind not in (CellType.TETRA4, CellType.TETRA10, CellType.HEXA8):
         raise ModelError(
-            f"{kind.name} has no explicit element; there are TETRA4, TETRA10, HEXA8 and TRIANGLE3 shells"
+            f"{kind.name} has no explicit element; there are TETRA4, TETRA10 and HEXA8, and "
+            "explicit_shell for TRIANGLE3"
         )
     gradients, volumes = block.G[:, :, :3, ::3], block.w
     gamma = np.zeros((len(nodes), 0, nodes.shape[1]))

@@ -87,7 +87,7 @@ def hourglass_stiffness(points: SolidPoints, elastic: Isotropic, hourglass: floa
 def deformation(block: SolidBlock, corners: Array) -> Tensor:
     """sum_k x_k (x) grad N_k of corner vectors (3, k, E), components (g, E)."""
     g = block.gradients
-    return tensor(lambda i, j: sum(corners[i, k] * g[k, j] for k in range(len(g))))  # type: ignore[misc]
+    return tensor(lambda i, j: sum(corners[i, k] * g[k, j] for k in range(len(g))))  # type: ignore[misc] - a sum of arrays is no int
 
 
 def block_force(
@@ -113,7 +113,7 @@ def block_force(
         as_array(lax.optimization_barrier(tensor(lambda i, j: volumes * P[i][j])))
     )
     g = block.gradients
-    forces = -sum(stress[:, None, j] * g[None, :, j] for j in range(3)).sum(axis=2)  # type: ignore[union-attr]
+    forces = -sum(stress[:, None, j] * g[None, :, j] for j in range(3)).sum(axis=2)  # type: ignore[union-attr] - likewise
     against = jnp.zeros_like(x)
     if len(block.gamma):
         kappa = block.hourglass * alive

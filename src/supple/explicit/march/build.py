@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.explicit.elements.solid_block import solid_block
-from supple.explicit.explicit_subdomain import ExplicitSubdomain
 from supple.explicit.explicit_system import Contact, ExplicitSystem, Part, Tie
 from supple.explicit.frame_model import FrameModel, FrameState
+from supple.explicit.march.build_blocks import explicit_blocks
+from supple.explicit.march.build_shells import explicit_shells
+from supple.explicit.march.build_surfaces import Hanging, modal_skins, touching_surfaces
 from supple.explicit.march.march_step import with_forces
 from supple.explicit.march.model import (
     Energies,
@@ -24,6 +25,7 @@ from supple.explicit.march.model import (
     NodesTouching,
     ObstacleState,
 )
+from supple.explicit.march.turning import Turning
 from supple.explicit.meeting import meeting_nodes, on_faces
 from supple.explicit.modal_frame import ModalFrame, modal_frame
 from supple.explicit.modal_subdomain import ModalSubdomain
@@ -42,7 +44,7 @@ class Built:
     """A system ready to march.
 
     nodes : explicit part to the numbers of its nodes in the march
-    blocks : explicit part to its blocks among those of the march
+    blocks : explicit part of solids to its blocks among those of the march;   shells : likewise
     frames : modal parts, in the order of the march, with their modes as marched
     """
 
@@ -51,101 +53,100 @@ class Built:
     start: MarchState
     nodes: dict[str, IntArray]
     blocks: dict[str, slice]
+    shells: dict[str, slice]
     frames: dict[str, ModalFrame]
 
 
-@dataclass(frozen=True, eq=False)
-class _Hanging:
-    """Explicit nodes on a modal part: their numbers, and their corners among its nodes with weights."""
-
-    part: str
-    nodes: IntArray
-    corners: IntArray
-    weights: FloatArray
-
-
 def built(
-    system: ExplicitSystem, scheme: ProjectedDifference | PublishedScheme, safety: float, largest_ratio: int
+    system: ExplicitSystem,
+    scheme: ProjectedDifference | PublishedScheme,
+    safety: float,
+    largest_ratio: int,
+    interface_loss: float,
 ) -> Built:
     """The march of a system; ModelError for ties that do not meet and nodes that begin inside an obstacle."""
-    explicit = [part for part in system.placed if isinstance(part.subdomain, ExplicitSubdomain)]
+    explicit = [part for part in system.placed if not isinstance(part.subdomain, ModalSubdomain)]
     numbers, x, v = _numbered(system, explicit)
-    mass = np.zeros(len(x))
-    alpha = np.zeros(len(x))
-    blocks, limits, laws, deletions, betas, spans = [], [], [], [], [], {}
-    for part in explicit:
-        body = part.subdomain
-        assert isinstance(body, ExplicitSubdomain)
-        own = numbers[part.name]
-        np.add.at(mass, own, body.masses)
-        if body.damping is not None:
-            np.add.at(alpha, own, body.damping.alpha * body.masses)
-        spans[part.name] = slice(len(blocks), len(blocks) + len(body.points))
-        for points, limit in zip(body.points, body.element_limits, strict=True):
-            turned = points.gradients.swapaxes(2, 3) @ part.rotation.T
-            blocks.append(
-                solid_block(points, own, len(x), turned.swapaxes(2, 3), body.law.elastic, body.hourglass)
-            )
-            limits.append(jnp.asarray(limit))
-            laws.append(body.law)
-            deletions.append(body.deletion)
-            beta = 0.0 if body.damping is None else body.damping.beta
-            betas.append(jnp.asarray(beta) if beta else None)
-    alpha = alpha / np.where(mass > 0, mass, 1.0)
+    skins = modal_skins(system, len(x))
+    for skin in skins:
+        part = system.part(skin.part)
+        x = np.vstack([x, part.nodes[skin.corners]])
+        v = np.vstack([v, part.velocities(part.nodes[skin.corners])])
+    made = explicit_blocks(explicit, numbers, len(x))
+    shells = explicit_shells(explicit, numbers, len(x))
+    mass = made.mass + shells.mass
+    alpha = (made.damped + shells.damped) / np.where(mass > 0, mass, 1.0)
+    short = min(made.step_limit, shells.step_limit)
     movable = np.ones((3, len(x)))
     for support in system.supports:
         held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
-        for axis in support.axes:
+        for axis in (axis for axis in support.axes if axis < 3):
             movable[axis, held] = 0.0
             v[held, axis] = 0.0
-    short = min((float(np.asarray(limit).min()) for limit in limits), default=np.inf)
-
-    obstacles = tuple(contact.obstacle for contact in system.contacts)
-    hanging = [_hung(system, tie, numbers, x) for tie in system.ties]
-    frames, frame_arrays, frame_states, frame_obstacles = {}, [], [], []
+    obstacles = tuple(contact.obstacle for contact in system.rigid_contacts)
+    hanging = [hung for tie in system.ties if (hung := _hung(system, tie, numbers, x)) is not None]
+    hanging += [
+        Hanging(skin.part, skin.nodes, skin.corners[:, None], np.ones((len(skin.nodes), 1))) for skin in skins
+    ]
+    frames, frame_arrays, frame_states, frame_obstacles, penalties = {}, [], [], [], {}
     for part in system.placed:
         if isinstance(part.subdomain, ModalSubdomain):
-            own = [each for each in hanging if each is not None and each.part == part.name]
-            frame, arrays, state, touched = _frame(system, part, own, mass, x)
+            own = [each for each in hanging if each.part == part.name]
+            frame, arrays, state, touched, pressed = _frame(system, part, own, mass, x)
             frames[part.name] = frame
             frame_arrays.append(arrays)
             frame_states.append(state)
             frame_obstacles.append(touched)
-    touching, obstacle_of, contact_rate = [], [], 0.0
-    for number, contact in enumerate(system.contacts):
+            penalties[part.name] = pressed
+    surfaces, contact_rate, between = touching_surfaces(
+        system, numbers, skins, hanging, frames, mass, x, short
+    )
+    for place, (name, frame) in enumerate(frames.items()):
+        both = [each for each in (penalties[name], between.get(name)) if each is not None]
+        limit = jnp.asarray(frame.step_limit(sum(both[1:], both[0]) if both else None))
+        frame_arrays[place] = frame_arrays[place]._replace(step_limit=limit)
+    touching, obstacle_of, on_obstacles = [], [], 0.0
+    for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body in numbers:
             nodes = numbers[contact.nodes.body][system.node_numbers(contact.nodes)]
             stiffness = _stiffness(contact, mass[nodes], short)
-            contact_rate = max(contact_rate, float((stiffness / mass[nodes]).max()))
+            on_obstacles = max(on_obstacles, float((stiffness / mass[nodes]).max()))
             _check_outside(contact, x[nodes])
             touching.append(NodesTouching(jnp.asarray(nodes), jnp.asarray(stiffness)))
             obstacle_of.append(number)
     model = MarchModel(
-        tuple(blocks),
-        tuple(limits),
-        tuple(betas),
+        tuple(made.blocks),
+        tuple(made.limits),
+        tuple(made.betas),
         jnp.asarray(mass),
         jnp.asarray(alpha),
         jnp.asarray(movable),
         tuple(frame_arrays),
         tuple(touching),
+        surfaces,
         _loaded(system, numbers),
         jnp.asarray([obstacle.mass for obstacle in obstacles], dtype=float),
         jnp.asarray(system.gravity),
-        jnp.asarray(contact_rate),
+        jnp.asarray(contact_rate + on_obstacles),
+        tuple(shells.blocks),
+        shells.spins(system.supports, numbers, system),
+        jnp.asarray(shells.step_limit),
     )
     methods = Methods(
-        tuple(laws),
-        tuple(deletions),
+        tuple(made.laws),
+        tuple(made.deletions),
         obstacles,
         tuple(obstacle_of),
         tuple(frame_obstacles),
         scheme,
         safety,
         largest_ratio,
+        interface_loss,
     )
-    start = _start(model, methods, x, v, tuple(frame_states))
-    return Built(model, methods, with_forces(model, methods, start), numbers, spans, frames)
+    start = _start(model, methods, x, v, tuple(frame_states), shells.start())
+    return Built(
+        model, methods, with_forces(model, methods, start), numbers, made.spans, shells.spans, frames
+    )
 
 
 def _loaded(system: ExplicitSystem, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
@@ -162,7 +163,12 @@ def _loaded(system: ExplicitSystem, numbers: dict[str, IntArray]) -> tuple[Any, 
 
 
 def _start(
-    model: MarchModel, methods: Methods, x: FloatArray, v: FloatArray, frames: tuple[FrameState, ...]
+    model: MarchModel,
+    methods: Methods,
+    x: FloatArray,
+    v: FloatArray,
+    frames: tuple[FrameState, ...],
+    turning: Turning,
 ) -> MarchState:
     zero = jnp.zeros(())
     return MarchState(
@@ -181,9 +187,13 @@ def _start(
             ObstacleState(jnp.zeros(3), jnp.asarray(obstacle.velocity, dtype=float))
             for obstacle in methods.obstacles
         ),
+        turning=turning,
         obstacle_forces=jnp.zeros((len(methods.obstacles), 3)),
         energies=Energies(*(zero for _ in Energies._fields)),
         initial=zero,
+        ratio_bound=jnp.asarray(methods.largest_ratio),
+        ratio_wait=jnp.asarray(0),
+        ratio_patience=jnp.asarray(1),
         smallest=jnp.ones(()),
         steps=jnp.asarray(0),
     )
@@ -231,7 +241,7 @@ def _within(tie: Tie, points: FloatArray) -> float:
     return tie.within * max(float(np.linalg.norm(np.ptp(points, axis=0))), 1e-300)
 
 
-def _hung(system: ExplicitSystem, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> _Hanging | None:
+def _hung(system: ExplicitSystem, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> Hanging | None:
     """The nodes of a tie on a modal part; None where the part is explicit, too."""
     part = system.part(tie.on)
     if tie.on in numbers:
@@ -241,14 +251,14 @@ def _hung(system: ExplicitSystem, tie: Tie, numbers: dict[str, IntArray], x: Flo
     within = _within(tie, local)
     met = meeting_nodes(local, part.mesh.nodes, within)
     if (met >= 0).all():
-        return _Hanging(tie.on, nodes, met[:, None], np.ones((len(nodes), 1)))
+        return Hanging(tie.on, nodes, met[:, None], np.ones((len(nodes), 1)))
     corners, weights = on_faces(local, part.mesh, within, f"tie of '{tie.nodes}' on '{tie.on}'")
-    return _Hanging(tie.on, nodes, corners, weights)
+    return Hanging(tie.on, nodes, corners, weights)
 
 
 def _frame(
-    system: ExplicitSystem, part: Part, hanging: list[_Hanging], mass: FloatArray, x: FloatArray
-) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...]]:
+    system: ExplicitSystem, part: Part, hanging: list[Hanging], mass: FloatArray, x: FloatArray
+) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...], FloatArray | None]:
     body = part.subdomain
     assert isinstance(body, ModalSubdomain)
     nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
@@ -261,7 +271,7 @@ def _frame(
     )
     frame = modal_frame(body, local, shapes, mass[nodes])
     touching, touched, stiffest = [], [], None
-    for number, contact in enumerate(system.contacts):
+    for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body == part.name:
             own = system.node_numbers(contact.nodes)
             stiffness = _modal_stiffness(contact, frame, own)
@@ -300,10 +310,11 @@ def _frame(
         jnp.asarray(shapes @ frame.turned),
         tuple(touching),
         loaded,
-        jnp.asarray(frame.step_limit(stiffest)),
+        jnp.asarray(jnp.inf),  # once all contacts are known
     )
     zero = jnp.zeros(body.n_modes)
-    return frame, arrays, FrameState(jnp.asarray(p), zero, jnp.asarray(rates), zero), tuple(touched)
+    start = FrameState(jnp.asarray(p), zero, jnp.asarray(rates), zero)
+    return frame, arrays, start, tuple(touched), stiffest
 
 
 def _stiffness(contact: Contact, masses: FloatArray, short: float) -> FloatArray:

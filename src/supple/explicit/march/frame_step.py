@@ -24,7 +24,7 @@ __all__ = ["FrameStep", "frame_step", "hanging"]
 
 
 class FrameStep(NamedTuple):
-    """Frames after the step, and works over it, J: internal, damping, external, contact, from the nodes.
+    """Frames after the step, and works over it, J: internal, damping, external, contact, from nodes, turning.
 
     on_obstacles : (o, 3) forces at t_n
     """
@@ -35,6 +35,7 @@ class FrameStep(NamedTuple):
     external: Array
     contact: Array
     from_nodes: Array
+    turning: Array
     on_obstacles: Array
 
 
@@ -42,7 +43,7 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
     """All frames from t_n to t_n + h; their forces are those of t_n."""
     steps = Steps(state.frame_before, h)
     frames = []
-    works = jnp.zeros(5)
+    works, turning = jnp.zeros(5), jnp.zeros(())
     on_obstacles = jnp.zeros((len(methods.obstacles), 3))
     # Weight of the nodes that hang on a frame is in the frame's own mass already.
     pulls = state.forces.sum(axis=0) - model.mass * model.gravity[:, None]
@@ -65,10 +66,12 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
             contact = contact + point_forces(touching.weights, touching.shapes, own.p, own.y, push.T)
             on_obstacles = on_obstacles.at[number].add(-push.sum(axis=1))
         pulled = point_forces(arrays.weights, arrays.shapes, own.p, own.y, pulls[:, arrays.nodes].T)
-        new, _ = methods.scheme.step(arrays.model, own, external + contact + pulled, steps)
+        new, multipliers = methods.scheme.step(arrays.model, own, external + contact + pulled, steps)
         frames.append(new)
         works = works + _works(arrays, own, new, (external, contact, pulled), steps)
-    return FrameStep(tuple(frames), works[0], works[1], works[2], works[3], works[4], on_obstacles)
+        turning = turning + methods.scheme.turning_work(arrays.model, own, new, multipliers, steps)
+    internal, damping, external, contact, from_nodes = works
+    return FrameStep(tuple(frames), internal, damping, external, contact, from_nodes, turning, on_obstacles)
 
 
 def hanging(arrays: FrameArrays, frame: FrameState) -> Array:

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from supple.explicit.elements import squashed
+from supple.explicit.elements import shell_von_mises, squashed, von_mises
 from supple.explicit.march.march_step import kinetic, march_step
 from supple.explicit.march.model import MarchModel, MarchState, Methods
 
@@ -22,13 +22,16 @@ DRIFT = 0.01
 class Recorded(NamedTuple):
     """What is kept of an output time.
 
-    trouble : 0, or 1 an element turned over, 2 not a number, 3 the energy drifts, 4 energy from nothing
+    trouble : 0, or 1 an element turned over, 2 not a number, 3 the energy drifts, 4 energy from nothing,
+        5 the interface loses or wins too much
     """
 
     x: Array
     v: Array
     plastic: tuple[Array, ...]
     alive: tuple[Array, ...]
+    von_mises: tuple[Array, ...]
+    shell_stress: tuple[Array, ...]
     frames: tuple[tuple[Array, Array, Array, Array], ...]
     obstacles: tuple[tuple[Array, Array], ...]
     energies: Array
@@ -63,7 +66,8 @@ def chosen_steps(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, span: Array
 ) -> tuple[Array, Array, Array]:
     """Step of the explicit nodes, explicit steps in one of the frames, and number of these in a span."""
-    squared = model.contact_rate
+    # Strains of shells are small: their limit is that at rest.
+    squared = (2 / model.shell_limit) ** 2 + model.contact_rate
     for block, limit, live in zip(model.blocks, model.limits, state.alive, strict=True):
         longest = jnp.min(jnp.where(live > 0, limit * squashed(block, state.x), jnp.inf))
         squared = jnp.maximum(squared, (2 / longest) ** 2 + model.contact_rate)
@@ -77,16 +81,54 @@ def chosen_steps(
         n = jnp.maximum(jnp.ceil(span / short * (1 - 1e-9)), 1)
         return span / n, jnp.asarray(1), n.astype(int)
     long = methods.safety * jnp.min(jnp.stack([frame.step_limit for frame in model.frames]))
-    if not model.blocks:
+    if not model.blocks and not model.shells:
         short = jnp.where(fixed > 0, fixed, long)
-    long = jnp.where(fixed > 0, jnp.minimum(long, methods.largest_ratio * short), long)
-    long = jnp.minimum(long, methods.largest_ratio * short)
+    long = jnp.minimum(long, jnp.minimum(methods.largest_ratio, state.ratio_bound) * short)
     n = jnp.maximum(jnp.ceil(span / long * (1 - 1e-9)), 1)
     ratio = jnp.maximum(jnp.ceil(span / n / short * (1 - 1e-9)), 1)
     return span / (n * ratio), ratio.astype(int), n.astype(int)
 
 
 def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Array, end: Array) -> MarchState:
+    """On to an output time; again with a smaller ratio as long as the interface loses or wins too much."""
+    if not model.frames or not (model.blocks or model.shells):
+        return _marched(model, methods, state, fixed, end)
+    allowed = methods.interface_loss * (_size(state) + kinetic(model, state))
+
+    def ratio_of(bound: Array) -> Array:
+        return chosen_steps(model, methods, state._replace(ratio_bound=bound), fixed, end - state.time)[1]
+
+    def lost(new: MarchState) -> Array:
+        return jnp.abs(new.energies.interface - state.energies.interface)
+
+    def too_much(carry: tuple[Array, MarchState]) -> Array:
+        ratio, new = carry
+        return (ratio > 1) & ~(lost(new) <= allowed)
+
+    def again(carry: tuple[Array, MarchState]) -> tuple[Array, MarchState]:
+        bound = jnp.maximum(carry[0] // 2, 1)
+        return bound, _marched(model, methods, state._replace(ratio_bound=bound), fixed, end)
+
+    first = ratio_of(state.ratio_bound)
+    ratio, new = lax.while_loop(too_much, again, (first, _marched(model, methods, state, fixed, end)))
+    repeated = ratio != first
+    # After each repetition a larger ratio is tried only twice as much later: a trial costs the whole way.
+    longer = (lost(new) < 0.1 * allowed) & (state.ratio_wait == 0) & ~repeated
+    larger = jnp.where(longer, jnp.minimum(2 * ratio, methods.largest_ratio), state.ratio_bound)
+    return new._replace(
+        ratio_bound=jnp.where(repeated, ratio, larger),
+        ratio_wait=jnp.where(repeated, state.ratio_patience, jnp.maximum(state.ratio_wait - 1, 0)),
+        ratio_patience=jnp.where(repeated, jnp.minimum(2 * state.ratio_patience, 64), state.ratio_patience),
+    )
+
+
+def _size(state: MarchState) -> Array:
+    """Energy that a run has had so far, without the kinetic one, J."""
+    e = state.energies
+    return jnp.abs(state.initial) + jnp.abs(e.external) + e.plastic + jnp.abs(e.damping)
+
+
+def _marched(model: MarchModel, methods: Methods, state: MarchState, fixed: Array, end: Array) -> MarchState:
     h, ratio, n = chosen_steps(model, methods, state, fixed, end - state.time)
 
     def going_on(carry: tuple[Array, MarchState]) -> Array:
@@ -103,12 +145,11 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
 
 def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Array) -> tuple[Recorded, Array]:
     row = recorded(model, methods, state, trouble)
-    start_energy = state.initial
     e = state.energies._replace(kinetic=row.energies[0])
     held = e.kinetic + e.internal + e.plastic + e.hourglass + e.contact + e.damping + e.interface
     # What round-off stores in a body at rest is no energy: relative strains of 1e-12 at the fastest rate.
     noise = 1e-24 * jnp.sum(model.mass) * jnp.abs(state.x).max(initial=0.0) ** 2 / state.before**2
-    size = jnp.abs(start_energy) + jnp.abs(e.external) + e.plastic + jnp.abs(e.damping) + noise
+    size = _size(state) + noise
     seen = jnp.where(
         state.smallest <= 0,
         1,
@@ -116,9 +157,13 @@ def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Arr
             ~jnp.isfinite(held),
             2,
             jnp.where(
-                jnp.abs(held - e.external - start_energy) > DRIFT * (size + e.kinetic),
+                jnp.abs(held - e.external - state.initial) > DRIFT * (size + e.kinetic),
                 3,
-                jnp.where(jnp.minimum(e.internal, e.hourglass) < -2 * DRIFT * size, 4, 0),
+                jnp.where(
+                    jnp.abs(e.interface) > DRIFT * (size + e.kinetic),
+                    5,
+                    jnp.where(jnp.minimum(e.internal, e.hourglass) < -2 * DRIFT * size, 4, 0),
+                ),
             ),
         ),
     )
@@ -129,16 +174,19 @@ def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Arr
 @partial(jax.jit, static_argnames="methods")
 def recorded(model: MarchModel, methods: Methods, state: MarchState, trouble: Array | int = 0) -> Recorded:
     """A state as it is kept."""
-    plastic = []
-    for law, own, live in zip(methods.laws, state.materials, state.alive, strict=True):
+    plastic, stress = [], []
+    for law, block, own, live in zip(methods.laws, model.blocks, state.materials, state.alive, strict=True):
         strain = law.plastic_strain(own)
         plastic.append(jnp.zeros_like(live) if strain is None else strain.max(axis=0))
+        stress.append(live * von_mises(law, block, state.x, own).max(axis=0))
     return Recorded(
         state.x,
         state.v,
         tuple(plastic),
         state.alive,
-        tuple(tuple(frame) for frame in state.frames),  # type: ignore[misc]
+        tuple(stress),
+        tuple(shell_von_mises(shell, state.x, state.turning.triads) for shell in model.shells),
+        tuple((frame.p, frame.y, frame.vp, frame.vy) for frame in state.frames),
         tuple((at.offset, at.velocity) for at in state.obstacles),
         jnp.stack(state.energies._replace(kinetic=kinetic(model, state))),
         state.time,

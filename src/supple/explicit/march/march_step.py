@@ -15,6 +15,7 @@ from supple.explicit.frame_invariants import kinetic_energy
 from supple.explicit.march.frame_step import frame_step, hanging
 from supple.explicit.march.model import Energies, MarchModel, MarchState, Methods, ObstacleState
 from supple.explicit.march.nodal_forces import nodal_forces
+from supple.explicit.march.turning import turned
 
 __all__ = ["kinetic", "march_step", "with_forces"]
 
@@ -36,7 +37,7 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
         damping=old.damping + done.damping,
         external=old.external + done.external,
         contact=old.contact + done.contact,
-        interface=old.interface - done.from_nodes,
+        interface=old.interface - done.from_nodes - done.turning,
     )
     state = state._replace(energies=energies)
     state = lax.fori_loop(
@@ -55,7 +56,8 @@ def nodal_step(
     """The explicit nodes a step h on; those that hang on frames move at the rates `led` (3, N)."""
     mean = 0.5 * (state.before + h)
     drag = 0.5 * mean * model.alpha
-    acceleration = state.forces.sum(axis=0) / model.mass
+    # Points of modal surfaces have no mass: they are led.
+    acceleration = state.forces.sum(axis=0) / jnp.where(model.mass > 0, model.mass, 1.0)
     v = model.movable * ((1 - drag) * state.v + mean * acceleration) / (1 + drag)
     hangs = jnp.zeros(len(model.mass), dtype=bool)
     for arrays in model.frames:
@@ -64,19 +66,32 @@ def nodal_step(
     middle = 0.5 * (state.v + v)
     obstacles, driven, given = _moved(model, state, from_frames, mean, h)
     x = state.x + h * v
-    out = nodal_forces(model, methods, state.time + h, x, h * v, h, state.materials, state.alive, obstacles)
+    turning, spun, dragged = turned(model.spins, state.turning, mean, h)
+    out = nodal_forces(
+        model,
+        methods,
+        state.time + h,
+        x,
+        h * v,
+        h,
+        state.materials,
+        state.alive,
+        obstacles,
+        turning.triads,
+    )
     works = mean * (state.forces * middle).sum(axis=(1, 2))
     on_hanging = mean * jnp.sum(jnp.where(hangs, state.forces.sum(axis=0) * middle, 0.0))
     weight = mean * jnp.sum(jnp.where(hangs, model.mass * model.gravity[:, None] * middle, 0.0))
     old = state.energies
     energies = Energies(
         kinetic=old.kinetic,
-        internal=old.internal - works[0] - out.plastic - out.viscous,
+        internal=old.internal - works[0] - spun - out.plastic - out.viscous,
         plastic=old.plastic + out.plastic,
         hourglass=old.hourglass - works[1],
         contact=old.contact - works[2] - given,
         damping=old.damping
         + out.viscous
+        + dragged
         + mean * jnp.sum(jnp.where(hangs, 0.0, model.alpha * model.mass * middle**2)),
         interface=old.interface + on_hanging - weight,
         external=old.external + works[3] - weight + driven,
@@ -90,6 +105,7 @@ def nodal_step(
         materials=out.materials,
         alive=out.alive,
         obstacles=obstacles,
+        turning=turning._replace(moments=out.moments),
         obstacle_forces=out.on_obstacles,
         energies=energies,
         smallest=jnp.minimum(state.smallest, out.smallest),
@@ -131,8 +147,10 @@ def with_forces(model: MarchModel, methods: Methods, state: MarchState) -> March
         state.materials,
         state.alive,
         state.obstacles,
+        state.turning.triads,
     )
-    return state._replace(forces=out.forces, obstacle_forces=out.on_obstacles)
+    turning = state.turning._replace(moments=out.moments)
+    return state._replace(forces=out.forces, obstacle_forces=out.on_obstacles, turning=turning)
 
 
 def kinetic(model: MarchModel, state: MarchState) -> Array:
@@ -140,7 +158,7 @@ def kinetic(model: MarchModel, state: MarchState) -> Array:
     own = model.mass
     for arrays in model.frames:
         own = own.at[arrays.nodes].set(0.0)
-    total = 0.5 * jnp.sum(own * state.v**2)
+    total = 0.5 * jnp.sum(own * state.v**2) + 0.5 * jnp.sum(model.spins.inertia * state.turning.rates**2)
     for arrays, frame in zip(model.frames, state.frames, strict=True):
         total = total + kinetic_energy(arrays.model, frame, state.frame_before)
     for number, at in enumerate(state.obstacles):

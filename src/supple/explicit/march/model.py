@@ -7,8 +7,10 @@ from typing import Any, NamedTuple
 
 from jax import Array
 
-from supple.explicit.elements import SolidBlock
+from supple.explicit.elements import ShellBlock, SolidBlock
 from supple.explicit.frame_model import FrameModel, FrameState
+from supple.explicit.march.touching_surface import TouchingSurface
+from supple.explicit.march.turning import Spins, Turning
 from supple.explicit.materials import Law
 from supple.explicit.obstacles import Obstacle
 from supple.explicit.projected_difference import ProjectedDifference
@@ -54,7 +56,9 @@ class MarchModel(NamedTuple):
 
     blocks : of explicit elements;   limits : (E,) of each block at rest, s;   betas : (s) of each, or None
     mass, alpha : (N,) of the nodes, kg and 1/s;   movable : (3, N) 1, or 0 where held
+    surfaces : contacts between parts
     contact_rate : largest stiffness over mass of a node in contact, 1/s^2
+    shells : of triangles, with their triads;   shell_limit : of their step, s
     """
 
     blocks: tuple[SolidBlock, ...]
@@ -65,10 +69,14 @@ class MarchModel(NamedTuple):
     movable: Array
     frames: tuple[FrameArrays, ...]
     touching: tuple[NodesTouching, ...]
+    surfaces: tuple[TouchingSurface, ...]
     loaded: tuple[Any, ...]
     obstacle_mass: Array
     gravity: Array
     contact_rate: Array
+    shells: tuple[ShellBlock, ...]
+    spins: Spins
+    shell_limit: Array
 
 
 @dataclass(frozen=True)
@@ -81,6 +89,8 @@ class Methods:
     scheme : of the four-point frames
     safety : part of the step limit that is used
     largest_ratio : explicit steps in one of the frames
+    interface_loss : of the energy, lost or won between the parts from one output time to the next, above
+        which the ratio is halved and the way repeated
     """
 
     laws: tuple[Law, ...]
@@ -91,6 +101,7 @@ class Methods:
     scheme: ProjectedDifference | PublishedScheme
     safety: float
     largest_ratio: int
+    interface_loss: float
 
 
 class Energies(NamedTuple):
@@ -99,7 +110,8 @@ class Energies(NamedTuple):
     kinetic + internal + plastic + hourglass + contact + damping + interface - external   does not change
 
     internal : work of stresses that is neither plastic nor viscous; hourglass : of the control's forces
-    contact : held by penalties; interface : lost between parts that march at different steps
+    contact : held by penalties; interface : lost between parts that march at different steps, and by frames
+    that turn by a finite angle in a step
     external : work of loads, gravity and driven obstacles
     """
 
@@ -127,6 +139,8 @@ class MarchState(NamedTuple):
     x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
     materials, alive : of each block;   smallest : det F of the worst point so far
     obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
+    ratio_bound : explicit steps in one of the frames, at most, as the interface bears them
+    ratio_wait, ratio_patience : output times until more are tried, and after the next failure
     """
 
     time: Array
@@ -139,8 +153,12 @@ class MarchState(NamedTuple):
     alive: tuple[Array, ...]
     frames: tuple[FrameState, ...]
     obstacles: tuple[ObstacleState, ...]
+    turning: Turning
     obstacle_forces: Array
     energies: Energies
     initial: Array
+    ratio_bound: Array
+    ratio_wait: Array
+    ratio_patience: Array
     smallest: Array
     steps: Array

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from supple.explicit.elements import block_force
+from supple.explicit.elements import block_force, shell_force
 from supple.explicit.march.model import MarchModel, Methods, NodesTouching, ObstacleState
+from supple.explicit.march.touching_surface import surface_penalty
 from supple.explicit.obstacles import Obstacle
 
 __all__ = ["NodalForces", "nodal_forces", "penalty"]
@@ -19,7 +20,7 @@ class NodalForces(NamedTuple):
 
     forces : (4, 3, N) internal, hourglass, contact, external
     materials, alive : of the blocks
-    on_obstacles : (o, 3)
+    on_obstacles : (o, 3);   moments : (3, r) on the triads of shells
     plastic, viscous : work of the step that led here, J;   smallest : det F of the worst point
     """
 
@@ -27,6 +28,7 @@ class NodalForces(NamedTuple):
     materials: tuple[Any, ...]
     alive: tuple[Array, ...]
     on_obstacles: Array
+    moments: Array
     plastic: Array
     viscous: Array
     smallest: Array
@@ -42,6 +44,7 @@ def nodal_forces(
     materials: tuple[Any, ...],
     alive: tuple[Array, ...],
     obstacles: tuple[ObstacleState, ...],
+    triads: Array,
 ) -> NodalForces:
     """At positions x (3, N), reached by the increment dx in a step h (any number where dx is zero)."""
     internal, hourglass = jnp.zeros_like(x), jnp.zeros_like(x)
@@ -59,11 +62,17 @@ def nodal_forces(
         if strain is not None and limit != float("inf"):
             live = live * (strain.max(axis=0) < limit)  # noqa: PLW2901 - the next step's
         living.append(live)
+    moments = jnp.zeros((3, triads.shape[2]))
+    for shell in model.shells:
+        pull = shell_force(shell, x, triads)
+        internal, moments = internal + pull.force, moments + pull.moment
     contact, on_obstacles = jnp.zeros_like(x), jnp.zeros((len(methods.obstacles), 3))
     for touching, number in zip(model.touching, methods.obstacle_of, strict=True):
         push = penalty(methods.obstacles[number], obstacles[number], touching, x[:, touching.nodes])
         contact = contact.at[:, touching.nodes].add(push)
         on_obstacles = on_obstacles.at[number].add(-push.sum(axis=1))
+    for surface in model.surfaces:
+        contact = contact + surface_penalty(surface, x)
     external = model.mass * model.gravity[:, None]
     for nodes, force, law in model.loaded:
         external = external.at[:, nodes].add((law(time) * force / len(nodes))[:, None])
@@ -72,6 +81,7 @@ def nodal_forces(
         tuple(states),
         tuple(living),
         on_obstacles,
+        moments,
         plastic,
         viscous,
         smallest,

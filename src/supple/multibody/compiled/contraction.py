@@ -5,12 +5,13 @@ correction of an earlier step of the same run, in parts of the tolerance,
 
     s_1' <= s_1 max(1, s_0' / s_0)^2
 
-is expected of the next one. Where that is far below the tolerance, the corrected iterate is accepted without
-one evaluation more, which is half of what a step costs. Every so many steps it is measured again.
+is expected of the next one, where a single correction did a step, the next step is no longer and its
+residual not much larger. Where that is far below the tolerance, the corrected iterate is accepted without one evaluation
+more. Every so many steps it is measured again, and a step that takes several corrections is always evaluated.
 
 It holds for what is smooth: inertia, elastic forces, joints and nodal loads are. Laws of force elements may
 have kinks within a step, so machines with such elements are always evaluated.
-Source: [HairerWanner1996], section IV.8, for stopping by the contraction of an earlier step.
+Source: [HairerWanner1996], section IV.8, stops by the contraction of an earlier step, too.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ __all__ = ["Contraction", "foretold_to_converge", "is_foretellable", "measured",
 
 MARGIN = 100.0
 """By which what is foretold must be below the tolerance."""
+LIKE = 2.0
+"""By which a residual may exceed that measured; beyond, at a jump of a load, something else is at work."""
 MEASURED_EVERY = 8
 """Steps."""
 
@@ -57,20 +60,22 @@ def foretold_to_converge(known: Contraction, size: jax.Array, step: jax.Array) -
     """Whether a correction from a residual of this size surely ends below the tolerance."""
     ratio = jnp.maximum(1.0, size / jnp.where(known.before > 0, known.before, 1.0))
     # A step no longer than that measured: its tangent varies no more.
-    comparable = (known.before > 0) & (known.phase > 0) & (step <= known.step * (1 + 1e-6))
+    comparable = (known.phase > 0) & (step <= known.step * (1 + 1e-6)) & (size <= LIKE * known.before)
     return comparable & (MARGIN * known.after * ratio**2 <= 1.0)
 
 
-def measured(known: Contraction, sizes: jax.Array, step: jax.Array, anew: jax.Array) -> Contraction:
+def measured(
+    known: Contraction, sizes: jax.Array, step: jax.Array, corrections: jax.Array, evaluated: jax.Array
+) -> Contraction:
     """What is known behind an accepted step.
 
     sizes : (2,)    before and behind its last correction
-    anew : whether that was measured
+    corrections : of the step: after several nothing is known; evaluated : whether its end was
     """
-    before, after = sizes
-    return Contraction(
-        before=jnp.where(anew, before, known.before),
-        after=jnp.where(anew, after, known.after),
-        step=jnp.where(anew, step, known.step),
-        phase=(known.phase + 1) % MEASURED_EVERY,
+    anew = Contraction(sizes[0], sizes[1], step, known.phase)
+    kept = jax.tree.map(
+        lambda own, old: jnp.where(evaluated & (corrections == 1), own, old), anew, Contraction(*known)
+    )
+    return kept._replace(
+        before=jnp.where(corrections > 1, 0.0, kept.before), phase=(known.phase + 1) % MEASURED_EVERY
     )

@@ -122,8 +122,8 @@ class CompiledEngine:
             acceleration=instant.acceleration,
             auxiliary=known.get("auxiliary", instant.acceleration),
             multipliers=instant.multipliers[list(active)],
-            control=resumed_control(self._system, known),
             contraction=Contraction(*known.get("contraction", untold())),
+            control=resumed_control(self._system, known),
         )
 
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
@@ -159,6 +159,7 @@ class CompiledEngine:
                 steps=int(after.steps - before.steps),
                 iterations=int(after.iterations - before.iterations),
                 rejected_steps=int(after.rejected_steps - before.rejected_steps),
+                factorizations=int(after.iterations - before.iterations),  # each makes its own
                 seconds=clock.perf_counter() - ready,
                 compile_seconds=ready - began,
                 largest_error=float(after.largest_error),
@@ -192,7 +193,7 @@ def as_solution(system: System, model: Model, states: State, statistics: Statist
             "active": np.array(model.active, dtype=float),
             "auxiliary": states.auxiliary[-1],
             "step": states.step[-1],
-            **kept_control(states.control),
             "contraction": np.array([own[-1] for own in states.contraction]),
+            **kept_control(states.control),
         },
     )

@@ -59,6 +59,11 @@ class KinematicEngine:
     """An `Engine` that solves the joints' equations at each instant for the frames of the bodies."""
 
     def __init__(self, system: System, run: Run) -> None:
+        if system.controllers:
+            raise ModelError(
+                "the machine has controllers, but the joints alone move it in a kinematic run: integrate it, "
+                "or leave out the controllers"
+            )
         for placed in system.bodies:
             if placed.body.kind not in _KEEPING_SHAPE:
                 raise ModelError(

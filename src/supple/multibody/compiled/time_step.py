@@ -261,7 +261,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         size = jnp.max(trial.relative_residual) / tolerance
         foretold = jnp.zeros((), dtype=bool)
         if is_foretellable(model):
-            foretold = ~trial.converged & (old.evaluations < controls.max_iterations)
+            foretold = ~trial.converged & (old.evaluations == 0)
             foretold = foretold & foretold_to_converge(start.contraction, size, h)
         return _Iteration(
             acceleration=old.acceleration + change,
@@ -335,7 +335,7 @@ def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> S
         failed=failed,
         relative_residual=iteration.relative_residual,
         contraction=measured(
-            start.contraction, iteration.sizes, h, iteration.converged & (iteration.corrections > 0)
+            start.contraction, iteration.sizes, h, iteration.corrections, iteration.converged
         ),
         largest_error=jnp.maximum(start.largest_error, error),
         largest_turn=jnp.maximum(start.largest_turn, _turn(model, trial.increments)),

@@ -1,0 +1,1 @@
+"""Case files of explicit runs: parts instead of bodies, one file per section."""

@@ -1,0 +1,153 @@
+"""What parts touch: rigid planes, cylinders and spheres, or each other; what ties, holds and pushes them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from supple.cases.laws import Constant, Law, TableLaw
+from supple.explicit import (
+    Contact,
+    NodalForce,
+    RigidCylinder,
+    RigidPlane,
+    RigidSphere,
+    Support,
+    SurfaceContact,
+    Tie,
+)
+from supple.explicit.obstacles import Obstacle
+from supple.importers.toml import ZERO, CheckedTable, KeyPath, Mistakes, Positive, Raw, Vector, on_each
+from supple.machine import At
+
+
+def _end(place: str) -> At:
+    part, _, nodes = place.partition(".")
+    return At(part, nodes)
+
+
+class _Rigid(CheckedTable):
+    """A rigid surface that translates."""
+
+    velocity: Vector = Field(ZERO, description="at the start; kept where no mass is given")
+    mass: Positive | None = Field(None, description="of an obstacle that is free to move; driven if left out")
+
+    def _moving(self) -> dict[str, Any]:
+        return {"velocity": self.velocity, "mass": float("inf") if self.mass is None else self.mass}
+
+
+class Plane(_Rigid):
+    """The half space behind a plane."""
+
+    kind: Literal["plane"]
+    point: Vector = Field(description="on the plane, global axes")
+    normal: Vector = Field(description="towards the side where the nodes belong")
+
+    def build(self) -> Obstacle:
+        """The obstacle."""
+        return RigidPlane(self.point, self.normal, **self._moving())
+
+
+class Cylinder(_Rigid):
+    """A cylinder without end."""
+
+    kind: Literal["cylinder"]
+    point: Vector = Field(description="on the axis, global axes")
+    axis: Vector = Field(description="direction")
+    radius: Positive = Field(description="a length")
+
+    def build(self) -> Obstacle:
+        """The obstacle."""
+        return RigidCylinder(self.point, self.axis, self.radius, **self._moving())
+
+
+class Sphere(_Rigid):
+    """A ball."""
+
+    kind: Literal["sphere"]
+    centre: Vector = Field(description="global axes")
+    radius: Positive = Field(description="a length")
+
+    def build(self) -> Obstacle:
+        """The obstacle."""
+        return RigidSphere(self.centre, self.radius, **self._moving())
+
+
+class ContactTable(CheckedTable):
+    """Nodes that must not enter an obstacle or another part, by penalty."""
+
+    nodes: str = Field(description="PART.NODE_SET")
+    obstacle: Annotated[Plane | Cylinder | Sphere, Field(discriminator="kind")] | None = None
+    surface: str | None = Field(
+        None, description="PART.NODE_SET: instead of an obstacle, the outer faces of another part on this set"
+    )
+    stiffness: Positive | None = Field(None, description="force per depth of a node; by fraction if left out")
+    fraction: float = Field(
+        0.2,
+        gt=0.0,
+        le=1.0,
+        description="of what a node bears at the step limit; shortens the step by sqrt(1 + fraction)",
+    )
+
+    def build(self) -> Contact | SurfaceContact:
+        """The contact."""
+        if self.surface is not None:
+            return SurfaceContact(_end(self.nodes), _end(self.surface), self.stiffness, self.fraction)
+        assert self.obstacle is not None  # a rule of the case file
+        return Contact(_end(self.nodes), self.obstacle.build(), self.stiffness, self.fraction)
+
+
+class TieTable(CheckedTable):
+    """Nodes of an explicit part that move with another part."""
+
+    nodes: str = Field(description="PART.NODE_SET of an explicit part")
+    on: str = Field(description="the part they are tied to")
+    within: Positive = Field(1e-6, description="of the size of the set: how far from the part they may lie")
+
+    def build(self) -> Tie:
+        """The tie."""
+        return Tie(_end(self.nodes), self.on, self.within)
+
+
+class SupportTable(CheckedTable):
+    """Nodes of an explicit part that are held."""
+
+    nodes: str = Field(description="PART.NODE_SET of an explicit part")
+    axes: str = Field("xyz", pattern="^[xyz]{1,3}$", description="directions that are held, global axes")
+    rotations: bool = Field(False, description="true holds rotations about these axes, too: of shells")
+
+    def build(self) -> Support:
+        """The support."""
+        axes = tuple("xyz".index(axis) for axis in sorted(set(self.axes)))
+        turns = tuple(axis + 3 for axis in axes) if self.rotations else ()
+        return Support(_end(self.nodes), axes + turns)
+
+
+class ForceTable(CheckedTable):
+    """A force that nodes share evenly."""
+
+    kind: Literal["force"] = "force"
+    at: str = Field(description="PART.NODE_SET")
+    vector: Vector = Field(description="a force, global axes (at the start, if it follows)")
+    follower: bool = Field(False, description="true turns the force with the frame of a modal part")
+    law: Law = Field(
+        default=Constant(kind="constant", value=1.0), description="factor on vector against time"
+    )
+
+    def build(self, folder: Path) -> NodalForce:
+        """The force; `folder` holds the file of its law."""
+        law = self.law
+        factor = law.build_of_load(folder) if isinstance(law, TableLaw) else law.build(folder)
+        return NodalForce(_end(self.at), self.vector, factor, self.follower)
+
+
+def _touches_one_thing(path: KeyPath, contact: Raw) -> Mistakes:
+    given = [key for key in ("obstacle", "surface") if key in contact]
+    if len(given) != 1:
+        seen = " and ".join(given) or "neither"
+        yield path, f"a contact needs exactly one of obstacle, surface; this one has {seen}"
+
+
+RULES = (on_each("contact", _touches_one_thing),)

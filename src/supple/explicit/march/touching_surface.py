@@ -1,0 +1,159 @@
+"""Nodes against the faces of another part, by penalty: each node against the face below it.
+
+    f = k depth n   on the node,   -w_i f   on the corners of the face,   depth = -(x - sum w_i x_i) . n > 0
+
+with the area coordinates w of the node's projection and the face's normal n. The corners' shares sum to f and
+act where the node projects, in its line: linear and angular momentum go over exactly. Each step searches
+anew: the nearest node of the surface, then the faces about it and about its neighbours.
+
+(u_node - sum w u)^2 <= 2 u_node^2 + 2 sum w u^2, so with all contacts closed the largest squared frequency
+grows by no more than twice the largest of k / m of a node and sum_nodes k w_i / m_i of a corner (Gershgorin).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+__all__ = [
+    "Projection",
+    "TouchingSurface",
+    "corner_stiffness",
+    "projected",
+    "surface_penalty",
+    "touching_surface",
+]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+BEYOND = 0.05
+"""Of a face: how far beyond its rim, in area coordinates, a node still meets it."""
+
+
+class TouchingSurface(NamedTuple):
+    """Nodes and the faces that they must not enter.
+
+    nodes : (n,);   stiffness : (n,) N/m
+    corners : (T, 3) of the faces, turning about the outward normals
+    masters : (M,) nodes of the faces;   about : (M, r) faces near each of them, padded by repetition
+    reach : deepest penetration that is still one, m
+    """
+
+    nodes: Array
+    stiffness: Array
+    corners: Array
+    masters: Array
+    about: Array
+    reach: Array
+
+
+class Projection(NamedTuple):
+    """Of n nodes: corners of the face below each, area coordinates, gap, and normals.
+
+    corners : (n, 3);   weights : (3, n);   gap : (n,) negative inside, infinite beside the surface
+    normals : (3, n)
+    """
+
+    corners: Array
+    weights: Array
+    gap: Array
+    normals: Array
+
+
+def touching_surface(
+    nodes: IntArray, stiffness: FloatArray, corners: IntArray, x: FloatArray
+) -> TouchingSurface:
+    """The arrays of a contact; x (N, 3) at the start, which sets how deep a node may be: half an edge."""
+    masters, local = np.unique(corners, return_inverse=True)
+    local = local.reshape(corners.shape)
+    ring: list[set[int]] = [set() for _ in masters]
+    for face, own in enumerate(local):
+        for node in own:
+            ring[node].add(face)
+    near = [sorted(set().union(*(ring[node] for face in own for node in local[face]))) for own in ring]
+    width = max(map(len, near))
+    about = np.array([own + own[-1:] * (width - len(own)) for own in near])
+    edges = np.linalg.norm(x[corners] - x[np.roll(corners, 1, axis=1)], axis=2)
+    return TouchingSurface(
+        jnp.asarray(nodes),
+        jnp.asarray(stiffness),
+        jnp.asarray(corners),
+        jnp.asarray(masters),
+        jnp.asarray(about),
+        jnp.asarray(0.5 * edges.mean()),
+    )
+
+
+def corner_stiffness(
+    nodes: FloatArray, stiffness: FloatArray, corners: IntArray, x: FloatArray
+) -> dict[int, float]:
+    """Bound of sum k w_i on each node of a surface, N/m, by number: as many nodes as fit beside each other.
+
+    nodes : (n, 3) positions of the touching nodes;   x : (N, 3) of all
+    """
+    edges = x[corners[:, 1:]] - x[corners[:, :1]]
+    areas = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    tributary = np.zeros(len(x))
+    np.add.at(tributary, corners.ravel(), np.repeat(areas / 3, 3))
+    if len(nodes) > 1:
+        apart = KDTree(nodes).query(nodes, 2)[0][:, 1]
+        density = float((stiffness / np.maximum(apart, 1e-300) ** 2).max())
+    else:
+        density = 0.0
+    least, all_of = float(stiffness.max()), float(stiffness.sum())
+    # Half as much again: nodes need not lie as evenly as their mean distance says.
+    return {
+        int(node): min(max(least, 1.5 * density * float(tributary[node])), all_of)
+        for node in np.unique(corners)
+    }
+
+
+def projected(surface: TouchingSurface, x: Array) -> Projection:
+    """Where the nodes stand above the surface, at positions x (3, N)."""
+    points, masters = x[:, surface.nodes], x[:, surface.masters]
+    middle = masters.mean(axis=1, keepdims=True)
+    a, b = points - middle, masters - middle
+    nearest = jnp.argmin((b * b).sum(axis=0) - 2 * a.T @ b, axis=1)
+    faces = surface.about[nearest]  # (n, r)
+    corners = surface.corners[faces]
+    A, B, C = (x[:, corners[:, :, i]] for i in range(3))  # (3, n, r)
+    u, v, d = B - A, C - A, points[:, :, None] - A
+    normal = jnp.cross(u, v, axis=0)
+    square = (normal * normal).sum(axis=0)
+    w1 = (jnp.cross(d, v, axis=0) * normal).sum(axis=0) / square
+    w2 = (jnp.cross(u, d, axis=0) * normal).sum(axis=0) / square
+    weights = jnp.stack([1 - w1 - w2, w1, w2])
+    height = (d * normal).sum(axis=0) / jnp.sqrt(square)
+    beside = jnp.maximum(-weights.min(axis=0), 0.0)
+    # Of the faces that a node lies above or below, the nearest; none where it lies beside all of them.
+    distance = jnp.where(beside <= BEYOND, jnp.abs(height) + 1e-3 * beside * surface.reach, jnp.inf)
+    best = jnp.argmin(distance, axis=1)
+
+    def chosen(array: Array) -> Array:
+        index = best[:, None] if array.ndim == 2 else jnp.broadcast_to(best[:, None], (*array.shape[:-1], 1))
+        return jnp.take_along_axis(array, index, axis=-1)[..., 0]
+
+    touched = jnp.isfinite(chosen(distance))
+    return Projection(
+        jnp.take_along_axis(corners, best[:, None, None], axis=1)[:, 0],
+        chosen(weights),
+        jnp.where(touched, chosen(height), jnp.inf),
+        chosen(normal / jnp.sqrt(square)),
+    )
+
+
+def surface_penalty(surface: TouchingSurface, x: Array) -> Array:
+    """Forces (3, N) on all nodes at positions x (3, N)."""
+    at = projected(surface, x)
+    depth = jnp.where((at.gap < 0) & (at.gap > -surface.reach), -at.gap, 0.0)
+    push = surface.stiffness * depth * at.normals
+    forces = jnp.zeros_like(x).at[:, surface.nodes].add(push)
+    for i in range(3):
+        forces = forces.at[:, at.corners[:, i]].add(-at.weights[i] * push)
+    return forces

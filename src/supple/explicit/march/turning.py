@@ -1,0 +1,58 @@
+"""Triads at the nodes of shells: how they turn, and what their turning holds."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+__all__ = ["Spins", "Turning", "turned"]
+
+
+class Spins(NamedTuple):
+    """Constants of r triads.
+
+    inertia, alpha : (r,) kg m^2 and 1/s;   free : (3, r) 1, or 0 about an axis that is held
+    """
+
+    inertia: Array
+    alpha: Array
+    free: Array
+
+
+class Turning(NamedTuple):
+    """State of r triads.
+
+    triads : (3, 3, r) from the mesh to space, at t_n;   rates : (3, r) in space over the step before, rad/s
+    moments : (3, r) at t_n, N m
+    """
+
+    triads: Array
+    rates: Array
+    moments: Array
+
+
+def turned(spins: Spins, state: Turning, mean: Array, h: Array) -> tuple[Turning, Array, Array]:
+    """Triads a step h on, the work of the moments, and that of the drag, J.
+
+    J w' = m in space, for the inertia is the same about all axes: angular momentum is kept exactly.
+    """
+    drag = 0.5 * mean * spins.alpha
+    rates = spins.free * ((1 - drag) * state.rates + mean * state.moments / spins.inertia) / (1 + drag)
+    middle = 0.5 * (state.rates + rates)
+    work = mean * jnp.sum(state.moments * middle)
+    lost = mean * jnp.sum(spins.alpha * spins.inertia * middle**2)
+    return Turning(_turned(h * rates, state.triads), rates, state.moments), work, lost
+
+
+def _turned(angle: Array, triads: Array) -> Array:
+    """Exp(angle) triads, by Rodrigues' formula."""
+    square = (angle * angle).sum(axis=0)
+    safe = jnp.where(square > 1e-16, square, 1.0)
+    size = jnp.sqrt(safe)
+    small = square <= 1e-16
+    first = jnp.where(small, 1 - square / 6, jnp.sin(size) / size)
+    second = jnp.where(small, 0.5 - square / 24, (1 - jnp.cos(size)) / safe)
+    once = jnp.cross(angle[:, None], triads, axis=0)
+    return triads + first * once + second * jnp.cross(angle[:, None], once, axis=0)

@@ -1,0 +1,81 @@
+"""Rigid obstacles as surfaces of a film: a patch of a plane, a piece of a cylinder, a ball."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.explicit import RigidCylinder, RigidPlane, RigidSphere
+from supple.explicit.obstacles import Obstacle
+from supple.viz.mesh_skin import Skin
+from supple.viz.scene import Actor
+
+__all__ = ["obstacle_actor"]
+
+FloatArray = NDArray[np.float64]
+
+_AROUND, _UP = 32, 16
+
+
+def obstacle_actor(obstacle: Obstacle, offsets: FloatArray, seen: FloatArray) -> Actor:
+    """An obstacle moved by offsets (t, 3), as large as it takes beside what else is seen, points (n, 3)."""
+    if isinstance(obstacle, RigidPlane):
+        points, triangles = _patch(obstacle, seen)
+    elif isinstance(obstacle, RigidCylinder):
+        points, triangles = _tube(obstacle, seen)
+    else:
+        assert isinstance(obstacle, RigidSphere)
+        points, triangles = _ball(obstacle)
+    skin = Skin(triangles, np.zeros(triangles.shape, dtype=bool))
+    return Actor(skin, points + offsets[:, None])
+
+
+def _across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit directions across a unit one."""
+    _, _, rows = np.linalg.svd(axis[None])
+    return rows[1], rows[2]
+
+
+def _patch(plane: RigidPlane, seen: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
+    """A square about the shadow on the plane of what moves before it, twice as wide."""
+    normal, point = np.array(plane.normal), np.array(plane.point)
+    first, second = _across(normal)
+    shadow = np.column_stack([(seen - point) @ first, (seen - point) @ second])
+    low, high = shadow.min(axis=0), shadow.max(axis=0)
+    half = max(float((high - low).max()), 0.1 * float(np.ptp(seen, axis=0).max()))
+    middle = point + 0.5 * (low + high) @ np.stack([first, second])
+    corners = [(-half, -half), (half, -half), (half, half), (-half, half)]
+    return np.array([middle + a * first + b * second for a, b in corners]), np.array([(0, 1, 2), (0, 2, 3)])
+
+
+def _tube(cylinder: RigidCylinder, seen: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
+    axis, point = np.array(cylinder.axis), np.array(cylinder.point)
+    first, second = _across(axis)
+    along = (seen - point) @ axis
+    angle = np.linspace(0, 2 * np.pi, _AROUND + 1)
+    rim = cylinder.radius * (np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second)
+    ends = point + np.array([along.min(), along.max()])[:, None] * axis
+    return (ends[:, None] + rim).reshape(-1, 3), _grid(2, _AROUND + 1)
+
+
+def _ball(sphere: RigidSphere) -> tuple[FloatArray, NDArray[np.int64]]:
+    latitude = np.linspace(0, np.pi, _UP + 1)[:, None]
+    longitude = np.linspace(0, 2 * np.pi, _AROUND + 1)
+    unit = np.stack(
+        [
+            np.sin(latitude) * np.cos(longitude),
+            np.sin(latitude) * np.sin(longitude),
+            np.broadcast_to(np.cos(latitude), (_UP + 1, _AROUND + 1)),
+        ],
+        axis=-1,
+    )
+    return np.array(sphere.centre) + sphere.radius * unit.reshape(-1, 3), _grid(_UP + 1, _AROUND + 1)
+
+
+def _grid(rows: int, columns: int) -> NDArray[np.int64]:
+    """Two triangles in each mesh of a grid of rows x columns points."""
+    number = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = (
+        part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1])
+    )
+    return np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])

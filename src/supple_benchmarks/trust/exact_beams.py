@@ -1,0 +1,172 @@
+"""The sum of all parts, that of the model among them, beside beams that know neither frames nor small turns.
+
+A full run of the same elements in the same frame cannot show what the kinematics of the model cost. A
+geometrically exact beam of another formulation can: strips that are slender and have Poisson's ratio zero are
+such beams, but for their mesh, which is fine enough to be of no account.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import Frame, FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
+from supple.correction import Deflection, ErrorStudy, state_errors
+from supple.fem import HomogeneousSection, Isotropic, shell_model
+from supple.integrate import PARTS, FixedStep, Run, Solution
+from supple.machine import GROUND, At, DeadForce, Fixed, Placed, PrescribedRotation, System, Table
+from supple.machine.laws.spin_up import SpinUp
+from supple.mesh import strip
+from supple.reduction import (
+    AmplitudeProduct,
+    CompressedDerivatives,
+    CraigBampton,
+    DerivativeChoice,
+    ReducedBody,
+    StaticLoad,
+    reduce,
+)
+from supple.simulation import simulate
+from supple_benchmarks.progress import Progress
+from supple_benchmarks.references.simo_reissner import straight_beam, swung
+from supple_benchmarks.rotating_beam.exact_beam import exact_tip
+from supple_benchmarks.rotating_beam.problem import BODY, KINEMATICS, ROOT, RotatingBeam, spin_up_load
+
+__all__ = ["EXACT_BEAMS", "ExactBeamCase", "judge_by_exact_beam"]
+
+Array = NDArray[np.float64]
+
+FRAMES: dict[str, Frame] = {"root": NodalFixedFrame("root"), "mean axes": MeanAxisFrame()}
+TIP = "tip of the beam"
+
+
+@dataclass(frozen=True)
+class ExactBeamCase:
+    """A strip and its run, and the motion of its tip in space by a geometrically exact beam."""
+
+    name: str
+    made: Callable[[], tuple[FullBody, Callable[[Any], System], DerivativeChoice, Run, Deflection]]
+    exact: Callable[[], Array]
+    """Positions of the tip (t, 3) at the output times"""
+
+    @property
+    def file_name(self) -> str:
+        """Of its record."""
+        return re.sub(r"\W+", "-", self.name)
+
+
+def judge_by_exact_beam(case: ExactBeamCase, told: Progress) -> dict[str, Any]:
+    """What is stated of the tip of a body of a fixed size, and how far it is from the exact beam's."""
+    full, system_of, derivatives, run, tip = case.made()
+    body: ReducedBody = reduce(full.body, full.frame, CraigBampton(n_modes=10), derivatives=derivatives)
+    system = system_of(body)
+    solution = state_errors(
+        system, run, simulate(system, run, check=False), ErrorStudy(quantities=(tip,)), fulls=[full]
+    )
+    told(0.6)
+    stated = solution.errors[tip.name]
+    apart = _places(tip, system, solution) - case.exact()
+    told(1.0)
+    return {
+        "name": case.name,
+        "coordinates": body.r,
+        "parts": {part: stated.parts[part].value for part in PARTS},
+        "size": stated.size,
+        "stated_total": stated.total,
+        "true_total": float(np.linalg.norm(apart, axis=1).max()),
+    }
+
+
+def _places(tip: Deflection, system: System, solution: Solution) -> Array:
+    return tip.values(system, solution)[:, 0]
+
+
+def _spun(speed: float, frame: str) -> ExactBeamCase:
+    """The rotating beam of the benchmark of that name, until past its largest deflection."""
+    problem = RotatingBeam(speeds=(speed,), n_length=40, duration=8.0, step=0.02)
+    spin = SpinUp(speed)
+
+    def made() -> tuple[FullBody, Callable[[Any], System], DerivativeChoice, Run, Deflection]:
+        body = problem.body(KINEMATICS["green-lagrange"])
+        hinge = PrescribedRotation(
+            name="hinge", first=GROUND, second=At(BODY, ROOT), axis=(0.0, -1.0, 0.0), angle=spin
+        )
+        weights = AmplitudeProduct(StaticLoad(spin_up_load(body)))
+        return (
+            FullBody(body, FRAMES[frame]),
+            lambda form: System((Placed(form),), (hinge,)),
+            CompressedDerivatives(10, weights=weights),
+            Run(problem.duration, problem.output_step, step=FixedStep(problem.step)),
+            Deflection(BODY, tuple(problem.mesh().nodes_of("tip_centre")), label=TIP),
+        )
+
+    def exact() -> Array:
+        tip = exact_tip(problem, spin)
+        along, across = problem.mesh().nodes[-1, 0] + tip.u, tip.v
+        angle = np.asarray(spin(tip.times))
+        cosine, sine = np.cos(angle), np.sin(angle)
+        return np.stack([along * cosine - across * sine, 0 * angle, along * sine + across * cosine], axis=1)
+
+    return ExactBeamCase(f"spun up to {speed:g} rad/s, {frame}", made, exact)
+
+
+LENGTH, WIDTH, THICKNESS = 1.0, 0.1, 0.01
+MODULUS, DENSITY = 1e9, 1000.0
+SLOWLY, QUICKLY = 2.0, 0.6
+"""s, that a push lasts; the first vibration has a period of 0.6 s."""
+STEP, HALF, FINER = 0.01, 2, 4
+"""s, of the outputs; the run's step, which costs less than its kinematics, and the beam's are parts of it."""
+
+
+def _bent(force: float, push: float, frame: str) -> ExactBeamCase:
+    """A cantilever pushed far by a force that comes and goes."""
+
+    def forces(step: float) -> tuple[Array, Array]:
+        times: Array = step * np.arange(round(1.2 * push / step) + 1, dtype=np.float64)
+        over = np.where(times < push, np.sin(np.pi * times / push) ** 2, 0.0)
+        return times, force * over[:, None] * [0.0, 0.0, 1.0]
+
+    def made() -> tuple[FullBody, Callable[[Any], System], DerivativeChoice, Run, Deflection]:
+        ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
+        model = shell_model(
+            strip(LENGTH, WIDTH, 24, 2), HomogeneousSection(Isotropic(MODULUS, 0.0, DENSITY), THICKNESS)
+        )
+        body = flexible_body("body", model, ends)
+        wall = Fixed(name="wall", first=GROUND, second=At("body", "root"))
+        # As finely tabled as the exact beam is stepped: between, a table goes straight.
+        load = DeadForce(body="body", at="tip", force=Table(*forces(STEP / FINER)))
+        return (
+            FullBody(body, FRAMES[frame]),
+            lambda form: System((Placed(form),), (wall,), (load,)),
+            CompressedDerivatives(15),
+            Run(1.2 * push, STEP, step=FixedStep(STEP / HALF)),
+            Deflection("body", "tip", label=TIP),
+        )
+
+    def exact() -> Array:
+        area, inertia = WIDTH * THICKNESS, np.array([WIDTH * THICKNESS**3, THICKNESS * WIDTH**3]) / 12
+        E, G, k = MODULUS, MODULUS / 2, 5 / 6
+        beam = straight_beam(
+            LENGTH,
+            16,
+            [E * area, k * G * area, k * G * area, 4 * G * inertia[0], E * inertia[0], E * inertia[1]],
+            mass=DENSITY * area,
+            inertia=DENSITY * np.array([inertia.sum(), inertia[0], inertia[1]]),
+        )
+        return swung(beam, forces(STEP / FINER)[1], step=STEP / FINER)[0][::FINER, -1]
+
+    return ExactBeamCase(f"bent by {force:g} N in {push:g} s, {frame}", made, exact)
+
+
+EXACT_BEAMS = (
+    *(_bent(force, SLOWLY, frame) for frame in FRAMES for force in (4.0, 8.0)),
+    *(_bent(4.0, QUICKLY, frame) for frame in FRAMES),
+    *(_spun(speed, "root") for speed in (6.0, 8.0, 10.0, 12.0)),
+    _spun(12.0, "mean axes"),
+)
+"""Of large bending and fast spinning."""

@@ -1,0 +1,160 @@
+"""`supple run` of a case of parts: result, report, pictures, films; cut off and resumed; mistakes named."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from supple.cases import read_case, read_explicit_case, run_explicit_case
+from supple.cli.main import app
+from supple.errors import CaseError
+from supple.mesh import CellType, block
+from supple.storage import read_solution
+
+CASE = """
+title = "a bar against a wall"
+units = { length = "m", mass = "kg", time = "s" }
+
+[[part]]
+name = "rest"
+mesh = "bar.inp"
+cells = "REST"
+solid = { youngs_modulus = 70e9, poissons_ratio = 0.3, density = 2700.0 }
+modal = { modes = 4, interfaces = ["JOINT"] }
+damping = { kind = "linear-rayleigh", alpha = 10.0, beta = 0.0 }
+velocity = [30.0, 0.0, 0.0]
+
+[[part]]
+name = "nose"
+mesh = "bar.inp"
+cells = "NOSE"
+solid = { youngs_modulus = 70e9, poissons_ratio = 0.3, density = 2700.0 }
+explicit = { law = { kind = "j2", yield_stress = 100e6, modulus = 300e6 } }
+velocity = [30.0, 0.0, 0.0]
+
+[[tie]]
+nodes = "nose.JOINT"
+on = "rest"
+
+[[contact]]
+nodes = "nose.TIP"
+obstacle = { kind = "plane", point = [0.6, 0.0, 0.0], normal = [-1.0, 0.0, 0.0] }
+
+[simulation]
+duration = 2e-4
+output_step = 2e-5
+
+[output]
+track = ["nose.JOINT"]
+"""
+PLAIN = ("[output]", "[output]\npictures = false\nanimation = false")
+
+
+def solid_text(mesh, sets):
+    """A mesh of hexahedra with cell sets, in the format of Abaqus."""
+    (cells,) = mesh.cells.values()
+    rows = ["*NODE", *(f"{i}, {x!r}, {y!r}, {z!r}" for i, (x, y, z) in enumerate(mesh.nodes.tolist(), 1))]
+    for name, chosen in sets.items():
+        rows.append(f"*ELEMENT, TYPE=C3D8, ELSET={name}")
+        rows += [f"{e + 1}, " + ", ".join(str(n + 1) for n in cells[e]) for e in np.flatnonzero(chosen)]
+    for name, at in (("JOINT", 0.4), ("TIP", 0.6)):
+        rows += [
+            f"*NSET, NSET={name}",
+            ", ".join(str(n + 1) for n in np.flatnonzero(np.isclose(mesh.nodes[:, 0], at))),
+        ]
+    return "\n".join(rows) + "\n"
+
+
+@pytest.fixture
+def bar(tmp_path):
+    """Writes `bar.toml`, changed as told, beside its mesh."""
+    mesh = block(0.6, 0.1, 0.1, 6, 1, 1, CellType.HEXA8)
+    middle = mesh.nodes[mesh.cells[CellType.HEXA8]].mean(axis=1)[:, 0]
+    (tmp_path / "bar.inp").write_text(solid_text(mesh, {"REST": middle < 0.4, "NOSE": middle > 0.4}))
+
+    def written(*changes):
+        text = CASE
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        (tmp_path / "bar.toml").write_text(text)
+        return tmp_path / "bar.toml"
+
+    return written
+
+
+def test_a_run_writes_its_motion_numbers_pictures_and_films(bar, tmp_path):
+    folder = tmp_path / "out"
+    result = CliRunner().invoke(app, ["run", str(bar()), "-o", str(folder)])
+    assert result.exit_code == 0, result.output
+    assert "Energies" in result.output
+    assert "open in the balance" in result.output
+    numbers = json.loads((folder / "bar.json").read_text())
+    mass = 2700.0 * 0.6 * 0.1**2
+    assert numbers["energies"]["kinetic"]["start"] == pytest.approx(0.5 * mass * 30.0**2, rel=1e-9)
+    assert numbers["energies"]["plastic"]["end"] > 0.05 * numbers["energies"]["kinetic"]["start"]
+    assert numbers["balance"]["relative"] < 1e-6
+    assert numbers["parts"]["nose"]["largest plastic strain"] > 1e-3
+    written = {path.name for path in folder.iterdir()}
+    assert {"bar.h5", "energies.png", "tracked-motion.png", "von-mises.gif", "plastic-strain.gif"} <= written
+    nose = read_solution(folder / "bar.h5").bodies["nose"]
+    # Yielding metal stands at its yield stress, hardened.
+    hardest = 100e6 + 300e6 * nose.plastic_strain.max()
+    assert 100e6 < nose.von_mises.max() <= hardest * (1 + 1e-6)
+    again = CliRunner().invoke(app, ["run", str(tmp_path / "bar.toml"), "-o", str(folder)])
+    assert "--force replaces" in again.output
+
+
+def test_a_run_that_was_cut_off_is_resumed_to_the_last_bit(bar, tmp_path):
+    path = bar(PLAIN)
+    run_explicit_case(read_explicit_case(path), tmp_path / "whole")
+
+    class CutError(Exception):
+        pass
+
+    def cut(_, share):
+        if share > 0.5:
+            raise CutError
+
+    with pytest.raises(CutError):
+        run_explicit_case(read_explicit_case(path), tmp_path / "cut", progress=cut)
+    result = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "cut"), "--resume"])
+    assert result.exit_code == 0, result.output
+    whole, resumed = (read_solution(tmp_path / name / "bar.h5") for name in ("whole", "cut"))
+    for name, motion in whole.bodies.items():
+        for field, values in motion.arrays().items():
+            assert np.array_equal(values, resumed.bodies[name].arrays()[field]), (name, field)
+
+
+def test_every_mistake_is_listed_with_its_line(bar):
+    path = bar(
+        ('nodes = "nose.JOINT"', 'nodes = "rest.JOINT"'),
+        ('nodes = "nose.TIP"', 'nodes = "nos.TIP"\nsurface = "rest.JOINT"'),
+        ("modulus = 300e6", "modulus = 300e6, factor = 1e8"),
+        ('name = "rest"', 'name = "steps"'),
+    )
+    with pytest.raises(CaseError) as caught:
+        read_explicit_case(path)
+    told = str(caught.value)
+    assert "names a series of the result file" in told
+    assert "exactly one of obstacle, surface" in told
+    assert "did you mean 'nose'" in told
+    assert "needs factor and exponent" in told
+    path = bar(('nodes = "nose.JOINT"', 'nodes = "rest.JOINT"'))
+    with pytest.raises(CaseError, match="this one is modal"):
+        read_explicit_case(path)
+
+
+def test_a_node_set_that_no_mesh_has_is_named(bar):
+    with pytest.raises(CaseError, match="did you mean 'TIP'"):
+        _ = read_explicit_case(bar(('nodes = "nose.TIP"', 'nodes = "nose.TIPS"'))).system
+
+
+def test_other_commands_say_whose_case_it_is(bar):
+    path = bar()
+    with pytest.raises(CaseError, match="supple run"):
+        read_case(path)
+    assert "supple run" in CliRunner().invoke(app, ["reduce", str(path)]).output

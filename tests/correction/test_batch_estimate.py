@@ -1,0 +1,79 @@
+"""What bases cost many runs, all judged together, is what they cost the runs one by one."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from error_equation.machines import NODAL, reduced, run_of, soft_strip
+
+from supple.body import FullBody, RayleighDamping
+from supple.correction import estimate_batch_errors, estimate_error, state_batch_errors
+from supple.errors import LockingWarning, ModelError
+from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System, Table
+from supple.simulation import simulate_batch
+
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::supple.errors.LockingWarning")]
+
+RUN = run_of(0.4)
+TIMES = np.linspace(0, 0.4, 9)
+
+
+def pushed(size):
+    """A clamped strip under a force that comes and goes."""
+    body = FullBody(soft_strip("strip", 1.0), NODAL, RayleighDamping(0.5, 2e-3))
+    wall = Fixed(name="wall", first=GROUND, second=At("strip", "root"))
+    force = size * np.sin(np.pi * TIMES / 0.4)[:, None] * [0.0, 0.2, 1.0]
+    return System((Placed(body),), (wall,), (DeadForce(body="strip", at="tip", force=Table(TIMES, force)),))
+
+
+@pytest.fixture(scope="module")
+def batch():
+    """Full and reduced cases of one body, and their runs."""
+    wholes = [pushed(size) for size in (0.3, 0.6, 1.0)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", LockingWarning)
+        small, bases = reduced(wholes[0], 3, 3)
+    cases = [replace(small, loads=whole.loads) for whole in wholes]
+    return wholes, cases, bases, simulate_batch(cases, RUN).check().solutions
+
+
+def test_together_they_are_told_as_one_by_one(batch):
+    wholes, cases, bases, solutions = batch
+    fulls = wholes[0].bodies_of(FullBody)
+    together = estimate_batch_errors(cases, RUN, solutions, fulls)
+    sizes = []
+    for whole, small, solution, told in zip(wholes, cases, solutions, together, strict=True):
+        alone = estimate_error(whole, small, bases, RUN, solution).bodies["strip"]
+        own = told.bodies["strip"]
+        assert own.estimate == pytest.approx(alone.estimate, rel=0.05)
+        np.testing.assert_allclose(own.history, alone.history, atol=0.05 * alone.rms)
+        sizes.append(own.rms)
+    assert sizes[0] < 0.7 * sizes[1] < 0.49 * sizes[2]
+
+
+def test_a_batch_of_one_is_the_run(batch):
+    """The same space but for the instants, and the same march."""
+    wholes, cases, bases, solutions = batch
+    (told,) = estimate_batch_errors(cases[1:2], RUN, solutions[1:2], wholes[0].bodies_of(FullBody))
+    alone = estimate_error(wholes[1], cases[1], bases, RUN, solutions[1]).bodies["strip"]
+    assert told.bodies["strip"].rms == pytest.approx(alone.rms, rel=1e-2)
+
+
+def test_results_carry_their_statements(batch):
+    wholes, cases, _, solutions = batch
+    fulls = wholes[0].bodies_of(FullBody)
+    stated = state_batch_errors(cases, RUN, solutions, fulls)
+    told = estimate_batch_errors(cases, RUN, solutions, fulls)
+    for solution, own in zip(stated, told, strict=True):
+        assert solution.bodies["strip"].error.basis.value == own.bodies["strip"].estimate
+        assert solution.errors["strip"].total >= own.bodies["strip"].estimate
+
+
+def test_bodies_that_differ_are_refused(batch):
+    wholes, cases, _, solutions = batch
+    other, _ = reduced(wholes[1], 3, 3)
+    with pytest.raises(ModelError, match="not the same object"):
+        estimate_batch_errors([cases[0], other], RUN, solutions[:2], wholes[0].bodies_of(FullBody))
