@@ -102,6 +102,7 @@ def extrapolated(run_with, step):
     return (4 * run_with(step / 2) - run_with(step)) / 3
 
 
+@pytest.mark.slow
 def test_the_arm_moves_as_an_independent_integration_says():
     system = arm(FOLLOWING)
 
@@ -116,6 +117,7 @@ def test_the_arm_moves_as_an_independent_integration_says():
     np.testing.assert_allclose(extrapolated(moved, 4e-4)[-1], exact, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_newton_takes_as_many_iterations_with_a_controller_as_with_springs():
     """The tangent of a controller is exact: the same law by an element costs no fewer iterations."""
     servo = [
@@ -242,6 +244,7 @@ class KilledError(Exception):
     """In the middle of a run."""
 
 
+@pytest.mark.slow
 def test_a_run_that_was_killed_goes_on_to_the_last_bit(tmp_path):
     """With a sampled controller and one with states in the same machine."""
 
