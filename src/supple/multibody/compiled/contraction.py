@@ -7,12 +7,8 @@ correction of an earlier step of the same run, in parts of the tolerance,
 
 is expected of the next one, where a single correction did a step, the next step is no longer and its
 residual not much larger. Where that is far below the tolerance, the corrected iterate is accepted without
-<<<<<<< HEAD
 one evaluation more. Every so many steps it is measured again, and a step that takes several corrections is
 always evaluated.
-=======
-one evaluation more. Every so many steps it is measured again, and a step that takes several corrections is always evaluated.
->>>>>>> main
 
 It holds for what is smooth: inertia, elastic forces, joints and nodal loads are. Laws of force elements and
 controllers may have kinks within a step, so machines with such elements are always evaluated.
