@@ -5,8 +5,7 @@ mean of one of its faces.
 
 Expected: the rim moves outwards by `(1 - nu) rho omega^2 R^3 / (4 E)`, the plane stress solution of a disc
 without a bore, within 1 % (thickness and mesh).
-Run it: `python examples/spinning_disc.py` draws the disc, coloured by how far it has grown, to
-spinning_disc.png.
+Run it: `python examples/spinning_disc.py` draws the disc, coloured by its growth, to spinning_disc.png.
 """
 
 from pathlib import Path

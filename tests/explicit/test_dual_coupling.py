@@ -14,6 +14,7 @@ from supple.explicit.coupling import (
     GravouilCombescure,
     ModalSide,
     PrakashHjelmstad,
+    chosen_scheme,
     dual_march,
     interface_operator,
 )
@@ -179,3 +180,16 @@ def test_interfaces_that_do_not_meet_are_refused():
         Coupling(ModalSide(coupling.modal.frequencies, coupling.modal.rows[:5]), coupling.elements)
     with pytest.raises(ModelError, match="ratio"):
         GravouilCombescure(0)
+
+
+def test_the_chosen_scheme_takes_the_longest_long_step_that_is_stable():
+    coupling, _, _, _ = halves()
+    modal = 2 / coupling.modal.frequencies.max()
+    short = modal / 4.6
+    scheme = chosen_scheme(coupling, short, linear=True)
+    assert isinstance(scheme, PrakashHjelmstad)
+    assert scheme.ratio * short <= 0.9 * modal < (scheme.ratio + 1) * short
+    chosen = chosen_scheme(coupling, short, linear=False, largest_ratio=2)
+    assert chosen == GravouilCombescure(2)
+    with pytest.raises(ModelError, match="limit of the"):
+        chosen_scheme(coupling, 0.6, linear=True)

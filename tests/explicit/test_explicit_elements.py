@@ -42,6 +42,7 @@ def forces(subdomain, x, dx=None):
         start.materials,
         start.alive,
         (),
+        start.turning.triads,
     )
     return np.asarray(out.forces[:2])[:, :, numbers], out
 
@@ -97,6 +98,7 @@ def true_limit(part):
             own.start.materials,
             own.start.alive,
             (),
+            own.start.turning.triads,
         )
         return -out.forces.sum(axis=0).ravel()
 

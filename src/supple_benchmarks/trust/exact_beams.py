@@ -19,23 +19,18 @@ from supple.body import Frame, FullBody, MeanAxisFrame, NodalFixedFrame, RigidIn
 from supple.correction import Deflection, ErrorStudy, state_errors
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import PARTS, FixedStep, Run, Solution
-from supple.machine import GROUND, At, DeadForce, Fixed, Placed, PrescribedRotation, System, Table
-from supple.machine.laws.spin_up import SpinUp
+from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System, Table
 from supple.mesh import strip
 from supple.reduction import (
-    AmplitudeProduct,
     CompressedDerivatives,
     CraigBampton,
     DerivativeChoice,
     ReducedBody,
-    StaticLoad,
     reduce,
 )
 from supple.simulation import simulate
 from supple_benchmarks.progress import Progress
 from supple_benchmarks.references.simo_reissner import straight_beam, swung
-from supple_benchmarks.rotating_beam.exact_beam import exact_tip
-from supple_benchmarks.rotating_beam.problem import BODY, KINEMATICS, ROOT, RotatingBeam, spin_up_load
 
 __all__ = ["EXACT_BEAMS", "ExactBeamCase", "judge_by_exact_beam"]
 
@@ -84,35 +79,6 @@ def judge_by_exact_beam(case: ExactBeamCase, told: Progress) -> dict[str, Any]:
 
 def _places(tip: Deflection, system: System, solution: Solution) -> Array:
     return tip.values(system, solution)[:, 0]
-
-
-def _spun(speed: float, frame: str) -> ExactBeamCase:
-    """The rotating beam of the benchmark of that name, until past its largest deflection."""
-    problem = RotatingBeam(speeds=(speed,), n_length=40, duration=8.0, step=0.02)
-    spin = SpinUp(speed)
-
-    def made() -> tuple[FullBody, Callable[[Any], System], DerivativeChoice, Run, Deflection]:
-        body = problem.body(KINEMATICS["green-lagrange"])
-        hinge = PrescribedRotation(
-            name="hinge", first=GROUND, second=At(BODY, ROOT), axis=(0.0, -1.0, 0.0), angle=spin
-        )
-        weights = AmplitudeProduct(StaticLoad(spin_up_load(body)))
-        return (
-            FullBody(body, FRAMES[frame]),
-            lambda form: System((Placed(form),), (hinge,)),
-            CompressedDerivatives(10, weights=weights),
-            Run(problem.duration, problem.output_step, step=FixedStep(problem.step)),
-            Deflection(BODY, tuple(problem.mesh().nodes_of("tip_centre")), label=TIP),
-        )
-
-    def exact() -> Array:
-        tip = exact_tip(problem, spin)
-        along, across = problem.mesh().nodes[-1, 0] + tip.u, tip.v
-        angle = np.asarray(spin(tip.times))
-        cosine, sine = np.cos(angle), np.sin(angle)
-        return np.stack([along * cosine - across * sine, 0 * angle, along * sine + across * cosine], axis=1)
-
-    return ExactBeamCase(f"spun up to {speed:g} rad/s, {frame}", made, exact)
 
 
 LENGTH, WIDTH, THICKNESS = 1.0, 0.1, 0.01
@@ -166,7 +132,5 @@ def _bent(force: float, push: float, frame: str) -> ExactBeamCase:
 EXACT_BEAMS = (
     *(_bent(force, SLOWLY, frame) for frame in FRAMES for force in (4.0, 8.0)),
     *(_bent(4.0, QUICKLY, frame) for frame in FRAMES),
-    *(_spun(speed, "root") for speed in (6.0, 8.0, 10.0, 12.0)),
-    _spun(12.0, "mean axes"),
 )
-"""Of large bending and fast spinning."""
+"""Bent far, slowly and with the first vibration."""

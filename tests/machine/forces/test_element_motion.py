@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from supple import machine as m
 from supple.body import RigidBody
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
+from supple.sensors import ElementEnergySensor
 from supple.simulation import simulate
 
 MASS, INERTIA = 2.0, 0.3
@@ -39,6 +40,7 @@ def speed_after(before, dissipation):
     return brentq(lambda w: taken(-w) - taken(before), 1e-9, min(before, (1 - 1e-12) / dissipation))
 
 
+@pytest.mark.slow
 def test_balls_bounce_with_the_energy_that_their_law_says():
     """On a plane, outside and inside of a cylinder; the speed after does not depend on mass nor stiffness."""
     speed = 0.8
@@ -244,6 +246,7 @@ def oscillation(stiffness, flexibility, load, t):
     return amplitude * (1 - np.cos(rate * t)), amplitude * (t**2 / 2 - (1 - np.cos(rate * t)) / rate**2)
 
 
+@pytest.mark.slow
 def test_gears_screws_and_racks_couple_as_their_ratio_says():
     """Each driven from rest, its mesh elastic: the slip oscillates, the rest follows in closed form."""
     stiffness, load, duration = 2e3, 3.0, 3.0
@@ -303,6 +306,7 @@ def test_gears_screws_and_racks_couple_as_their_ratio_says():
     assert angle("bolt")[-1] > 2 * np.pi
 
 
+@pytest.mark.slow
 def test_a_bar_swings_between_its_stops_and_a_rope_catches_it():
     """Without dissipation stops and bushings keep the energy of what runs into them."""
     axis = {"axis": (0, 0, 1)}
@@ -331,8 +335,6 @@ def test_a_bar_swings_between_its_stops_and_a_rope_catches_it():
     assert turned.min() < -0.2
     assert 0.1 < abs(moved["slider"].position[:, 2]).max() < 0.2
     assert 0.3 < moved["weight"].position[:, 0].max() < 0.4
-    from supple.sensors import ElementEnergySensor
-
     for name, load in zip(names, loads, strict=True):
         own = moved[name]
         kinetic = (MASS * (own.velocity**2).sum(axis=1) + INERTIA * (own.angular_velocity**2).sum(axis=1)) / 2

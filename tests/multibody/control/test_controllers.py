@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,9 +12,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from supple import machine as m
-from supple.body import RigidBody
+from supple.body import FullBody, MeanAxisFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import ModelError
+from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
+from supple.mesh import strip
 from supple.multibody import balances
 from supple.simulation import equilibrium, simulate
 
@@ -98,6 +102,7 @@ def extrapolated(run_with, step):
     return (4 * run_with(step / 2) - run_with(step)) / 3
 
 
+@pytest.mark.slow
 def test_the_arm_moves_as_an_independent_integration_says():
     system = arm(FOLLOWING)
 
@@ -112,6 +117,7 @@ def test_the_arm_moves_as_an_independent_integration_says():
     np.testing.assert_allclose(extrapolated(moved, 4e-4)[-1], exact, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_newton_takes_as_many_iterations_with_a_controller_as_with_springs():
     """The tangent of a controller is exact: the same law by an element costs no fewer iterations."""
     servo = [
@@ -238,6 +244,7 @@ class KilledError(Exception):
     """In the middle of a run."""
 
 
+@pytest.mark.slow
 def test_a_run_that_was_killed_goes_on_to_the_last_bit(tmp_path):
     """With a sampled controller and one with states in the same machine."""
 
@@ -314,6 +321,27 @@ def test_what_a_controller_cannot_do_is_refused():
         replace(arm(FOLLOWING), controllers=[FOLLOWING, SAMPLED])
     with pytest.raises(ModelError, match="leave them out, replace"):
         equilibrium(arm(FOLLOWING))
+
+
+def test_a_body_in_full_takes_no_controller():
+    mesh = strip(LENGTH, 0.1, 2, 2)
+    model = shell_model(mesh, HomogeneousSection(Isotropic(7e10, 0.3, 2700.0), 0.01))
+    flexible = flexible_body("upper", model, [RigidInterface("root", "root")])
+    full = FullBody(flexible, MeanAxisFrame())
+    clamp = m.Fixed(first="ground", second="upper.root")
+    drives = {"pull": m.ForceBetween(first="ground", second="upper.root", axis=AXIS)}
+    pull = m.Controller(reads={}, drives=drives, outputs=lambda *_: {"pull": 1.0})
+    with pytest.raises(ModelError, match="body 'upper' is full: reduce it, or leave out the controllers"):
+        simulate(m.System([full], [clamp], controllers=[pull]), Run(duration=0.1, output_step=0.1))
+
+
+def test_the_scripts_of_the_page_run():
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "control_and_elements.md").read_text("utf-8")
+    names: dict[str, object] = {}
+    for script in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
+        exec(compile(script, "control_and_elements.md", "exec"), names)
+    assert isinstance(names["controller"], m.Controller)
+    assert isinstance(names["sampled"], m.SampledController)
 
 
 @pytest.mark.parametrize(

@@ -15,14 +15,22 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from supple.errors import ModelError
 from supple.integrate import StepFactors
 from supple.machine.forces.relative_motion import axial_motion, wrapped
+from supple.machine.pose import Pose, Wrench
 from supple.multibody.equations.configuration import ControlState, ControlStep, SystemMotion
-from supple.multibody.equations.ends import columns_on_velocities, markers, turns_of
-from supple.multibody.equations.marker import N_LOCAL, Marker, displaced, pose, with_rates
-from supple.multibody.equations.marker_force import on_local_freedoms
+from supple.multibody.equations.ends import markers
+from supple.multibody.equations.marker import (
+    N_LOCAL,
+    Marker,
+    displaced,
+    generalized_force,
+    pose,
+    with_rates,
+)
 from supple.multibody.equations.model import ControlLaw, Ends, Model
 from supple.multibody.equations.places import Block, Places
 
@@ -35,29 +43,31 @@ _ITERATIONS = 3
 def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Array]]:
     """Generalised forces on the bodies that controllers drive."""
     for number, law in enumerate(model.controllers):
-        ends = _ends(law)
-        still = jnp.zeros((len(ends), N_LOCAL))
+        still = jnp.zeros((len(_ends(law)), N_LOCAL))
         local = _local_forces(law, number, motion)(still, still)
-        for end, own in zip(_driven(law), local, strict=True):
-            if end.velocities is not None:
-                yield end.velocities, _on_body(end, own)[None]
+        for rows in _by_body(_driven(law)).values():
+            places, carried = _carried(_driven(law), rows)
+            yield places, (carried.T @ local[np.array(rows)].reshape(-1))[None]
 
 
 def tangent(model: Model, motion: SystemMotion, turns: jax.Array, factors: StepFactors) -> Iterator[Block]:
     """Change of these forces with the new accelerations."""
     for number, law in enumerate(model.controllers):
-        ends = _ends(law)
+        ends, driven = _ends(law), _driven(law)
         still = jnp.zeros((len(ends), N_LOCAL))
         by_place, by_rate = jax.jacfwd(_local_forces(law, number, motion), argnums=(0, 1))(still, still)
-        for row, (driven, of_row) in enumerate(zip(_driven(law), by_place, strict=True)):
-            for column, seen in enumerate(ends):
-                if driven.velocities is None or seen.velocities is None:
-                    continue
-                own_turns = turns_of(seen, turns)
-                places = columns_on_velocities(seen, of_row[None, :, column], own_turns)
-                rates = columns_on_velocities(seen, by_rate[row][None, :, column], None)
-                values = factors.by_position * places + factors.by_velocity * rates
-                yield Block(driven.velocities, seen.velocities, _on_body(driven, values[0])[None])
+        for rows in _by_body(driven).values():
+            row_places, on_bodies = _carried(driven, rows)
+            for body, columns in _by_body(ends).items():
+                column_places, by_velocities = _carried(ends, columns)
+                _, by_increments = _carried(ends, columns, turns[body])
+                of_places, of_rates = (
+                    part[np.array(rows)][:, :, np.array(columns)].reshape(len(on_bodies), -1)
+                    for part in (by_place, by_rate)
+                )
+                change = factors.by_position * of_places @ by_increments
+                change = change + factors.by_velocity * of_rates @ by_velocities
+                yield Block(row_places, column_places, (on_bodies.T @ change)[None])
 
 
 def stepped(model: Model, motion: SystemMotion) -> ControlState | None:
@@ -67,7 +77,7 @@ def stepped(model: Model, motion: SystemMotion) -> ControlState | None:
     step = _step(motion)
     states, rates = [], []
     for number, law in enumerate(model.controllers):
-        now = _readings(law, step.start.states[number], [_at(end, motion) for end in _ends(law)])
+        now = _readings(law, step.start.states[number], _poses(law, motion))
         own = _new_states(law, number, motion, now)
         angles = [now[each.name].angle for each in law.readers if each.of_joint]
         states.append(jnp.concatenate([own, jnp.stack(angles)]) if angles else own)
@@ -79,7 +89,7 @@ def readings_at(model: Model, motion: SystemMotion) -> tuple[dict[str, Any], ...
     """What each controller reads."""
     step = _step(motion)
     return tuple(
-        _readings(law, step.start.states[number], [_at(end, motion) for end in _ends(law)])
+        _readings(law, step.start.states[number], _poses(law, motion))
         for number, law in enumerate(model.controllers)
     )
 
@@ -103,22 +113,48 @@ def _driven(law: ControlLaw) -> list[Ends]:
     return [end for each in law.actuators for end in (each.force.first, each.force.second)]
 
 
-def _at(end: Ends, motion: SystemMotion) -> Marker:
-    own = markers(end, motion.configuration, motion.velocity)
-    return jax.tree.map(lambda leaf: jnp.asarray(leaf)[0], own)
+def _by_body(ends: list[Ends]) -> dict[int, list[int]]:
+    """Numbers of the ends on each body; the ground left out."""
+    found: dict[int, list[int]] = {}
+    for number, end in enumerate(ends):
+        if not end.on_ground:
+            found.setdefault(end.bodies[0], []).append(number)
+    return found
 
 
-def _on_body(end: Ends, local: jax.Array) -> jax.Array:
-    """Rows for the body's velocities (6 + r, ...) of those for the local freedoms (12, ...)."""
-    return jnp.concatenate([local[:6], jnp.asarray(end.motion)[0].T @ local[6:]])
+def _carried(ends: list[Ends], numbers: list[int], turn: Any = None) -> tuple[Places, jax.Array]:
+    """Where a body's velocities stand, and the local freedoms (k 12, 6 + r) of its ends that they give.
+
+    With `turn` (3, 3), for increments of the frame's rotation vector instead of its turn.
+    """
+    frame = jax.scipy.linalg.block_diag(jnp.eye(3), jnp.eye(3) if turn is None else turn)
+    parts = [jax.scipy.linalg.block_diag(frame, jnp.asarray(ends[number].motion)[0]) for number in numbers]
+    places = ends[numbers[0]].velocities
+    assert places is not None
+    return places, jnp.concatenate(parts)
 
 
-def _readings(law: ControlLaw, states: Any, seen: list[Marker]) -> dict[str, Any]:
+def _still(law: ControlLaw, motion: SystemMotion) -> Marker:
+    """All ends as they are, stacked."""
+    every = [markers(end, motion.configuration, motion.velocity) for end in _ends(law)]
+    return jax.tree.map(lambda *leaves: jnp.concatenate([jnp.asarray(leaf) for leaf in leaves]), *every)
+
+
+def _poses(law: ControlLaw, motion: SystemMotion) -> Pose:
+    """Of all ends, stacked."""
+    return jax.vmap(pose)(_still(law, motion))
+
+
+def _one(stacked: Any, number: int) -> Any:
+    return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], stacked)
+
+
+def _readings(law: ControlLaw, states: Any, seen: Pose) -> dict[str, Any]:
     """By name; angles near those of the states, which count the turns."""
     found: dict[str, Any] = {}
     counted = len(law.initial)
     for number, reader in enumerate(law.readers):
-        first, second = pose(seen[2 * number]), pose(seen[2 * number + 1])
+        first, second = _one(seen, 2 * number), _one(seen, 2 * number + 1)
         if not reader.of_joint:
             found[reader.name] = first
             continue
@@ -171,29 +207,21 @@ def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mappi
 
 def _local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
     """Forces (a, 12) on the driven ends as a function of displacements and rates (e, 12) of all ends."""
-    still = [_at(end, motion) for end in _ends(law)]
+    still = _still(law, motion)
     n_read = 2 * len(law.readers)
 
     def of(variations: jax.Array, rates: jax.Array) -> jax.Array:
-        moved = [
-            with_rates(displaced(marker, variation), rate)
-            for marker, variation, rate in zip(still, variations, rates, strict=True)
-        ]
-        readings = _readings(law, _step(motion).start.states[number], moved)
+        moved = jax.vmap(with_rates)(jax.vmap(displaced)(still, variations), rates)
+        poses = jax.vmap(pose)(moved)
+        readings = _readings(law, _step(motion).start.states[number], poses)
         outputs = _outputs(law, number, motion, readings)
-        forces, none = [], jnp.zeros(2 * N_LOCAL)
+        loads: list[Wrench] = []
         for place, each in enumerate(law.actuators):
-            first, second = moved[n_read + 2 * place : n_read + 2 * place + 2]
-            own, parameters = jax.tree.map(
-                lambda leaf: jnp.asarray(leaf)[0], (each.force.law, each.force.parameters)
-            )
+            own, parameters = _one((each.force.law, each.force.parameters), 0)
             added = jnp.reshape(jnp.asarray(outputs[each.name], dtype=float), each.shape)
-
-            def value(time: Any, own: Any = own, added: Any = added) -> Any:
-                return own(time) + added
-
-            local = on_local_freedoms(each.force.wrenches, value, parameters, first, second, motion.time)
-            forces.append(local(none, none).reshape(2, N_LOCAL))
-        return jnp.concatenate(forces)
+            ends = _one(poses, n_read + 2 * place), _one(poses, n_read + 2 * place + 1)
+            loads += each.force.wrenches(*ends, own(motion.time) + added, parameters)
+        every = jax.tree.map(lambda *leaves: jnp.stack(leaves), *loads)
+        return jax.vmap(generalized_force)(jax.tree.map(lambda leaf: leaf[n_read:], moved), every)
 
     return of

@@ -22,10 +22,10 @@ from supple.multibody.equations.marker import (
 from supple.multibody.equations.model import ForceGroup
 from supple.multibody.equations.places import Block, Places, over
 
-__all__ = ["force", "on_local_freedoms", "tangent"]
+__all__ = ["force", "tangent"]
 
 
-def on_local_freedoms(
+def _on_local_freedoms(
     wrenches: Any, law: Any, parameters: Any, first: Marker, second: Marker, time: Any
 ) -> Any:
     """Generalised forces (24,) of a force element as a function of displacements and rates (24,) each."""
@@ -52,7 +52,7 @@ def force(forces: ForceGroup, motion: SystemMotion) -> Iterator[tuple[Places, ja
     still = jnp.zeros(2 * N_LOCAL)
 
     def of_element(law, parameters, first, second):
-        local = on_local_freedoms(forces.wrenches, law, parameters, first, second, motion.time)(still, still)
+        local = _on_local_freedoms(forces.wrenches, law, parameters, first, second, motion.time)(still, still)
         return local[:N_LOCAL], local[N_LOCAL:]
 
     local = over(of_element, forces.law, forces.parameters, *_ends(forces, motion))
@@ -66,7 +66,7 @@ def tangent(
     still = jnp.zeros(2 * N_LOCAL)
 
     def of_element(law, parameters, first, second):
-        local = on_local_freedoms(forces.wrenches, law, parameters, first, second, motion.time)
+        local = _on_local_freedoms(forces.wrenches, law, parameters, first, second, motion.time)
         return jax.jacfwd(local, argnums=(0, 1))(still, still)
 
     by_position, by_rate = over(of_element, forces.law, forces.parameters, *_ends(forces, motion))
