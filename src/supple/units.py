@@ -47,7 +47,7 @@ _STRESSES = MappingProxyType(
     }
 )  # fmt: skip
 _ENERGIES = MappingProxyType({"J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "kJ": 1e3, "MJ": 1e6, "erg": 1e-7})
-_POWERS = MappingProxyType({"W": 1.0, "mW": 1e-3, "uW": 1e-6, "kW": 1e3, "MW": 1e6})
+_WATTS = MappingProxyType({"W": 1.0, "mW": 1e-3, "uW": 1e-6, "kW": 1e3, "MW": 1e6})
 _SPELLINGS = MappingProxyType({"µm": "um", "μm": "um", "µs": "us", "μs": "us", "sec": "s", "tonne": "t"})
 _IMPERIAL = ("in", "ft")
 # Names that stand for the same unit agree to the digits by which feet and pounds are defined.
@@ -180,7 +180,7 @@ class UnitSystem:
     @property
     def power(self) -> str:
         """W, mW, kW, .."""
-        return self._named(_POWERS, mass=1, length=2, time=-3)
+        return self._named(_WATTS, mass=1, length=2, time=-3)
 
     @property
     def density(self) -> str:
