@@ -194,9 +194,11 @@ def test_an_arm_in_a_floating_frame_carries_an_intrinsic_beam():
     section = BeamSection(Isotropic(1e6, 0.0, 100.0), 0.01, 1e-4, 1e-4, 2e-4, orientation=(0, 0, 1))
     mesh = Mesh(points, {CellType.LINE2: cells}, node_sets={"root": [0], "tip": [4]})
     ends = [RigidInterface("root", "root"), RigidInterface("tip", "tip")]
-    shell = flexible_body("a", shell_model(mesh, section), ends)
-    floating = reduce(shell, NodalFixedFrame("root"), CraigBampton(8), derivatives=NoDerivatives())
-    own = condensed_line("a", points, shell.stiffness, shell.mass)
+    model = shell_model(mesh, section)
+    floating = reduce(
+        flexible_body("a", model, ends), NodalFixedFrame("root"), CraigBampton(8), derivatives=NoDerivatives()
+    )
+    own = condensed_line("a", points, model.stiffness, model.mass)
     intrinsic = released(intrinsic_body(own, CLAMPED, 14))
     beams = beam("b", n_modes=8, EA=1e4, EI=100.0, GJ=100.0)
     run = Run(0.2, 0.02, step=FixedStep(2e-3), method=GeneralizedAlpha(0.9))
