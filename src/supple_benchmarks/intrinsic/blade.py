@@ -74,7 +74,7 @@ class Held(NamedTuple):
 def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
     """A row a method and load; error None where a method finds no equilibrium."""
     blade = Blade(COARSE_GRID) if quick else Blade()
-    n_stations = 13 if quick else 31
+    n_stations, n_modes = (13, 60) if quick else (31, 80)
     ends = [RigidInterface("root", "root"), AveragingInterface("tip", "tip")]
     body = flexible_body(BODY, shell_model(blade.mesh, SECTION, kinematics=GREEN_LAGRANGE), ends)
     wind = blade.steady_load(body, RATED)[:, 0].reshape(len(body.nodes), -1)[blade.leading_edge, :3]
@@ -84,7 +84,7 @@ def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
         "full, nodal-fixed": lambda held: _full(held, NodalFixedFrame("root")),
         "floating, mean-axis": lambda held: _floating(held, MeanAxisFrame()),
         "floating, nodal-fixed": lambda held: _floating(held, NodalFixedFrame("root")),
-        "intrinsic": lambda held: _intrinsic(held, n_stations),
+        "intrinsic": lambda held: _intrinsic(held, n_stations, n_modes),
     }
     for factor in (1, 3):
         held = Held(body, blade.leading_edge, factor, factor * wind, tip)
@@ -141,7 +141,7 @@ def _rested(held: Held, form: Any) -> Array:
     return placed.positions(held.tip)
 
 
-def _intrinsic(held: Held, n_stations: int) -> Array:
-    body = condense(held.body, LoadPath("root", "tip", n_stations), n_modes=80)
+def _intrinsic(held: Held, n_stations: int, n_modes: int) -> Array:
+    body = condense(held.body, LoadPath("root", "tip", n_stations), n_modes=n_modes)
     rest = line_rest(held.system(body), n_steps=3)[BODY]
     return body.positions(rest, held.tip)[0]
