@@ -12,6 +12,7 @@ from fixtures.runs_on_disk import started
 from fixtures.strip_case import CASE as STRIP
 
 from supple.errors import ResultFileError
+from supple.simulation.interruption import Terminated, raising_terminated
 from supple.storage import read_header
 
 COMMAND = "from supple.cli.main import main; main()"
@@ -85,3 +86,22 @@ def test_a_self_correction_says_what_it_keeps(tmp_path):
     assert found == 143, printed
     assert f"is kept in {path}" in printed
     assert "with --resume" in printed
+
+
+@pytest.mark.parametrize(
+    ("number", "expected"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, Terminated)]
+)
+def test_a_signal_that_arrives_while_an_object_is_cleared_away_is_not_lost(number, expected):
+    """Python prints what is raised there and goes on; the run would never hear of it."""
+
+    class Cleared:
+        def __del__(self):
+            signal.raise_signal(number)
+
+    def swallowed():
+        Cleared()
+        for _ in range(300):
+            time.sleep(0.01)
+
+    with pytest.raises(expected), raising_terminated():
+        swallowed()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any
 
 from supple.storage import ResultFile
 
@@ -23,6 +25,8 @@ class Terminated(SystemExit):
 
 INTERRUPTIONS = (KeyboardInterrupt, Terminated)
 """What ends a run from outside."""
+_A_MOMENT = 0.05
+"""s"""
 
 
 @contextmanager
@@ -37,9 +41,35 @@ def raising_terminated() -> Iterator[bool]:
         return
     signal.signal(signal.SIGTERM, _raise_terminated)
     try:
-        yield True
+        with _not_swallowed():
+            yield True
     finally:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+@contextmanager
+def _not_swallowed() -> Iterator[None]:
+    """Within the block an interruption that Python could not pass on is sent again a moment later.
+
+    A signal may arrive while an object is being cleared away, where Python prints what is raised and goes on.
+    """
+    before, again = sys.unraisablehook, []
+
+    def hook(unraisable: Any) -> None:
+        if not isinstance(unraisable.exc_value, INTERRUPTIONS):
+            before(unraisable)
+            return
+        number = signal.SIGTERM if isinstance(unraisable.exc_value, Terminated) else signal.SIGINT
+        again.append(threading.Timer(_A_MOMENT, os.kill, (os.getpid(), number)))
+        again[-1].start()
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
+        for timer in again:
+            timer.cancel()
 
 
 @contextmanager
