@@ -15,7 +15,7 @@ _SIGNS = np.eye(4)[LINKS[:, 0]] - np.eye(4)[LINKS[:, 1]]
 
 def link_vectors(p: Array) -> Array:
     """D = x_I - x_J (6, 3) of points p (4, 3), or the rate of d from that of p."""
-    return _SIGNS @ p
+    return jnp.asarray(_SIGNS) @ p
 
 
 def link_residual(p: Array, squared_lengths: Array) -> Array:
@@ -26,4 +26,4 @@ def link_residual(p: Array, squared_lengths: Array) -> Array:
 
 def link_rows(vectors: Array) -> Array:
     """G = dD/dp (6, 12) for link vectors (6, 3)."""
-    return (_SIGNS[:, :, None] * vectors[:, None, :]).reshape(6, 12)
+    return (jnp.asarray(_SIGNS)[:, :, None] * vectors[:, None, :]).reshape(6, 12)
