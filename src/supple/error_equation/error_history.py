@@ -34,8 +34,7 @@ from supple.integrate import Coefficients, Solution, Statistics
 from supple.machine import System
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import Configuration, SystemMotion
-from supple.multibody.equations.floating_solution import body_motions, joint_multipliers
-from supple.multibody.equations.joint_wrench import joint_wrenches
+from supple.multibody.equations.floating_solution import floating_solution
 from supple.multibody.equations.model import Model
 from supple.reduction import ReducedBody
 
@@ -170,18 +169,7 @@ class ErrorEquation:
         """The system in the columns of the error, and its true motion at some steps, as far as it is told."""
         motion = jax.tree.map(lambda leaf: leaf[rows], self._moved(found))
         system = self._system
-        bodies = body_motions(
-            system, self.model.slices, motion.configuration, motion.velocity, motion.acceleration
-        )
-        multipliers = joint_multipliers(system, self.active, motion.multipliers)
-        solution = Solution(
-            times=motion.time,
-            bodies=bodies,
-            joint_forces=joint_wrenches(system, motion.time, bodies, multipliers),
-            statistics=Statistics(),
-            multipliers=multipliers,
-        )
-        return system, solution
+        return system, floating_solution(system, self.model.slices, self.active, motion, Statistics())
 
     @cached_property
     def _system(self) -> System:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -93,6 +93,14 @@ class Placed:
     def assembly(self) -> Assembly:
         """Where it stood when joints and forces were put on."""
         return self.assembled or Assembly(self.position, self.rotation)
+
+    def moved_to(self, position: np.ndarray, rotation: np.ndarray) -> Placed:
+        """Placed elsewhere, its joints and forces on the same points and axes of it.
+
+        rotation : (3, 3), of which the rounding errors of many turns are taken off
+        """
+        left, _, right = np.linalg.svd(rotation)
+        return replace(self, position=position, rotation=left @ right, assembled=self.assembly)
 
     def positions(self, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
         """Positions `R + A (x + u)` (k, 3) in space of some of its nodes, or all, deformed as it starts."""

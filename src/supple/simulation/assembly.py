@@ -54,11 +54,9 @@ def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
     machine: StartingMachine = FullSystem(system) if full else CompiledMachine(system, build_model(system))
     found = joints_assembled(machine, time, placed_configuration(system))
     bodies, moved = [], []
-    for placed, position, turned in zip(system.bodies, found.origins, found.rotations, strict=True):
-        left, _, right = np.linalg.svd(turned)  # without the rounding errors of many turns
-        rotation = left @ right
-        bodies.append(replace(placed, position=position, rotation=rotation, assembled=placed.assembly))
-        angle = Rotation.from_matrix(placed.rotation.T @ rotation).magnitude()
+    for placed, position, rotation in zip(system.bodies, found.origins, found.rotations, strict=True):
+        bodies.append(placed.moved_to(position, rotation))
+        angle = Rotation.from_matrix(placed.rotation.T @ bodies[-1].rotation).magnitude()
         distance = float(np.linalg.norm(position - placed.position))
         moved.append(Moved(placed.body.name, distance, float(angle)))
     return AssembledMachine(replace(system, bodies=tuple(bodies)), tuple(moved))

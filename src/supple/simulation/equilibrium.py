@@ -16,10 +16,9 @@ from supple.machine import Placed, Spin, System
 from supple.multibody import CompiledStatics, FullStatics
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.equations.build_model import build_model
-from supple.multibody.equations.configuration import Configuration
+from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.consistent_start import consistent_start, placed_velocity
-from supple.multibody.equations.floating_solution import body_motions, joint_multipliers
-from supple.multibody.equations.joint_wrench import joint_wrenches
+from supple.multibody.equations.floating_solution import floating_solution
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.static_search import StaticSearch, StaticState, search_equilibrium
 from supple.multibody.equations.steady_motion import Turning
@@ -132,16 +131,11 @@ def _one_instant(found: RestingState, time: float) -> Solution:
     system, state = placed_at_rest(found), found.state
     configuration = Configuration(*(np.asarray(part)[None] for part in state.configuration))
     moving = placed_velocity(system)[None]
-    bodies = body_motions(system, found.slices, configuration, moving, np.zeros_like(moving))
-    multipliers = joint_multipliers(system, found.model.active, np.asarray(state.multipliers))
-    times, of_instant = np.array([time]), {name: own[None] for name, own in multipliers.items()}
-    return Solution(
-        times=times,
-        bodies=bodies,
-        joint_forces=joint_wrenches(system, times, bodies, of_instant),
-        statistics=Statistics(steps=0, iterations=found.iterations, rejected_steps=0, seconds=0.0),
-        multipliers=of_instant,
+    motion = SystemMotion(
+        np.array([time]), configuration, moving, np.zeros_like(moving), np.asarray(state.multipliers)[None]
     )
+    statistics = Statistics(steps=0, iterations=found.iterations, rejected_steps=0, seconds=0.0)
+    return floating_solution(system, found.slices, found.model.active, motion, statistics)
 
 
 def _at_rest(placed: Placed) -> Placed:
@@ -155,16 +149,13 @@ def placed_at_rest(found: RestingState) -> System:
     system, (velocities, point), state = found.system, found.turning, found.state
     for index, placed in enumerate(system.bodies):
         after = first + placed.body.n_coordinates
-        left, _, right = np.linalg.svd(np.asarray(state.configuration.rotations[index]))
-        rotation, position = left @ right, np.asarray(state.configuration.origins[index])
+        rotation = np.asarray(state.configuration.rotations[index])
+        moved = placed.moved_to(np.asarray(state.configuration.origins[index]), rotation)
         bodies.append(
             replace(
-                placed,
-                position=position,
-                rotation=rotation,
-                assembled=placed.assembly,
-                velocity=np.cross(velocities[index], position - point),
-                angular_velocity=velocities[index] @ rotation,
+                moved,
+                velocity=np.cross(velocities[index], moved.position - point),
+                angular_velocity=velocities[index] @ moved.rotation,
                 coordinates=state.configuration.coordinates[first:after],
             )
         )

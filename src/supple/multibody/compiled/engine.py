@@ -18,13 +18,12 @@ from supple.multibody.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
 from supple.multibody.compiled.sampling import sampling_of
 from supple.multibody.compiled.time_step import Controls, State
 from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.configuration import SystemMotion
 from supple.multibody.equations.floating_solution import (
-    body_motions,
     failure_message,
-    joint_multipliers,
+    floating_solution,
     last_instant,
 )
-from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, stepping_instants
 
@@ -181,14 +180,15 @@ class CompiledEngine:
 def as_solution(system: System, model: Model, states: State, statistics: Statistics) -> Solution:
     """Stacked states (leading axis: time) as a solution."""
     states = jax.tree.map(np.asarray, states)
-    bodies = body_motions(system, model.slices, states.configuration, states.velocity, states.acceleration)
-    multipliers = joint_multipliers(system, model.active, states.multipliers)
-    return Solution(
-        times=states.time,
-        bodies=bodies,
-        joint_forces=joint_wrenches(system, states.time, bodies, multipliers),
-        multipliers=multipliers,
-        statistics=statistics,
+    motion = SystemMotion(
+        states.time, states.configuration, states.velocity, states.acceleration, states.multipliers
+    )
+    return floating_solution(
+        system,
+        model.slices,
+        model.active,
+        motion,
+        statistics,
         engine_state={
             "active": np.array(model.active, dtype=float),
             "auxiliary": states.auxiliary[-1],

@@ -21,9 +21,8 @@ from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion, advance
 from supple.multibody.equations.consistent_start import consistent_start
-from supple.multibody.equations.floating_solution import body_motions, joint_multipliers, last_instant
+from supple.multibody.equations.floating_solution import floating_solution, last_instant
 from supple.multibody.equations.joint_force import constraints
-from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.starting_machine import joint_terms
 from supple.multibody.equations.step_size import position_rounding
@@ -149,13 +148,9 @@ class KinematicEngine:
     def _instants(self, begin: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All instants on the way to output times, no further apart than the step; and which are these."""
         intervals = np.diff(times, prepend=begin)
-        counts = np.maximum(np.ceil(intervals / self._step * (1 - 1e-9)), 1).astype(int)
-        ends = np.cumsum(counts)
-        after = np.arange(ends[-1]) - np.repeat(ends - counts, counts) + 1
-        back = np.repeat(times, counts) - np.repeat(intervals / counts, counts) * (
-            np.repeat(counts, counts) - after
-        )
-        return back, ends - 1
+        ends = np.cumsum(np.maximum(np.ceil(intervals / self._step * (1 - 1e-9)), 1).astype(int))
+        every = np.interp(np.arange(1, ends[-1] + 1), [0, *ends], [begin, *times])
+        return every, ends - 1
 
     def _why(self, time: float) -> str:
         return (
@@ -168,18 +163,13 @@ class KinematicEngine:
         """The motion of a leg."""
         assert self._model is not None
         states = jax.tree.map(np.asarray, leg.states)
-        model, system = self._model, self._system
-        bodies = body_motions(
-            system, model.slices, states.configuration, states.velocity, states.acceleration
+        model = self._model
+        motion = SystemMotion(
+            states.time, states.configuration, states.velocity, states.acceleration, states.multipliers
         )
-        multipliers = joint_multipliers(system, model.active, states.multipliers)
-        return Solution(
-            times=states.time,
-            bodies=bodies,
-            joint_forces=joint_wrenches(system, states.time, bodies, multipliers),
-            multipliers=multipliers,
-            statistics=leg.statistics,
-            engine_state={"active": np.array(model.active, dtype=float)},
+        active = {"active": np.array(model.active, dtype=float)}
+        return floating_solution(
+            self._system, model.slices, model.active, motion, leg.statistics, engine_state=active
         )
 
 

@@ -19,7 +19,7 @@ from supple.errors import ModelError, RedundantConstraintWarning
 from supple.machine import System
 from supple.multibody.equations.build_model import row_scales
 from supple.multibody.equations.configuration import Configuration
-from supple.multibody.equations.joint_closure import joints_closed
+from supple.multibody.equations.joint_closure import joints_closed, row_labels
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.singular_start import check_redundant_nearby, neighbours
 from supple.multibody.equations.start_change import StartChange
@@ -108,7 +108,7 @@ def _check_nearby(
         return joints_closed(machine, time, machine.moved(configuration, increment), velocity)
 
     check_redundant_nearby(
-        _row_labels(machine.system),
+        row_labels(machine.system),
         sorted(set(every.model.active) - set(machine.model.active)),
         list(neighbours(machine.model, machine.joint_terms(time, configuration, velocity).jacobian)),
         closed,
@@ -151,17 +151,13 @@ def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) ->
 
 def _check_redundant_closed(system: System, active: tuple[int, ...], residuals: np.ndarray) -> None:
     """Raise ModelError when an equation left out is not met by the others: joints that contradict."""
-    labels, scales = _row_labels(system), row_scales(system)
+    labels, scales = row_labels(system), row_scales(system)
     for index in sorted(set(range(len(residuals))) - set(active)):
         if abs(residuals[index]) > 1e-9 * scales[index]:
             raise ModelError(
                 f"the joints contradict each other at the start: with all others closed, {labels[index]} is "
                 f"off by {residuals[index]:.3g}. Correct the placement, or start away from a dead point"
             )
-
-
-def _row_labels(system: System) -> list[str]:
-    return [f"'{joint.name}' ({row})" for joint in system.joints for row in joint.rows]
 
 
 def independent_constraints(system: System, jacobian: np.ndarray, metric: np.ndarray) -> tuple[int, ...]:
@@ -176,7 +172,7 @@ def independent_constraints(system: System, jacobian: np.ndarray, metric: np.nda
     kept = _independent_columns(scaled)
     if kept.size == len(jacobian):
         return tuple(range(len(jacobian)))
-    labels = _row_labels(system)
+    labels = row_labels(system)
     redundant = [labels[i] for i in np.setdiff1d(np.arange(len(jacobian)), kept)]
     warnings.warn(
         f"{len(redundant)} redundant constraint equation(s) left out: {', '.join(redundant)}. The motion is "

@@ -2,16 +2,52 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from supple.errors import ModelError
-from supple.integrate import FloatingMotion, Solution
+from supple.integrate import FloatingMotion, Solution, Statistics
 from supple.machine import System
-from supple.multibody.equations.configuration import Configuration
+from supple.multibody.equations.configuration import Configuration, SystemMotion
+from supple.multibody.equations.joint_wrench import joint_wrenches
 
-__all__ = ["LastInstant", "body_motions", "failure_message", "joint_multipliers", "last_instant"]
+__all__ = [
+    "LastInstant",
+    "body_motions",
+    "failure_message",
+    "floating_solution",
+    "joint_multipliers",
+    "last_instant",
+]
+
+
+def floating_solution(
+    system: System,
+    slices: tuple[slice, ...],
+    active: tuple[int, ...],
+    motion: SystemMotion,
+    statistics: Statistics,
+    engine_state: Mapping[str, np.ndarray] = MappingProxyType({}),
+) -> Solution:
+    """Stacked states (leading axis: time) as a solution, with the forces of the joints.
+
+    slices : where the velocities of each body stand
+    active : constraint equations that were kept, to which the multipliers belong
+    engine_state : what an exact resume needs besides these numbers
+    """
+    bodies = body_motions(system, slices, motion.configuration, motion.velocity, motion.acceleration)
+    multipliers = joint_multipliers(system, active, motion.multipliers)
+    return Solution(
+        times=motion.time,
+        bodies=bodies,
+        joint_forces=joint_wrenches(system, motion.time, bodies, multipliers),
+        multipliers=multipliers,
+        statistics=statistics,
+        engine_state=engine_state,
+    )
 
 
 def body_motions(

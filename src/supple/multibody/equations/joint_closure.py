@@ -11,7 +11,7 @@ from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.starting_machine import JointTerms, StartingMachine
 from supple.multibody.equations.step_size import position_rounding
 
-__all__ = ["joints_assembled", "joints_closed"]
+__all__ = ["joints_assembled", "joints_closed", "row_labels"]
 
 _LARGEST_TURN = 0.3
 """rad by which a body is turned at most before the joints are looked at again; with shifts in proportion."""
@@ -100,11 +100,12 @@ def joints_assembled(machine: StartingMachine, time: float, configuration: Confi
         configuration = machine.moved(configuration, _of_bodies(machine, change))
     worst = int(np.argmax(abs(left)))
     raise ConvergenceError(
-        f"the machine cannot be assembled: {_row_names(system)[worst]} stays open by "
+        f"the machine cannot be assembled: joint {row_labels(system)[worst]} stays open by "
         f"{abs(left[worst]) * scales[worst]:.3g} after {_MOST_ITERATIONS} iterations. Correct lengths and "
         "places of the bodies; a law must begin with a value that they can reach"
     )
 
 
-def _row_names(system: System) -> list[str]:
-    return [f"joint '{joint.name}' ({row})" for joint in system.joints for row in joint.rows]
+def row_labels(system: System) -> list[str]:
+    """What to call each constraint equation."""
+    return [f"'{joint.name}' ({row})" for joint in system.joints for row in joint.rows]

@@ -13,15 +13,13 @@ import numpy as np
 from supple.integrate import Leg, Run, Solution, Statistics, StepRule, damps_joint_forces
 from supple.machine import System
 from supple.multibody.checks.start import report_start
-from supple.multibody.equations.configuration import Configuration
+from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.equations.floating_solution import (
-    body_motions,
     failure_message,
-    joint_multipliers,
+    floating_solution,
     last_instant,
 )
-from supple.multibody.equations.joint_wrench import joint_wrenches
 from supple.multibody.equations.step_size import next_step
 from supple.multibody.equations.stops import Stops, stepping_instants
 from supple.multibody.full.full_system import FullState, FullSystem
@@ -194,23 +192,19 @@ class FullEngine:
             )
         )
         active = machine.model.active
-        times = np.array([state.time for state in states])
-        bodies = body_motions(
-            machine.system,
-            machine.slices,
+        motion = SystemMotion(
+            np.array([state.time for state in states]),
             configuration,
             np.array([state.velocity for state in states]),
             np.array([state.acceleration for state in states]),
+            np.array([state.multipliers for state in states]),
         )
-        multipliers = joint_multipliers(
-            machine.system, active, np.array([state.multipliers for state in states])
-        )
-        return Solution(
-            times=times,
-            bodies=bodies,
-            joint_forces=joint_wrenches(machine.system, times, bodies, multipliers),
-            multipliers=multipliers,
-            statistics=leg.statistics,
+        return floating_solution(
+            machine.system,
+            machine.slices,
+            active,
+            motion,
+            leg.statistics,
             engine_state={
                 "active": np.array(active, dtype=float),
                 "auxiliary": states[-1].auxiliary,
