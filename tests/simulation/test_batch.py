@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -30,6 +31,7 @@ from supple.machine import (
     System,
     Table,
 )
+from supple.multibody.equations.build_model import build_model
 from supple.simulation import batch, simulate, simulate_batch
 
 
@@ -220,6 +222,17 @@ def test_flexible_cases_that_differ_in_loads_start_and_go_on_as_alone(pushes):
         wrench = alone.joint_forces["hub"]
         np.testing.assert_allclose(own.joint_forces["hub"], wrench, rtol=0, atol=1e-9 * np.abs(wrench).max())
         assert own.statistics.iterations == alone.statistics.iterations
+
+
+def test_cases_that_take_turns_carry_no_tables(turned):
+    """A case whose turn it is copies its numbers: with the wind of 100 s among them a batch crawled."""
+    models = [build_model(pendulum(turned, rows=rows), ()) for rows in (3, 3000)]
+    held = [model.loads_at(0.3) for model in models]
+    sizes = [sum(np.size(leaf) for leaf in jax.tree.leaves(model)) for model in held]
+    assert sizes[0] == sizes[1] < 500
+    for model, still in zip(models, held, strict=True):
+        for load, same in zip(model.nodal_loads, still.nodal_loads, strict=True):
+            np.testing.assert_array_equal(same.load.law(0.7), load.load.law(0.3))
 
 
 def test_a_chunk_that_would_not_fit_in_memory_is_refused(pushes, monkeypatch):

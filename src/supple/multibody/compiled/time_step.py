@@ -237,7 +237,14 @@ def _correction_where_needed(
     )
 
 
-_correction_in_turn = partial(in_turn, _correction_where_needed)
+def _correction_in_turn(
+    model: Model, rule: StepRule, start: State, trial: _Trial, linearization: Linearization
+) -> tuple[jax.Array, jax.Array]:
+    """The same for cases that take turns, each of which copies its numbers: tables of loads would be most."""
+    held = model.loads_at(start.time + rule.h)
+    return in_turn(_correction_where_needed, held, rule, start, trial, linearization)
+
+
 _FEWEST_IN_TURN = 16
 """Velocities of a system whose cases of a batch are corrected in turn: below, mapping them costs less."""
 

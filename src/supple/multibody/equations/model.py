@@ -8,15 +8,17 @@ joints and forces stand in groups, as arrays with a leading axis.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
+from supple.machine.laws.constant import Constant
 from supple.multibody.equations.floating_inertia import InertiaArrays
-from supple.multibody.equations.places import Places
+from supple.multibody.equations.places import Places, over
 
 __all__ = [
     "Actuator",
@@ -239,6 +241,24 @@ class Model:
     def gravity_at(self, time: Any) -> Any:
         """Gravity seen from a base that accelerates, (3,)."""
         return self.gravity - sum(law(time) for law in self.base_accelerations)
+
+    def loads_at(self, time: Any) -> Model:
+        """The model whose loads stay as they are at a time: without their tables, which may be long."""
+
+        def held(group: ForceGroup) -> ForceGroup:
+            if group.law is None:
+                return group
+            return replace(group, law=Constant(over(lambda law: jnp.asarray(law(time)), group.law)))
+
+        return replace(
+            self,
+            forces=tuple(held(group) for group in self.forces),
+            nodal_loads=tuple(
+                replace(each, load=replace(each.load, law=Constant(jnp.asarray(each.load.law(time)))))
+                for each in self.nodal_loads
+            ),
+            base_accelerations=tuple(Constant(jnp.asarray(law(time))) for law in self.base_accelerations),
+        )
 
 
 def _slices(sizes: Any) -> tuple[slice, ...]:
