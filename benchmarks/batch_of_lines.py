@@ -23,7 +23,7 @@ from supple.simulation import simulate, simulate_batch
 from supple_benchmarks.intrinsic.beams import beam_line
 
 N_CASES, ALONE = 256, 4
-N_STEPS = 400
+N_STEPS = 1000
 
 
 def main(repetitions: int) -> None:
