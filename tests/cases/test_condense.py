@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from supple.cases import read_case, run_case
-from supple.errors import CaseError
+from supple.errors import CaseError, ModelError
 from supple.intrinsic import IntrinsicBody
 
 WING = Path(__file__).parents[2] / "examples" / "wing.toml"
@@ -171,3 +171,29 @@ def test_what_a_condensed_body_cannot_do_is_named_before_anything_runs(case_fold
     path = rewritten(case_folder, *changes)
     with pytest.raises(CaseError, match=message):
         read_case(path)
+
+
+def beside(case_folder, reduction):
+    """A condensed strip clamped at its root, and one in a floating frame on its tip."""
+    path = rewritten(case_folder, (CONDENSE, RELEASED), ("duration = 0.4", "duration = 0.004"))
+    text = path.read_text()
+    first, rest = text.split("[[joint]]", 1)
+    whole = first[first.index("[[body]]") :].replace(RELEASED, WHOLE[0] + reduction)
+    second = whole.replace('name = "strip"', 'name = "other"\nposition = [1, 0, 0]')
+    weld = '[[joint]]\nname = "weld"\nkind = "fixed"\nfirst = "strip.tip"\nsecond = "other.root"\n\n'
+    path.write_text(first + second + weld + "[[joint]]" + rest)
+    return read_case(path)
+
+
+@pytest.mark.slow
+def test_beside_a_condensed_body_the_error_is_that_of_the_steps(case_folder, tmp_path):
+    result = run_case(beside(case_folder, WHOLE[1]), tmp_path / "both")
+    stated = result.solution.errors
+    assert set(stated) == {"strip", "other"}
+    assert all(each.basis is None for each in stated.values())
+    assert all(each.step is not None and each.step.value > 0 for each in stated.values())
+
+
+def test_beside_a_condensed_body_none_corrects_itself(case_folder, tmp_path):
+    with pytest.raises(ModelError, match="give the other bodies reductions of fixed size"):
+        run_case(beside(case_folder, ""), tmp_path / "both")
