@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from fixtures.beam_lines import beam_line, straight
 
-from supple.body import RayleighDamping
+from supple.body import RayleighDamping, RigidBody
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, ResidualRungeKutta4, Run, RungeKutta4, Tolerances
 from supple.intrinsic import CLAMPED, FREE, intrinsic_body, released
@@ -42,7 +42,7 @@ def held(force, *, body=CLAMPED_BEAM, gravity=9.81):
         DeadForce(at="beam.tip", force=table),
     ]
     clamp = Fixed(first="ground", second="beam.root", name="clamp")
-    return System([Placed(body, coordinate_rates=rates)], [clamp], loads, gravity=(0, 0, -gravity))
+    return System([Placed(body, coordinate_rates=rates)], [clamp], loads, gravity=np.array([0, 0, -gravity]))
 
 
 def flying(force):
@@ -116,6 +116,9 @@ def test_what_no_batch_takes_is_named():
     weld = Fixed(first="ground", second="beam.tip", name="weld")
     with pytest.raises(ModelError, match=r"case 0: .*one by one"):
         simulate_batch([System([released(CLAMPED_BEAM)], [weld])], run)
+    bob = System([RigidBody("bob", 2.0, np.zeros(3), np.eye(3), {"hinge": np.zeros(3)})])
+    with pytest.raises(ModelError, match="case 0: a batch with intrinsic bodies takes no others"):
+        simulate_batch([bob, held(1.0)], run)
     with pytest.raises(ModelError, match="case 1 differs from the first in more than numbers"):
         simulate_batch([held(1.0), driven(1.0)], run)
     with pytest.raises(ModelError, match=r"a step of .* is unstable"):

@@ -83,7 +83,8 @@ def read_condensed_line(
             )
         return condensed_line(name, points, stiff, inert, parents=parents)
     except ModelError as error:
-        raise ModelError(f"{error} (read from {K.source})") from error
+        clamped = "" if held else "; where the root was clamped, begin paths at its grid, which no matrix has"
+        raise ModelError(f"{error} (read from {K.source}{clamped})") from error
 
 
 def _check_freedoms(name: str, stiffness: LabelledMatrix, mass: LabelledMatrix) -> None:

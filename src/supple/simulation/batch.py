@@ -100,7 +100,7 @@ def simulate_batch(
     for system in cases:
         check_laws_cover(system, run.times[0], run.times[-1])
     warn_of_unseen_laws(_briefest(cases, run), run)
-    if cases[0].bodies_of(IntrinsicBody):
+    if any(system.bodies_of(IntrinsicBody) for system in cases):
         batch = batch_of_lines(cases, run, chunk, progress)
         report_output_rate(cases[0], run, batch.solutions[0])
         return batch
