@@ -99,7 +99,7 @@ def bordered_factor(
 
     Raises AccuracyError where the system is singular.
     """
-    n = matrix.shape[0]
+    n = int(matrix.shape[0])
     parts: list[list[Any]] = [[sparse.csr_array(matrix), constraint.T], [constraint, None]]
     if columns is not None and columns.size and weight:
         # c W W^T x by unknowns of its own, z = c W^T x.
@@ -107,12 +107,13 @@ def bordered_factor(
         parts = [
             [*parts[0], wide],
             [*parts[1], None],
-            [wide.T, None, -sparse.eye_array(wide.shape[1]) / weight],
+            [wide.T, None, -sparse.eye_array(columns.shape[1]) / weight],
         ]
     whole: Any = sparse.csr_array(sparse.block_array(parts, format="csr"))
     border = np.setdiff1d(np.arange(whole.shape[0]), interior)
-    upper = whole[interior]
+    upper: Any = whole[interior]
     factor = factorize_general(upper[:, interior])
+    upper: Any = upper
     coupling: Any = sparse.csc_array(upper[:, border])
     rows: Any = sparse.csr_array(whole[border][:, interior])
     touched = np.flatnonzero(np.diff(coupling.indptr))

@@ -28,7 +28,7 @@ _GUARD = 4
 _LEFT = 1e-8
 """Part of a mode that the basis may lack."""
 
-_ALLOWED = 1e-6
+_ALLOWED = 1e-5
 """Part that it may lack where rounding is in the way of more."""
 
 _ROUNDS = 60

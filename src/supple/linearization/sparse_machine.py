@@ -22,15 +22,14 @@ __all__ = ["SparseMachine"]
 LARGEST_DENSE = 1000
 """Independent freedoms up to which all motions are found at once."""
 
-_FIRST, _ROUNDS = 8, 12
-"""Motions that the shift is found with, and attempts at it."""
+_FIRST, _MOST, _ROUNDS = 4, 36, 12
+"""Motions that the shift is found with, besides the rigid ones of each body, and most of these; attempts."""
 
 _FROM_MODES = 0.3
-"""The shift, over the frequency of the slowest motion that is not free: each iteration gains by both ends."""
+"""The shift, over the frequency of the fastest of them. A far slower one would drown them in rounding."""
 
-
-_FREE = 1e-6
-"""Square of a frequency, over that of the shift, below which a motion is taken for a free one here."""
+_FREE = 1e-4
+"""Frequency, over the shift, below which all of them are taken for free."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +61,8 @@ class SparseMachine:
     @cached_property
     def slow(self) -> SlowMotions:
         """The solver for slow motions, and a few of these."""
-        return _slow_motions(self.equations)
+        rigid = 6 * len(self.system.bodies)
+        return _slow_motions(self.equations, min(rigid, _MOST, self.size - _FIRST) + _FIRST)
 
     @cached_property
     def all_motions(self) -> Array:
@@ -109,13 +109,13 @@ class SlowMotions:
     motions: Array
 
 
-def _slow_motions(equations: SparseEquations) -> SlowMotions:
+def _slow_motions(equations: SparseEquations, number: int) -> SlowMotions:
     """A shift of the size of the slowest vibrations, from a few steps of subspace iteration."""
     mass, stiffness = equations.mass, equations.stiffness
     n = mass.shape[0]
     squares = abs(stiffness.diagonal()) / np.where(mass.diagonal() > 0, mass.diagonal(), np.inf)
     shift = np.sqrt(1e-9 * float(squares.max()) or 1.0)
-    block = np.random.default_rng(0).standard_normal((n, _FIRST))
+    block = np.random.default_rng(0).standard_normal((n, number))
     for _ in range(_ROUNDS):
         try:
             factor = _shifted(equations, shift)
@@ -126,9 +126,8 @@ def _slow_motions(equations: SparseEquations) -> SlowMotions:
             images = factor.solve(mass @ block)
             block = mass_orthonormalize(images, mass, rank_tolerance=1e-12).vectors
         found = np.linalg.eigvalsh(block.T @ (stiffness @ block))
-        moving = np.sqrt(abs(found[abs(found) > _FREE * shift**2]))
-        wanted = _FROM_MODES * float(moving.min(initial=np.inf))
-        if not np.isfinite(wanted) or 0.1 * wanted <= shift <= 3 * wanted:
+        wanted = _FROM_MODES * float(np.sqrt(abs(found).max(initial=0.0)))
+        if 0.1 * wanted <= shift <= 10 * wanted or wanted < _FREE * shift:
             return SlowMotions(shift, factor, block)
         shift = wanted
     raise AccuracyError(
