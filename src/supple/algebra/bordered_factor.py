@@ -113,7 +113,6 @@ def bordered_factor(
     border = np.setdiff1d(np.arange(whole.shape[0]), interior)
     upper: Any = whole[interior]
     factor = factorize_general(upper[:, interior])
-    upper: Any = upper
     coupling: Any = sparse.csc_array(upper[:, border])
     rows: Any = sparse.csr_array(whole[border][:, interior])
     touched = np.flatnonzero(np.diff(coupling.indptr))
