@@ -15,6 +15,7 @@ from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
 from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
+from supple.machine.forces import JointFriction
 from supple.multibody import StaticSearch
 from supple.multibody.compiled.statics import balanced
 from supple.multibody.compiled.time_step import position_scale
@@ -66,6 +67,12 @@ def linearize(
     ModelError          a machine whose equations change as it turns
     ConvergenceError    no equilibrium
     """
+    frictions = [load for load in system.loads if isinstance(load, JointFriction)]
+    if frictions and spin is not None and spin.rate:
+        raise ModelError(
+            f"{frictions[0].label}: how the friction of what slides follows its force is not linearised; "
+            "give it a preload, RevoluteFriction or PrismaticFriction, or leave it out"
+        )
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
     if system.bodies_of(FullBody):
         return _sparse(found, time, spin)
