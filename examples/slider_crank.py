@@ -4,12 +4,12 @@ A crank of 30 mm, driven by a torque that rises to 1 Nm in 0.1 s, moves a slider
 aluminium rod of 140 mm. The rod is reduced until its ten lowest free eigenvalues are right within 1 %,
 proven; the program finds out that this takes 19 fixed-interface modes, 25 coordinates with the constraint
 modes. As many are then spent in three ways: on this whole basis; on the 25 lowest vibrations, as counting
-frequencies suggests; and on 13 vibrations with 12 attachment modes, the static answers to forces at the bores.
+frequencies suggests; on 13 vibrations with 12 attachment modes, the static answers to forces at the bores.
 
 Expected: the slider follows the exact path of a rigid rod, r cos(phi) + sqrt(l^2 - r^2 sin^2(phi)), within
 1e-6 m; energy equals the work of the torque within 1e-4. The vibrations alone have the right frequencies
 and the wrong stress: without the static motions of the bores they miss more than a tenth of what the whole
-basis shows at node A, though the slider's motion is the same to 1e-6 m. Attachment modes bring it back to 1 %.
+basis shows at node A, though the slider's motion is the same to 1e-6 m. Attachment modes bring it to 1 %.
 
 Draws slider_crank.png: the von Mises stress at node A, on the shank beside the big eye.
 Source of the machine: [Han2020] section 5.2.

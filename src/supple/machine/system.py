@@ -187,8 +187,6 @@ class System:
                     raise ModelError(f"{what}: there is no joint '{reading.joint}'{near}")
             for element in controller.drives.values():
                 self._check_load(element)
-                if isinstance(element, JointFriction):
-                    raise ModelError(f"{what} cannot drive {element.label}, whose value is the joint's force")
 
     def _check_load(self, load: Load) -> None:
         if isinstance(load, NodalLoad):

@@ -18,7 +18,7 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.mesh import strip
 from supple.multibody import balances
-from supple.simulation import equilibrium, simulate
+from supple.simulation import equilibrium, simulate, simulate_batch
 
 MASS, LENGTH, INERTIA = 3.0, 0.8, 0.2
 WHEEL = 0.5
@@ -179,6 +179,38 @@ def test_states_of_a_controller_are_of_second_order():
 
     errors = [error(step) for step in (0.02, 0.01, 0.005)]
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, atol=0.15)
+
+
+def test_a_batch_marches_the_states_of_its_controllers():
+    """Wheels of three inertias, turning and carrying integrators from different starts: each as if alone."""
+
+    def rates(_t, reads, z):
+        return jnp.stack([2.0 - reads["hinge"].rate])
+
+    def outputs(_t, reads, z):
+        return {"motor": 6.0 * z[0] - 0.3 * reads["hinge"].angle}
+
+    def case(mass, start, spin):
+        own = m.Controller(reads=HINGE, drives=MOTOR, outputs=outputs, rates=rates, initial=[start])
+        body = RigidBody("wheel", mass, [0, 0, 0], mass * np.eye(3), {"axle": (0, 0, 0)})
+        placed = m.Placed(body, angular_velocity=(0, 0, spin))
+        joint = m.Revolute(first="ground", second="wheel.axle", axis=AXIS, name="hinge")
+        return m.System([placed], [joint], controllers=[own])
+
+    cases = [case(0.5, 0.1, 0.0), case(0.8, -0.3, 1.0), case(1.3, 0.0, 0.0)]
+    run = Run(duration=1.0, output_step=0.5, **options(0.02))
+    for system, found in zip(cases, simulate_batch(cases, run).check().solutions, strict=True):
+        alone = simulate(system, run)
+        ours, theirs = (each.engine_state["control.states.0"] for each in (found, alone))
+        np.testing.assert_allclose(ours, theirs, rtol=1e-11, atol=1e-12)
+        ours, theirs = (each.bodies["wheel"].angular_velocity for each in (found, alone))
+        np.testing.assert_allclose(ours, theirs, rtol=1e-11, atol=1e-12)
+    assert abs(theirs).max() > 0.5
+    sampled = m.SampledController(
+        reads=HINGE, drives=MOTOR, law=integrating, every=0.1, memory={"total": 0.0}
+    )
+    with pytest.raises(ModelError, match="one by one"):
+        simulate_batch([replace(each, controllers=[sampled]) for each in cases], run)
 
 
 def test_angles_that_are_read_count_whole_turns():

@@ -97,8 +97,8 @@ def readings_at(model: Model, motion: SystemMotion) -> tuple[dict[str, Any], ...
 def _step(motion: SystemMotion) -> ControlStep:
     if motion.control is None:
         raise ModelError(
-            "controllers act in the runs of rigid and reduced bodies, each by itself: for an equilibrium, "
-            "modes, a batch or the error of a basis leave them out, replace(system, controllers=())"
+            "controllers act in runs of rigid and reduced bodies: for an equilibrium, "
+            "modes or the error of a basis leave them out, replace(system, controllers=())"
         )
     return motion.control
 
