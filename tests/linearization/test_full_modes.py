@@ -22,6 +22,7 @@ from supple.machine import (
     GROUND,
     At,
     Fixed,
+    FollowerForce,
     FollowerPressure,
     Placed,
     PrescribedRotation,
@@ -168,3 +169,37 @@ def test_what_a_full_body_cannot_do_says_what_to_do(body):
         linearize(heavy, spin=Spin(3.0, (0, 0, 1)))
     few = machine_modes(linear, 1000)
     assert len(few.eigenvalues) == linear.size
+
+
+@pytest.mark.parametrize(("load", "flutters"), [(20.0, False), (20.1, True)])
+def test_a_column_under_a_following_force_flutters_at_becks_load(load, flutters):
+    """[Beck1952] `20.05 E I / l^2`, where frequencies meet at `11.02` in UNIT: stiffness is unsymmetric."""
+    model = shell_model(
+        strip(LENGTH, WIDTH, 24, 2), HomogeneousSection(Isotropic(E, 0.0, DENSITY), THICKNESS)
+    )
+    faces = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
+    column = FullBody(flexible_body("strip", model, faces), NodalFixedFrame("root"))
+    bending = E * WIDTH * THICKNESS**3 / 12
+    push = FollowerForce(first="strip.tip", force=(-load * bending / LENGTH**2, 0.0, 0.0))
+    clamp = Fixed(first=GROUND, second=At("strip", "root"))
+    modes = machine_modes(linearize(System((Placed(column),), (clamp,), (push,))), 3)
+    assert modes.unstable[:2].any() == flutters
+    if flutters:
+        assert modes.frequencies[:2] / UNIT == pytest.approx([11.02, 11.02], rel=5e-3)
+    else:
+        assert abs(modes.eigenvalues.real).max() < 1e-9 * modes.frequencies.max()
+
+
+def test_a_full_body_that_turns_about_its_middle_axis_is_unstable():
+    """Euler's growth of the rigid body, which elasticity does not change at this speed."""
+    model = shell_model(strip(1.0, 0.3, 4, 2), HomogeneousSection(Isotropic(E, 0.3, DENSITY), 0.05))
+    racket = flexible_body("racket", model).linearized()
+    rate = 5.0
+    spin = Spin(rate, (0, 1, 0), (0.5, 0, 0))
+    modes = machine_modes(linearize(System((Placed(FullBody(racket, MeanAxisFrame())),)), spin=spin), 3)
+    rigid = racket.rigid_modes.T @ (racket.mass @ racket.rigid_modes)
+    # Moments about the centre, half a unit along x from the origin.
+    first, second, third = np.diag(rigid)[3:] - rigid[0, 0] * 0.25 * np.array([0.0, 1.0, 1.0])
+    growth = rate * np.sqrt((second - first) * (third - second) / (first * third))
+    assert modes.eigenvalues.real.max() == pytest.approx(growth, rel=1e-5)
+    assert modes.unstable.sum() == 1

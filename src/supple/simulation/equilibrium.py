@@ -107,6 +107,8 @@ def resting_state(
             f"body '{next(iter(intrinsic))}' is intrinsic: find its rest with supple.intrinsic.line_rest, "
             "which takes machines of such bodies alone"
         )
+    if not np.isfinite(time):
+        raise ModelError(f"the time of an equilibrium must be finite, got {time}")
     search = StaticSearch() if search is None else search
     turning = Turning(np.zeros((len(system.bodies), 3)), np.zeros(3))
     if spin is not None:

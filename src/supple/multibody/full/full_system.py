@@ -94,6 +94,8 @@ class Evaluation(NamedTuple):
     """(6 + n,) of each full body, its interface forces included in the last n."""
     frame_residuals: tuple[np.ndarray, ...]
     relative_residual: np.ndarray
+    largest_terms: np.ndarray
+    """Of forces, moments and deformation, (3,): what the first residuals are compared with"""
 
 
 class FullSystem:
@@ -204,6 +206,7 @@ class FullSystem:
             tuple(residuals),
             tuple(gaps),
             np.append(relative, constraint),
+            np.where(scale > 0, scale, 1.0),
         )
 
     def _relative_constraint(self, state: FullState, residual: np.ndarray, by_position: float) -> float:
