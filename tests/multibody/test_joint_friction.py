@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from supple.body import RigidBody
-from supple.errors import ModelError
+from supple.errors import ConvergenceError, ModelError
 from supple.integrate import FixedStep, Kinematic, Run
 from supple.machine import (
     GROUND,
@@ -168,6 +168,14 @@ def test_what_friction_cannot_know_is_refused():
         warnings.simplefilter("ignore")
         with pytest.raises(ModelError, match="undetermined"):
             simulate(replace(machine, joints=(twice, *machine.joints)), Run(0.1, 0.1))
+
+
+def test_a_pin_that_jams_is_refused():
+    """Thicker than the rod is long, friction raises the force that it comes from."""
+    machine, _ = pendulum(1.0, radius=50.0)
+    moving = replace(machine, bodies=[replace(machine.bodies[0], angular_velocity=(0, 3.0, 0))])
+    with pytest.raises(ConvergenceError, match="jams"):
+        simulate(moving, Run(0.1, 0.1))
 
 
 def test_a_batch_and_a_run_start_alike():

@@ -26,9 +26,12 @@ def settled_reactions(answered: Callable[[np.ndarray], S], found: S) -> S:
     """
     for _ in range(_MOST):
         before, found = found[1], answered(found[1])
-        if np.linalg.norm(found[1] - before) <= _SETTLED * np.linalg.norm(found[1]):
+        if not np.isfinite(found[1]).all():
+            break
+        # Of what grows without bound the largest entry, whose square would overflow.
+        if np.max(abs(found[1] - before)) <= _SETTLED * np.max(abs(found[1])):
             return found
     raise ConvergenceError(
-        f"friction and the forces in the joints do not settle in {_MOST} rounds: each raises the other, as "
+        "friction and the forces in the joints do not settle: each raises the other, as "
         "in a slide that jams. Lower the coefficient of friction, or the radius of the pin"
     )
