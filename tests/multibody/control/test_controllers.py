@@ -16,6 +16,7 @@ from supple.body import FullBody, MeanAxisFrame, RigidBody, RigidInterface, flex
 from supple.errors import ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
+from supple.linearization import linearize, machine_modes
 from supple.mesh import strip
 from supple.multibody import balances
 from supple.simulation import equilibrium, simulate, simulate_batch
@@ -351,8 +352,42 @@ def test_what_a_controller_cannot_do_is_refused():
         arm(replace(FOLLOWING, reads={"elbow": m.JointReading("elbo")}))
     with pytest.raises(ModelError, match="controller name 'controller' is used more than once"):
         replace(arm(FOLLOWING), controllers=[FOLLOWING, SAMPLED])
-    with pytest.raises(ModelError, match="leave them out, replace"):
-        equilibrium(arm(FOLLOWING))
+    with pytest.raises(ModelError, match="leave it out, replace"):
+        equilibrium(replace(arm(FOLLOWING), controllers=[SAMPLED]))
+    integrator = replace(FOLLOWING, rates=lambda _t, _reads, z: -z, initial=[0.0])
+    with pytest.raises(ModelError, match="leave it out, replace"):
+        equilibrium(arm(integrator))
+
+
+def holding(_time, reads, _states):
+    """Proportional and derivative, level."""
+    return {
+        name: -GAINS[i, 0] * reads[name].angle - GAINS[i, 1] * reads[name].rate
+        for i, name in enumerate(("shoulder", "elbow"))
+    }
+
+
+def test_an_arm_that_its_controller_holds_rests_and_vibrates_as_its_equations_say():
+    """Weights against gains at rest; eigenvalues of the closed loop from the same independent equations."""
+    weight = 9.81
+    system = arm(replace(FOLLOWING, outputs=holding))
+    found = equilibrium(system)
+    upper, fore = found.system.bodies
+    first, second = (np.arctan2(each.rotation[1, 0], each.rotation[0, 0]) for each in (upper, fore))
+    elbow = MASS * weight * LENGTH / 2 * np.cos(second)
+    shoulder = elbow + 1.5 * MASS * weight * LENGTH * np.cos(first)
+    np.testing.assert_allclose(-GAINS[:, 0] * [first, second - first], [shoulder, elbow], rtol=1e-8)
+
+    def rates(state):
+        relative, speeds = (np.array([one, other - one]) for one, other in (state[:2], state[2:]))
+        return arm_equations(state, -GAINS[:, 0] * relative - GAINS[:, 1] * speeds)
+
+    at, step = np.array([first, second, 0.0, 0.0]), 1e-6
+    state = np.array([(rates(at + step * e) - rates(at - step * e)) / (2 * step) for e in np.eye(4)]).T
+    expected = np.linalg.eigvals(state)
+    modes = machine_modes(linearize(system))
+    ours = np.sort_complex(modes.eigenvalues)
+    np.testing.assert_allclose(ours, np.sort_complex(expected[expected.imag >= 0]), rtol=1e-6)
 
 
 def test_a_body_in_full_takes_no_controller():
