@@ -70,9 +70,12 @@ def equilibrium(
     search : StaticSearch       accuracy and step
     progress : hears of each iteration and its largest relative residual
 
+    Controllers whose outputs follow the motion alone act as in a run.
+
     Raises
     ------
-    ModelError          whatever the start of a run would find wrong with the joints; an intrinsic body
+    ModelError          whatever the start of a run would find wrong with the joints; an intrinsic body; a
+        controller that is sampled, or has states
     ConvergenceError    no equilibrium was found
     Source: Kelley & Keyes (1998) for the search.
     """

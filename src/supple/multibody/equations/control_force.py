@@ -105,8 +105,8 @@ def resting_control(model: Model) -> ControlStep | None:
     for law in model.controllers:
         if law.outputs is None or np.size(law.initial):
             raise ModelError(
-                "an equilibrium and its modes take controllers whose outputs follow the motion alone, none that "
-                "is sampled or has states: leave it out, replace(system, "
+                "an equilibrium and its modes take controllers whose outputs follow the motion alone, none "
+                "that is sampled or has states: leave it out, replace(system, "
                 "controllers=()), or let a damped run find its rest"
             )
         states.append(np.zeros(sum(reader.of_joint for reader in law.readers)))
