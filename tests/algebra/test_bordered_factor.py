@@ -22,8 +22,10 @@ def system():
 
 
 @pytest.mark.parametrize("weight", [0.0, 3.0])
-def test_the_solution_is_that_of_the_dense_equations(system, weight):
+@pytest.mark.parametrize("symmetric", [False, True])
+def test_the_solution_is_that_of_the_dense_equations(system, weight, symmetric):
     matrix, constraint, columns = system
+    matrix = sparse.csr_array(matrix + matrix.T) if symmetric else matrix
     rng = np.random.default_rng(4)
     loads, gaps = rng.normal(size=(N, 3)), rng.normal(size=(M, 3))
     dense = matrix.toarray() + weight * columns @ columns.T
