@@ -206,3 +206,22 @@ def test_a_killed_run_is_resumed_to_the_last_bit(tmp_path):
     changed = command("whole", "--resume")
     assert changed.exit_code == 2
     assert "controller.py" in changed.output
+
+
+def test_a_joint_has_friction_under_its_own_force(tmp_path):
+    text = CASE.replace("CONTROL\n", "").replace("ELEMENTS\n", "")
+    path = tmp_path / "wheel.toml"
+    path.write_text(
+        text.replace(
+            "axis = [0, 0, 1]\n", "axis = [0, 0, 1]\nfriction = { coefficient = 0.2, width = 0.01 }\n"
+        )
+    )
+    with pytest.raises(CaseError, match="needs radius"):
+        read_case(path)
+    path.write_text(path.read_text().replace("width = 0.01", "width = 0.01, radius = 0.05"))
+    system = read_case(path).system
+    (friction,) = system.loads
+    assert friction == m.HingeFriction(joint=system.joints[0], coefficient=0.2, width=0.01, radius=0.05)
+    path.write_text(path.read_text().replace('"revolute"', '"ball"').replace("axis = [0, 0, 1]\n", ""))
+    with pytest.raises(CaseError, match="takes no friction"):
+        read_case(path)

@@ -1,5 +1,7 @@
 """Many cases of intrinsic bodies at once are the same cases one by one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fixtures.beam_lines import beam_line, straight
@@ -9,6 +11,7 @@ from supple.errors import ConvergenceError, ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, ResidualRungeKutta4, Run, RungeKutta4, Tolerances
 from supple.intrinsic import CLAMPED, FREE, intrinsic_body, released
 from supple.machine import (
+    Controller,
     DeadForce,
     Fixed,
     FollowerForce,
@@ -116,6 +119,10 @@ def test_what_no_batch_takes_is_named():
     weld = Fixed(first="ground", second="beam.tip", name="weld")
     with pytest.raises(ModelError, match=r"case 0: .*one by one"):
         simulate_batch([System([released(CLAMPED_BEAM)], [weld])], run)
+    drive = FollowerForce(first="beam.tip", force=(0, 0, 0))
+    control = Controller(reads={}, drives={"drive": drive}, outputs=lambda *_: {"drive": np.zeros(3)})
+    with pytest.raises(ModelError, match="leave them out of a batch with intrinsic ones"):
+        simulate_batch([replace(held(1.0), controllers=(control,))], run)
     bob = System([RigidBody("bob", 2.0, np.zeros(3), np.eye(3), {"hinge": np.zeros(3)})])
     with pytest.raises(ModelError, match="case 0: a batch with intrinsic bodies takes no others"):
         simulate_batch([bob, held(1.0)], run)

@@ -230,7 +230,12 @@ class Case:
         loads = [table.build(*self.place(table.at), self.folder) for table in tables.load]
         springs = [table.build(unloaded) for table in tables.spring]
         elements = [table.build(self.folder) for table in tables.element]
-        return replace(unloaded, loads=(*loads, *springs, *elements))
+        frictions = [
+            table.friction.build(joint)
+            for table, joint in zip(tables.joint, joints, strict=True)
+            if table.friction is not None
+        ]
+        return replace(unloaded, loads=(*loads, *springs, *elements, *frictions))
 
     def controlled(self, system: System, *, allow_code: bool) -> System:
         """The system with the controllers that the case names.

@@ -12,7 +12,7 @@ from pydantic import Field
 from supple import machine
 from supple.cases.laws import Law
 from supple.cases.shared_rules import axes_with_length, usable_names
-from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, on_each
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Positive, Raw, Vector, on_each
 
 JointKind = Literal[
     "fixed",
@@ -48,6 +48,22 @@ _EXAMPLES = {
 }
 
 
+class Friction(CheckedTable):
+    """Coulomb friction under the force that the joint carries."""
+
+    coefficient: NonNegative
+    width: Positive = Field(description="rate, or speed, below which it acts as a damper")
+    radius: Positive | None = Field(None, description="revolute: of the pin")
+
+    def build(self, joint: machine.Joint) -> machine.JointFriction:
+        """The friction in a joint."""
+        if self.radius is None:
+            return machine.SlideFriction(joint=joint, coefficient=self.coefficient, width=self.width)
+        return machine.HingeFriction(
+            joint=joint, coefficient=self.coefficient, radius=self.radius, width=self.width
+        )
+
+
 class Joint(CheckedTable):
     """A connection of two interfaces, or of one with the ground."""
 
@@ -62,6 +78,7 @@ class Joint(CheckedTable):
     law: Law | None = Field(
         None, description="prescribed joints: angle in rad, or path (a length), against time"
     )
+    friction: Friction | None = Field(None, description="revolute and prismatic: under the joint's own force")
 
     def build(self, folder: Path) -> machine.Joint:
         """The joint.
@@ -85,6 +102,14 @@ def _has_what_its_kind_needs(path: KeyPath, joint: Raw) -> Mistakes:
             yield path, f"a {kind} joint needs {key}; add {key} = {example}"
         if key in joint and key not in needed:
             yield (*path, key), f"a {kind} joint takes no {key}; remove the key"
+    friction = joint.get("friction")
+    if isinstance(friction, Mapping):
+        if kind not in ("revolute", "prismatic"):
+            yield (*path, "friction"), f"a {kind} joint takes no friction; remove the key"
+        elif kind == "revolute" and "radius" not in friction:
+            yield (*path, "friction"), "the friction of a hinge needs radius, of its pin; add radius = 0.01"
+        elif kind == "prismatic" and "radius" in friction:
+            yield (*path, "friction", "radius"), "a slide has no radius; remove the key"
 
 
 RULES = (

@@ -11,12 +11,13 @@ import numpy as np
 from supple.algebra.rotation import rotation_log
 from supple.body import FullBody, ModalDamping
 from supple.correction.basis_error import FIRST_ORDER, BasisError, BodyError
-from supple.correction.looked_at_instants import jittered, striking
+from supple.correction.looked_at_instants import followed, jittered, striking
 from supple.correction.residual_correction import ResidualCorrections, system_corrections
 from supple.error_equation import (
     ErrorEquation,
     ErrorHistory,
     JudgedBody,
+    MissedAtRest,
     ModesInFrame,
     StartError,
     error_space,
@@ -148,14 +149,17 @@ class ErrorEstimator:
         steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
         looked, fresh = self._instants(steps.solution.times, instants)
         both = np.concatenate([looked, fresh])
-        missed = system_corrections(
+        curved = not all(full.is_linear for full in fulls.values())
+        along = followed(both) if curved else np.unique(both)
+        every = system_corrections(
             reduced,
             tuple(fulls.values()),
             bases,
             steps.solution,
-            both,
+            along,
             progress=None if progress is None else lambda fraction: progress(0.7 * fraction),
         )
+        missed = {name: own.at(np.searchsorted(along, both)) for name, own in every.items()}
         fields = {name: own.deformation for name, own in missed.items()}
         if not whole:
             return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
@@ -176,11 +180,22 @@ class ErrorEstimator:
         )
         found = equation.first()
         histories = equation.histories(found)
-        if not all(np.isfinite(history.rms).all() for history in histories.values()):
-            return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
-        second = {name: second_correction(history) for name, history in histories.items()}
-        if not is_small(histories, second):
+        finite = _is_finite(histories)
+        second = {
+            name: second_correction(history) if finite else np.inf for name, history in histories.items()
+        }
+        if not finite or not is_small(histories, second):
             found, histories, second = _settled(equation, found, histories)
+        if curved and max(second.values()) > FIRST_ORDER:
+            # Where the run itself is no place to linearise at, the motion that it should have made may be.
+            about = equation.first({name: _known(own) for name, own in every.items()})
+            other = equation.histories(about)
+            if _is_finite(other):
+                about, other, change = _settled(equation, about, other)
+                if max(change.values()) <= FIRST_ORDER:
+                    found, histories, second = about, other, change
+        if not _is_finite(histories):
+            return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
         if progress is not None:
             progress(1.0)
         errors = {
@@ -192,8 +207,8 @@ class ErrorEstimator:
             for name, history in histories.items()
         }
         corrected = equation.corrected(found, steps.outputs)
-        # One an instant; that of the modes and that of the couplings, of each body.
-        factorizations = len(both) + 2 * len(fulls)
+        # Of the corrections; that of the modes and that of the couplings, of each body.
+        factorizations = max(own.factorizations for own in missed.values()) + 2 * len(fulls)
         return ErrorEstimate(BasisError(errors), histories, missing, missed, corrected, factorizations)
 
     def _judged(self, bases: Mapping[str, ReductionBasis]) -> dict[str, FullBody]:
@@ -323,6 +338,8 @@ def _settled(
     good a guess as any, and no more than that.
     """
     found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
+    if not _is_finite(histories):
+        return found, own, changes
     for _ in range(SWEEPS):
         more = equation.again(found)
         again = equation.histories(more)
@@ -333,6 +350,16 @@ def _settled(
         if max(changes.values()) <= FIRST_ORDER:
             return found, own, changes
     return first, histories, changes
+
+
+def _is_finite(histories: Mapping[str, ErrorHistory]) -> bool:
+    return all(bool(np.isfinite(history.rms).all()) for history in histories.values())
+
+
+def _known(missed: ResidualCorrections) -> MissedAtRest:
+    """Where it was found."""
+    known = np.isfinite(missed.rms)
+    return MissedAtRest(missed.times[known], missed.deformation[:, known])
 
 
 def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:

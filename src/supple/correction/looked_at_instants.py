@@ -12,10 +12,12 @@ from supple.machine.laws.instants import instants_of
 from supple.machine.laws.sampled_law import sampled
 from supple.multibody.equations.stops import laws_of
 
-__all__ = ["jittered", "striking"]
+__all__ = ["followed", "jittered", "striking"]
 
 MOST_STRIKING = 8
 """With 50 others, and what a body's modes take: sixty factorisations."""
+
+FOLLOWED = 100
 
 
 def jittered(n_times: int, number: int, seed: int) -> NDArray[np.intp]:
@@ -40,6 +42,11 @@ def striking(system: System, times: Sequence[float] | NDArray[np.float64]) -> ND
     if len(rows) > MOST_STRIKING:
         rows = rows[np.linspace(0, len(rows) - 1, MOST_STRIKING).round().astype(int)]
     return rows.astype(np.intp)
+
+
+def followed(instants: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Instants and others between, ascending: at all of them missed motion is sought, one after the other."""
+    return np.union1d(instants, np.linspace(1, np.max(instants), FOLLOWED).round().astype(np.intp))
 
 
 def _stride(times: NDArray[np.float64]) -> int:

@@ -29,6 +29,7 @@ import numpy as np
 from supple.algebra import read_only
 from supple.body import BodyForm, MeanAxisFrame, frame_projector, in_space
 from supple.body.full_body import FullBody
+from supple.correction.missing_motion import MissingMotionSearch
 from supple.errors import ModelError, RedundantConstraintWarning
 from supple.integrate import Progress, Solution, StepFactors
 from supple.integrate.motion import FloatingMotion
@@ -63,7 +64,9 @@ class ResidualCorrections:
     rotation : (k, 3)       of the frame, rad, body components
     rms : (k,)              root-mean-square displacement of the nodes: in space where the joints determine
                             all rigid motion; of the deformation alone where the system can move freely,
-                            for no static equilibrium says how far it would
+                            for no static equilibrium says how far it would; infinite where no equilibrium was
+            found, and the deformation is zero
+    factorizations : int    of tangents of the whole system
     """
 
     times: np.ndarray
@@ -71,10 +74,22 @@ class ResidualCorrections:
     origin: np.ndarray
     rotation: np.ndarray
     rms: np.ndarray
+    factorizations: int = 0
 
     def __post_init__(self) -> None:
         for item in ("times", "deformation", "origin", "rotation", "rms"):
             object.__setattr__(self, item, read_only(getattr(self, item)))
+
+    def at(self, rows: np.ndarray) -> ResidualCorrections:
+        """Those of some of the instants, by their numbers among these."""
+        return ResidualCorrections(
+            self.times[rows],
+            self.deformation[:, rows],
+            self.origin[rows],
+            self.rotation[rows],
+            self.rms[rows],
+            self.factorizations,
+        )
 
 
 def residual_corrections(
@@ -95,7 +110,7 @@ def system_corrections(
 ) -> dict[str, ResidualCorrections]:
     """Motion that the bases of a finished run miss at some of its output times, by body.
 
-    All bodies are corrected by one and the same Newton step: the missing motion of one loads the others.
+    All bodies are corrected together: the missing motion of one loads the others.
 
     Parameters
     ----------
@@ -103,25 +118,36 @@ def system_corrections(
     fulls : FullBody            those to correct, with all their coordinates
     bases : ReductionBasis      of the reduced bodies, by name
     solution : Solution         of the run
-    instants : int array (k,)   output times to look at, by their number
+    instants : int array (k,)   output times to look at, by their number; the motion missed at one is where
+                                the search at the next begins (`MissingMotionSearch`)
     progress : function         called with the completed fraction of the instants
 
     Raises
     ------
     ModelError      the system has no such body, or one of another size
-    AccuracyError   a tangent is singular: the body buckles, or its joints hold a mechanism in a dead centre
+    AccuracyError   tangents are singular at all instants: the body has buckled, or its joints hold a
+                    mechanism in a dead centre
     """
     seen = expanded_states(system, fulls, bases, solution, instants)
     prepared, indices = seen.prepared, seen.indices
-    states, steps = [], np.empty((len(instants), prepared.n))
-    for row in range(len(instants)):
-        states.append(seen.state(row))
-        steps[row] = newton_step(prepared, states[-1], seen.by_position)
+    search = MissingMotionSearch(prepared, seen.by_position)
+    states = [seen.state(row) for row in range(len(instants))]
+    steps, settled = np.zeros((len(instants), prepared.n)), np.zeros(len(instants), dtype=bool)
+    for done, row in enumerate(np.argsort(instants, kind="stable"), start=1):
+        missing = search.at(states[row])
+        if missing is not None:
+            steps[row], settled[row] = missing.displacement, True
         if progress is not None:
-            progress((row + 1) / len(instants))
+            progress(done / len(instants))
+    if search.singular is not None and not settled.any():
+        raise search.singular
     for index, full in zip(indices, fulls, strict=True):
         steps[:, prepared.slices[index]][:, 6:] += seen.expanded[full.name].following
-    return corrections_of(seen, fulls, states, steps)
+    found = corrections_of(seen, fulls, states, steps)
+    return {
+        name: replace(own, rms=np.where(settled, own.rms, np.inf), factorizations=search.factorizations)
+        for name, own in found.items()
+    }
 
 
 def corrections_of(
@@ -130,12 +156,13 @@ def corrections_of(
     """Steps (k, n) of the whole system from k of its states, body by body."""
     coordinates = np.array([state.configuration.coordinates for state in states])
     rotations = np.array([state.configuration.rotations for state in states])
+    times = np.array([state.time for state in states])
     prepared = seen.prepared
     determined = len(prepared.model.active) >= 6 * len(prepared.system.bodies)
     return {
         full.name: _of_body(
             full,
-            seen.solution.times[seen.instants],
+            times,
             coordinates[:, prepared.coordinate_slices[index]],
             rotations[:, index],
             steps[:, prepared.slices[index]],

@@ -4,6 +4,7 @@ from supple.error_equation.error_history import (
     ErrorEquation,
     ErrorHistory,
     JudgedBody,
+    MissedAtRest,
     StartError,
 )
 from supple.error_equation.error_space import (
@@ -25,6 +26,7 @@ __all__ = [
     "ErrorHistory",
     "ErrorSpace",
     "JudgedBody",
+    "MissedAtRest",
     "ModesInFrame",
     "RunColumns",
     "StartError",

@@ -38,7 +38,7 @@ from supple.multibody.equations.floating_solution import floating_solution
 from supple.multibody.equations.model import Model
 from supple.reduction import ReducedBody
 
-__all__ = ["ErrorEquation", "ErrorHistory", "JudgedBody", "StartError"]
+__all__ = ["ErrorEquation", "ErrorHistory", "JudgedBody", "MissedAtRest", "StartError"]
 
 Array = NDArray[np.float64]
 
@@ -66,6 +66,13 @@ class JudgedBody:
         other = replace(self, motion=motion)
         object.__setattr__(other, "columns", self.columns)
         return other
+
+
+class MissedAtRest(NamedTuple):
+    """Motion that the run of a body misses, at some times (k,): displacements (n, k)."""
+
+    times: Array
+    deformation: Array
 
 
 class StartError(NamedTuple):
@@ -141,9 +148,25 @@ class ErrorEquation:
     active: tuple[int, ...]
     start: Mapping[str, StartError]
 
-    def first(self) -> ErrorState:
-        """Differences of the true motion and the run's at every step, to first order; of all columns."""
-        return self._march(self.point, *self.start_vectors())
+    def first(self, missed: Mapping[str, MissedAtRest] | None = None) -> ErrorState:
+        """Differences of the true motion and the run's at every step, to first order; of all columns.
+
+        missed : motion that the run misses at rest, by body: the tangents are those of the bodies with it
+        """
+        tangents = None if missed is None else self._corrected(self._at_rest(missed)).bodies
+        return self._march(self.point, *self.start_vectors(), tangents)
+
+    def _at_rest(self, missed: Mapping[str, MissedAtRest]) -> ErrorState:
+        """Missed motion at every step, between those at which it is known by straight lines."""
+        position = np.zeros_like(self.point.motion.velocity)
+        for name, own in missed.items():
+            judged = self.bodies[name]
+            known = judged.space.vectors.T @ (judged.full.body.mass @ own.deformation)
+            start = self._places[name].start + 6
+            for column, values in enumerate(known):
+                position[:, start + column] = np.interp(self.steps.times, own.times, values)
+        none = np.zeros_like(position)
+        return ErrorState(position, none, none, none, np.zeros_like(self.point.motion.multipliers))
 
     def again(self, found: ErrorState) -> ErrorState:
         """The differences once more, from the equation about the corrected motion.
@@ -324,10 +347,19 @@ class ErrorEquation:
                 vector[place.start + 6 : place.start + 6 + len(own)] = own
         return position, velocity
 
-    def _march(self, point: _Point, position: Array, velocity: Array) -> ErrorState:
-        """The linearised march about a motion, from differences of positions and velocities."""
+    def _march(
+        self,
+        point: _Point,
+        position: Array,
+        velocity: Array,
+        tangents: Mapping[str, _InColumns] | None = None,
+    ) -> ErrorState:
+        """The linearised march about a motion, from differences of positions and velocities.
+
+        tangents : motion at which the bodies' tangents are taken, where that is another
+        """
         gained = [
-            self.gained(name, own)
+            self.gained(name, own, own if tangents is None else tangents[name])
             for name, own in point.bodies.items()
             if not self.bodies[name].full.body.is_linear
         ]
@@ -343,15 +375,18 @@ class ErrorEquation:
             found.append(jax.tree.map(lambda leaf, n=number: leaf[:n], states))
         return jax.tree.map(lambda *leaves: np.concatenate(leaves), *found)
 
-    def gained(self, name: str, motion: _InColumns) -> tuple[ElasticGain, GainHistory]:
-        """What the deformation of a nonlinear body adds along a motion."""
+    def gained(
+        self, name: str, motion: _InColumns, tangent_motion: _InColumns | None = None
+    ) -> tuple[ElasticGain, GainHistory]:
+        """What the deformation of a nonlinear body adds along a motion: forces, and tangents at another."""
+        bent = tangent_motion or motion
         judged, start = self.bodies[name], self._places[name].start + 6
         body, Z = judged.full.body, judged.space.vectors
         k, size = judged.space.size, self._places[name].stop - start
         columns = Z @ motion.chosen
         polynomial = force_polynomial(body, columns, Z)
         force = polynomial(motion.coordinates)
-        tangents = tangent_history(body, columns, motion.coordinates, Z)
+        tangents = tangent_history(body, Z @ bent.chosen, bent.coordinates, Z)
         time = 0.0 if judged.damping is None else judged.damping.retardation_time
         if time:
             viscous = strain_rate_polynomial(body, columns, Z, polynomial)

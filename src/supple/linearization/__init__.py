@@ -12,6 +12,7 @@ from supple.linearization.linearize import linearize
 from supple.linearization.machine_modes import MachineModes, machine_modes
 from supple.linearization.mode_motion import mode_motion
 from supple.linearization.ports import Port, RotationPort, TranslationPort
+from supple.linearization.sparse_machine import SparseMachine
 from supple.linearization.state_space import Acceleration, StateSpace, Velocity, state_space
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "Port",
     "RandomResponse",
     "RotationPort",
+    "SparseMachine",
     "StateSpace",
     "TranslationPort",
     "Velocity",

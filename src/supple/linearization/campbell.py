@@ -13,6 +13,7 @@ from supple.errors import ModelError
 from supple.linearization.linear_machine import Array
 from supple.linearization.linearize import linearize
 from supple.linearization.machine_modes import MachineModes, machine_modes
+from supple.linearization.sparse_machine import SparseMachine
 from supple.machine import Spin, System
 
 __all__ = ["CampbellDiagram", "campbell_diagram", "modal_assurance"]
@@ -85,7 +86,9 @@ def campbell_diagram(
     before: MachineModes | None = None
     wanted = n_modes
     for number, spin in enumerate(spins):
-        modes = machine_modes(linearize(system, spin=spin, time=time))
+        linear = linearize(system, spin=spin, time=time)
+        # Of a machine with full bodies some more than wanted, among which each is looked for.
+        modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
         if before is None:
             rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
             wanted = len(chosen)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -13,7 +13,9 @@ from scipy.spatial.transform import Rotation
 from supple.body import FullBody
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
+from supple.linearization.sparse_machine import SparseMachine
 from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
+from supple.machine.forces import JointFriction
 from supple.multibody import StaticSearch
 from supple.multibody.compiled.statics import balanced
 from supple.multibody.compiled.time_step import position_scale
@@ -26,6 +28,8 @@ from supple.multibody.equations.steady_motion import (
     linear_equations,
     steady_motion,
 )
+from supple.multibody.full.full_system import FullSystem
+from supple.multibody.full.linear_equations import carried_state, full_linear_equations
 from supple.simulation.equilibrium import RestingState, placed_at_rest, resting_state
 
 __all__ = ["linearize"]
@@ -43,10 +47,13 @@ def linearize(
     spin: Spin | None = None,
     search: StaticSearch | None = None,
     progress: Callable[[int, float], None] = lambda *_: None,
-) -> LinearMachine:
+) -> LinearMachine | SparseMachine:
     """Small motions of a machine about the equilibrium that is downhill from where its bodies are placed.
 
         M p'' + C p' + K p + G^T l = 0,     G p = 0     ->     M_y y'' + C_y y' + K_y y = 0,     p = N y
+
+    Full bodies leave it sparse, `A p = 0` with the conditions of their frames: a `SparseMachine`, of which
+    `machine_modes` finds the slowest modes.
 
     Parameters
     ----------
@@ -57,22 +64,27 @@ def linearize(
 
     Raises
     ------
-    ModelError          a full body, which must be reduced; a machine whose equations change as it turns
+    ModelError          a machine whose equations change as it turns
     ConvergenceError    no equilibrium
     """
-    full = list(system.bodies_of(FullBody))
-    if full:
+    frictions = [load for load in system.loads if isinstance(load, JointFriction)]
+    if frictions and spin is not None and spin.rate:
         raise ModelError(
-            f"body '{full[0]}' is a FullBody, whose linear equations are too many to be solved directly: "
-            "place reduce(body, frame, basis), whose modes converge with its columns"
+            f"{frictions[0].label}: how the friction of what slides follows its force is not linearised; "
+            "give it a preload, RevoluteFriction or PrismaticFriction, or leave it out"
         )
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
+    if system.bodies_of(FullBody):
+        return _sparse(found, time, spin)
     equations = _equations(found, time)
     basis = _free_motions(equations)
     projected = _Projected.of(equations, basis)
     if spin is not None and spin.rate:
         later, left = _carried(_turned_on(found, time, spin), found, time)
-        _check_constant(projected, _equations(later, time), basis, spin, left)
+        again = _equations(later, time)
+        masses = np.diag(equations.mass)
+        changed = _Projected.of(again, basis)
+        _check_constant(projected, changed, again.jacobian, masses, basis, spin, left)
     return LinearMachine(
         system=placed_at_rest(found),
         spin=spin,
@@ -83,6 +95,35 @@ def linearize(
         basis=basis,
         full_mass=equations.mass,
     )
+
+
+def _sparse(found: RestingState, time: float, spin: Spin | None) -> SparseMachine:
+    """The linearised machine with full bodies."""
+    active, turning = found.model.active, found.turning
+    equations = full_linear_equations(FullSystem(found.system, active), turning, time, found.state)
+    machine = SparseMachine(placed_at_rest(found), spin, time, equations)
+    if spin is not None and spin.rate:
+        turned = _turned_on(found, time, spin)
+        there = FullSystem(turned, active)
+        state, left = carried_state(
+            there, turning, time, found.state._replace(configuration=placed_configuration(turned))
+        )
+        later = full_linear_equations(there, turning, time, state)
+        # The motions that are slow are those in which a change would be seen.
+        basis = machine.slow.motions
+        parts = replace(machine, equations=later).along(basis)
+        again = _Projected(parts.mass, parts.damping, parts.stiffness)
+        parts = machine.along(basis)
+        _check_constant(
+            _Projected(parts.mass, parts.damping, parts.stiffness),
+            again,
+            later.constraint,
+            later.mass.diagonal(),
+            basis,
+            spin,
+            left,
+        )
+    return machine
 
 
 def _equations(found: RestingState, time: float) -> LinearEquations:
@@ -117,6 +158,7 @@ class _Projected(NamedTuple):
 
     @classmethod
     def of(cls, equations: LinearEquations, basis: Array) -> _Projected:
+        """`N^T M N` and the like of dense equations, N (n, k)."""
         parts = equations.mass, equations.damping, equations.stiffness
         return cls(*(basis.T @ part @ basis for part in parts))
 
@@ -157,19 +199,26 @@ def _turned_on(found: RestingState, time: float, spin: Spin) -> System:
 
 
 def _check_constant(
-    projected: _Projected, later: LinearEquations, basis: Array, spin: Spin, unbalanced: float
+    projected: _Projected,
+    again: _Projected,
+    jacobian: Any,
+    masses: Array,
+    basis: Array,
+    spin: Spin,
+    unbalanced: float,
 ) -> None:
     """ModelError where the equations, or what is in balance, change as the machine turns."""
     size = np.sqrt(np.abs(np.diag(projected.stiffness)) + spin.rate**2 * np.diag(projected.mass))
-    again = _Projected.of(later, basis)
     changes = {
         "mass": (again.mass - projected.mass) * spin.rate**2,
         "damping": (again.damping - projected.damping) * spin.rate,
         "stiffness": again.stiffness - projected.stiffness,
     }
     largest = {what: float(np.max(abs(change) / np.outer(size, size))) for what, change in changes.items()}
-    opened = float(np.max(abs(later.jacobian @ basis) @ np.ones(basis.shape[1]), initial=0.0))
-    largest["joints"] = opened / float(np.max(abs(later.jacobian) @ abs(basis).sum(axis=1), initial=1e-300))
+    opened = float(np.max(abs(jacobian @ basis) @ np.ones(basis.shape[1]), initial=0.0))
+    # Where no motion of the basis is seen by a joint, rounding is compared with one of unit kinetic energy.
+    reach = abs(basis).sum(axis=1) + 1 / np.sqrt(masses)
+    largest["joints"] = opened / float(np.max(abs(jacobian) @ reach, initial=1e-300))
     largest["balance"] = unbalanced
     what = max(largest, key=lambda name: largest[name])
     if largest[what] > _CONSTANT:

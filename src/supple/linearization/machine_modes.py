@@ -10,6 +10,8 @@ import scipy.linalg
 
 from supple.errors import ModelError
 from supple.linearization.linear_machine import LinearMachine
+from supple.linearization.slowest_motions import slowest_motions
+from supple.linearization.sparse_machine import SparseMachine
 
 __all__ = ["MachineModes", "machine_modes"]
 
@@ -58,11 +60,13 @@ class MachineModes:
     @property
     def unstable(self) -> np.ndarray:
         """Which modes grow by more than round-off explains, (k,)."""
-        largest = float(np.max(abs(self.eigenvalues), initial=0.0))
+        # Round-off is in parts of the fastest motion, also where that is not among the modes.
+        squares = abs(np.diag(self.machine.stiffness)) / np.diag(self.machine.mass)
+        largest = max(float(np.max(abs(self.eigenvalues))), float(np.sqrt(squares.max())))
         return self.eigenvalues.real > 1e-7 * largest
 
 
-def machine_modes(machine: LinearMachine, n_modes: int | None = None) -> MachineModes:
+def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = None) -> MachineModes:
     """The slowest modes of a linearised machine, all of them unless told how many.
 
         ( s^2 M + s C + K ) y = 0
@@ -70,10 +74,27 @@ def machine_modes(machine: LinearMachine, n_modes: int | None = None) -> Machine
     Two poles of a machine that moves freely lie at s = 0, exactly only to round-off: those within
     `sqrt(1e-13)` of the largest are said to be 0.
 
-    Raises ModelError for a number that is not positive.
+    Of a machine with full bodies the slowest are found by shift and invert (`slowest_motions`); with damping
+    or gyroscopic terms these are the slowest of which iteration shows any.
+
+    Raises
+    ------
+    ModelError      a number that is not positive; all modes of a large machine with full bodies
+    AccuracyError   modes of such a machine that do not settle
     """
-    if n_modes is not None and n_modes < 1:
-        raise ModelError(f"number of modes must be at least 1, got {n_modes}")
+    if n_modes is not None and not (n_modes >= 1 and n_modes == int(n_modes)):
+        raise ModelError(f"number of modes must be a whole number, at least 1, got {n_modes}")
+    n_modes = None if n_modes is None else int(n_modes)
+    if isinstance(machine, SparseMachine):
+        machine = machine.along(slowest_motions(machine, n_modes, _pairs))
+    values, y = _pairs(machine)
+    values, y = values[:n_modes], y[:, :n_modes]
+    largest = np.take_along_axis(y, np.argmax(abs(y), axis=0)[None], axis=0)[0]
+    return MachineModes(machine, values, y * (abs(largest) / largest))
+
+
+def _pairs(machine: LinearMachine) -> tuple[Any, Any]:
+    """Eigenvalues and modes (k, ..) of unit kinetic energy norm, slowest first."""
     k = machine.size
     lower = np.linalg.cholesky(machine.mass)
     damping, stiffness = (
@@ -92,8 +113,7 @@ def machine_modes(machine: LinearMachine, n_modes: int | None = None) -> Machine
     # Each free rigid motion has two poles at zero, its place and its rate: they count as one mode.
     kept[np.flatnonzero(values == 0)[1::2]] = False
     values, vectors = values[kept], vectors[:k, kept]
-    order = np.lexsort((values.real, abs(values)))[:n_modes]
+    order = np.lexsort((values.real, abs(values)))
     y = scipy.linalg.solve_triangular(lower.T, vectors[:, order])
     sizes = np.sqrt(np.real(np.einsum("ij,ij->j", y.conj(), machine.mass @ y)))
-    largest = np.take_along_axis(y, np.argmax(abs(y), axis=0)[None], axis=0)[0]
-    return MachineModes(machine, values[order], y * (abs(largest) / largest) / sizes)
+    return values[order], y / sizes

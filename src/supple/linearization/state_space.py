@@ -14,6 +14,7 @@ from supple.arguments import check_sequence
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.ports import Port
+from supple.linearization.sparse_machine import SparseMachine
 
 __all__ = ["Acceleration", "StateSpace", "Velocity", "state_space"]
 
@@ -74,7 +75,10 @@ class StateSpace:
 
 
 def state_space(
-    machine: LinearMachine, *, inputs: Sequence[Port], outputs: Sequence[Port | Velocity | Acceleration]
+    machine: LinearMachine | SparseMachine,
+    *,
+    inputs: Sequence[Port],
+    outputs: Sequence[Port | Velocity | Acceleration],
 ) -> StateSpace:
     """The linearised machine between forces at some ports and motions at others.
 
@@ -82,8 +86,13 @@ def state_space(
 
     A port `c` gives the row `(c, 0)`, its velocity `(0, c)`, its acceleration `c (-M^-1 K, -M^-1 C)` and the
     feedthrough `c M^-1 b^T`.
-    Raises ModelError without an input or output.
+    Raises ModelError without an input or output, and for a machine with full bodies.
     """
+    if isinstance(machine, SparseMachine):
+        raise ModelError(
+            f"a machine with full bodies has {2 * machine.size} states, too many for a state space: reduce "
+            "its bodies, reduce(body, frame, basis), whose responses converge with their columns"
+        )
     for name, ports in (("inputs", inputs), ("outputs", outputs)):
         check_sequence(f"state_space, {name}", ports, "a list of ports, also of a single one")
         if not ports:

@@ -28,6 +28,7 @@ from supple.machine.forces.friction import (
 from supple.machine.forces.gear import (
     Gear,
 )
+from supple.machine.forces.joint_friction import HingeFriction, JointFriction, SlideFriction
 from supple.machine.forces.journal_bearing import (
     JournalBearing,
 )
@@ -159,7 +160,9 @@ __all__ = [
     "ForceBetween",
     "ForceElement",
     "Gear",
+    "HingeFriction",
     "Joint",
+    "JointFriction",
     "JointReading",
     "JournalBearing",
     "MotorCurve",
@@ -180,6 +183,7 @@ __all__ = [
     "Scaled",
     "Screw",
     "Sine",
+    "SlideFriction",
     "SlideServo",
     "SlideStop",
     "SphereContact",

@@ -16,6 +16,7 @@ from supple.errors import ModelError, did_you_mean
 from supple.machine.control import Controller, EndReading, SampledController
 from supple.machine.ends import GROUND, At
 from supple.machine.forces.force_element import ForceElement
+from supple.machine.forces.joint_friction import JointFriction
 from supple.machine.joints.joint import Joint
 from supple.machine.laws.time_law import check_law_shape
 from supple.machine.nodal_loads import BaseAcceleration, NodalLoad
@@ -195,6 +196,8 @@ class System:
         else:
             self._check_end(load.label, load.first)
             self._check_end(load.label, load.second)
+            if isinstance(load, JointFriction) and load.joint not in self.joints:
+                raise ModelError(f"{load.label}: this joint is not among the machine's joints")
             if load.law is not None:
                 check_law_shape(load.label, load.law, load.value_shape)
 

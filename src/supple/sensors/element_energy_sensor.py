@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from supple.integrate import Solution
 from supple.machine import System
-from supple.machine.forces import ForceElement
+from supple.machine.forces import ForceElement, JointFriction
 from supple.machine.pose import Pose, Wrench
 from supple.multibody.equations.build_model import initial_points
 from supple.sensors.end_motion import both_ends
@@ -47,20 +47,23 @@ class ElementEnergySensor:
         ends = both_ends(system, solution, element, self.name)
         law, parameters = element.law, jax.tree.map(jnp.asarray, element.parameters)
         times = jnp.asarray(solution.times)
-        return np.asarray(_values(type(element), law, parameters, *ends, times))
+        carried = jnp.zeros((len(times), 2))
+        if isinstance(element, JointFriction):
+            carried = jnp.asarray(solution.joint_forces[element.joint.name])[:, :2]
+        return np.asarray(_values(type(element), law, parameters, *ends, times, carried))
 
 
 @partial(jax.jit, static_argnums=0)
 def _values(
-    kind: type[ForceElement], law: Any, parameters: Any, first: Any, second: Any, times: Any
+    kind: type[ForceElement], law: Any, parameters: Any, first: Any, second: Any, times: Any, carried: Any
 ) -> jax.Array:
-    def at(one: Pose, other: Pose, time: Any) -> jax.Array:
-        value = None if law is None else law(time)
+    def at(one: Pose, other: Pose, time: Any, reaction: Any) -> jax.Array:
+        value = (reaction if kind.reads_reaction else None) if law is None else law(time)
         loads = kind.wrenches(one, other, value, parameters)
         stored = jnp.asarray(kind.energy(one, other, value, parameters), dtype=float)
         return jnp.stack([stored, _power(one, loads[0]) + _power(other, loads[1])])
 
-    return jax.vmap(at)(first, second, times)
+    return jax.vmap(at)(first, second, times, carried)
 
 
 def _power(end: Pose, load: Wrench) -> Any:

@@ -31,6 +31,7 @@ from supple.integrate import (
     damps_joint_forces,
 )
 from supple.intrinsic import IntrinsicBody
+from supple.machine.control import SampledController
 from supple.machine.laws.instants import shortest_scale_of
 from supple.machine.system import System
 from supple.multibody.checks.output_rate import report_output_rate
@@ -76,7 +77,7 @@ def simulate_batch(
     Parameters
     ----------
     cases : systems of the same bodies, joints and kinds of loads; their numbers may differ, those
-        of their laws of time too. Functions of time must be the same objects in all cases
+        of their laws of time too. Functions, of time and of controllers, must be the same objects in all
     run : Run       as for `simulate`
     chunk : number of cases mapped together
     progress : called with the finished fraction of the cases
@@ -87,7 +88,7 @@ def simulate_batch(
 
     Raises
     ------
-    ModelError      no case, a full body, or cases that differ in more than numbers
+    ModelError      no case, a full body, a SampledController, or cases that differ in more than numbers
     MemoryShortageError     a chunk would not fit in the memory that is left
     """
     before_compiled_code()
@@ -95,6 +96,12 @@ def simulate_batch(
         raise ModelError("a batch needs at least one case")
     if cases[0].bodies_of(FullBody):
         raise ModelError("a batch takes rigid and reduced bodies: reduce the full ones first")
+    sampled = [each for system in cases for each in system.controllers if isinstance(each, SampledController)]
+    if sampled:
+        raise ModelError(
+            f"controller '{sampled[0].name}' is called between the steps, which cases that march together "
+            "do not leave: simulate them one by one, or trace it as a Controller"
+        )
     if chunk < 1:
         raise ValueError(f"chunk must be at least 1, got {chunk}")
     for system in cases:

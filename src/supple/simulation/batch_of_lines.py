@@ -36,6 +36,11 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
     Runge and Kutta's rule gains most, where cases differ in loads, motions and starts alone.
     Raises ModelError for joined machines, and for cases that differ in more than numbers.
     """
+    if any(system.controllers for system in cases):
+        raise ModelError(
+            "controllers act in machines of rigid and reduced bodies: leave them out of a batch with "
+            "intrinsic ones"
+        )
     joined = next((number for number, system in enumerate(cases) if is_joined(system)), None)
     if joined is not None:
         raise ModelError(

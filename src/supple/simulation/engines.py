@@ -9,6 +9,7 @@ from supple.errors import ModelError
 from supple.integrate import Engine, Kinematic, Run
 from supple.intrinsic import intrinsic_engine
 from supple.machine import System
+from supple.machine.forces import JointFriction
 from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
 
 __all__ = ["EngineFactory", "engine_for", "register_engine"]
@@ -42,6 +43,12 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
         raise ModelError(
             f"controllers act in machines of rigid and reduced bodies, and body '{other.name}' is "
             f"{other.kind}: reduce it, or leave out the controllers"
+        )
+    frictions = [load for load in system.loads if isinstance(load, JointFriction)]
+    if frictions and factory is intrinsic_engine:
+        raise ModelError(
+            f"{frictions[0].label}: machines with intrinsic bodies take friction of a given preload, "
+            "RevoluteFriction or PrismaticFriction"
         )
     return factory(system, run)
 

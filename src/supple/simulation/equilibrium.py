@@ -70,9 +70,12 @@ def equilibrium(
     search : StaticSearch       accuracy and step
     progress : hears of each iteration and its largest relative residual
 
+    Controllers whose outputs follow the motion alone act as in a run.
+
     Raises
     ------
-    ModelError          whatever the start of a run would find wrong with the joints; an intrinsic body
+    ModelError          whatever the start of a run would find wrong with the joints; an intrinsic body; a
+        controller that is sampled, or has states
     ConvergenceError    no equilibrium was found
     Source: Kelley & Keyes (1998) for the search.
     """
@@ -107,6 +110,8 @@ def resting_state(
             f"body '{next(iter(intrinsic))}' is intrinsic: find its rest with supple.intrinsic.line_rest, "
             "which takes machines of such bodies alone"
         )
+    if not np.isfinite(time):
+        raise ModelError(f"the time of an equilibrium must be finite, got {time}")
     search = StaticSearch() if search is None else search
     turning = Turning(np.zeros((len(system.bodies), 3)), np.zeros(3))
     if spin is not None:

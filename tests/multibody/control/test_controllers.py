@@ -16,9 +16,10 @@ from supple.body import FullBody, MeanAxisFrame, RigidBody, RigidInterface, flex
 from supple.errors import ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
+from supple.linearization import linearize, machine_modes
 from supple.mesh import strip
 from supple.multibody import balances
-from supple.simulation import equilibrium, simulate
+from supple.simulation import equilibrium, simulate, simulate_batch
 
 MASS, LENGTH, INERTIA = 3.0, 0.8, 0.2
 WHEEL = 0.5
@@ -181,6 +182,38 @@ def test_states_of_a_controller_are_of_second_order():
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, atol=0.15)
 
 
+def test_a_batch_marches_the_states_of_its_controllers():
+    """Wheels of three inertias, turning and carrying integrators from different starts: each as if alone."""
+
+    def rates(_t, reads, z):
+        return jnp.stack([2.0 - reads["hinge"].rate])
+
+    def outputs(_t, reads, z):
+        return {"motor": 6.0 * z[0] - 0.3 * reads["hinge"].angle}
+
+    def case(mass, start, spin):
+        own = m.Controller(reads=HINGE, drives=MOTOR, outputs=outputs, rates=rates, initial=[start])
+        body = RigidBody("wheel", mass, [0, 0, 0], mass * np.eye(3), {"axle": (0, 0, 0)})
+        placed = m.Placed(body, angular_velocity=(0, 0, spin))
+        joint = m.Revolute(first="ground", second="wheel.axle", axis=AXIS, name="hinge")
+        return m.System([placed], [joint], controllers=[own])
+
+    cases = [case(0.5, 0.1, 0.0), case(0.8, -0.3, 1.0), case(1.3, 0.0, 0.0)]
+    run = Run(duration=1.0, output_step=0.5, **options(0.02))
+    for system, found in zip(cases, simulate_batch(cases, run).check().solutions, strict=True):
+        alone = simulate(system, run)
+        ours, theirs = (each.engine_state["control.states.0"] for each in (found, alone))
+        np.testing.assert_allclose(ours, theirs, rtol=1e-11, atol=1e-12)
+        ours, theirs = (each.bodies["wheel"].angular_velocity for each in (found, alone))
+        np.testing.assert_allclose(ours, theirs, rtol=1e-11, atol=1e-12)
+    assert abs(theirs).max() > 0.5
+    sampled = m.SampledController(
+        reads=HINGE, drives=MOTOR, law=integrating, every=0.1, memory={"total": 0.0}
+    )
+    with pytest.raises(ModelError, match="one by one"):
+        simulate_batch([replace(each, controllers=[sampled]) for each in cases], run)
+
+
 def test_angles_that_are_read_count_whole_turns():
     seen = []
 
@@ -319,8 +352,42 @@ def test_what_a_controller_cannot_do_is_refused():
         arm(replace(FOLLOWING, reads={"elbow": m.JointReading("elbo")}))
     with pytest.raises(ModelError, match="controller name 'controller' is used more than once"):
         replace(arm(FOLLOWING), controllers=[FOLLOWING, SAMPLED])
-    with pytest.raises(ModelError, match="leave them out, replace"):
-        equilibrium(arm(FOLLOWING))
+    with pytest.raises(ModelError, match="leave it out, replace"):
+        equilibrium(replace(arm(FOLLOWING), controllers=[SAMPLED]))
+    integrator = replace(FOLLOWING, rates=lambda _t, _reads, z: -z, initial=[0.0])
+    with pytest.raises(ModelError, match="leave it out, replace"):
+        equilibrium(arm(integrator))
+
+
+def holding(_time, reads, _states):
+    """Proportional and derivative, level."""
+    return {
+        name: -GAINS[i, 0] * reads[name].angle - GAINS[i, 1] * reads[name].rate
+        for i, name in enumerate(("shoulder", "elbow"))
+    }
+
+
+def test_an_arm_that_its_controller_holds_rests_and_vibrates_as_its_equations_say():
+    """Weights against gains at rest; eigenvalues of the closed loop from the same independent equations."""
+    weight = 9.81
+    system = arm(replace(FOLLOWING, outputs=holding))
+    found = equilibrium(system)
+    upper, fore = found.system.bodies
+    first, second = (np.arctan2(each.rotation[1, 0], each.rotation[0, 0]) for each in (upper, fore))
+    elbow = MASS * weight * LENGTH / 2 * np.cos(second)
+    shoulder = elbow + 1.5 * MASS * weight * LENGTH * np.cos(first)
+    np.testing.assert_allclose(-GAINS[:, 0] * [first, second - first], [shoulder, elbow], rtol=1e-8)
+
+    def rates(state):
+        relative, speeds = (np.array([one, other - one]) for one, other in (state[:2], state[2:]))
+        return arm_equations(state, -GAINS[:, 0] * relative - GAINS[:, 1] * speeds)
+
+    at, step = np.array([first, second, 0.0, 0.0]), 1e-6
+    state = np.array([(rates(at + step * e) - rates(at - step * e)) / (2 * step) for e in np.eye(4)]).T
+    expected = np.linalg.eigvals(state)
+    modes = machine_modes(linearize(system))
+    ours = np.sort_complex(modes.eigenvalues)
+    np.testing.assert_allclose(ours, np.sort_complex(expected[expected.imag >= 0]), rtol=1e-6)
 
 
 def test_a_body_in_full_takes_no_controller():

@@ -22,6 +22,11 @@ from supple.machine.forces.friction import (
 from supple.machine.forces.gear import (
     Gear,
 )
+from supple.machine.forces.joint_friction import (
+    HingeFriction,
+    JointFriction,
+    SlideFriction,
+)
 from supple.machine.forces.journal_bearing import (
     JournalBearing,
 )
@@ -82,6 +87,8 @@ __all__ = [
     "ForceBetween",
     "ForceElement",
     "Gear",
+    "HingeFriction",
+    "JointFriction",
     "JournalBearing",
     "MotorCurve",
     "Penalty",
@@ -89,6 +96,7 @@ __all__ = [
     "RackAndPinion",
     "RevoluteFriction",
     "Screw",
+    "SlideFriction",
     "SlideServo",
     "SlideStop",
     "SphereContact",

@@ -31,6 +31,9 @@ class ForceElement(ABC):
     acts_along_line: ClassVar[bool] = False
     """True when the law needs a line between its ends, which must then stay apart."""
 
+    reads_reaction: ClassVar[bool] = False
+    """True when the value of `wrenches` is what a joint carries, instead of a law's: a `JointFriction`."""
+
     def __post_init__(self) -> None:
         check_fields(self)
         object.__setattr__(self, "first", as_end(self.first))

@@ -25,6 +25,7 @@ from supple.multibody.equations.configuration import (
 from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.equations.inertia import mass_matrix
 from supple.multibody.equations.model import Model
+from supple.multibody.equations.settled_reactions import settled_reactions
 from supple.multibody.equations.start_change import StartChange
 from supple.multibody.equations.starting_machine import JointTerms, joint_terms
 
@@ -118,9 +119,14 @@ def accelerations(
     mass = machine.metric(instant.configuration)
     step = None if control is None else ControlStep(control, np.zeros(()))
     at = instant.time, instant.configuration, instant.velocity
-    forces = np.asarray(_forces(machine.model, *at, step))
-    solution = bordered_solve(mass, terms.jacobian, -forces, -terms.acceleration_bias)
-    return solution[: len(mass)], solution[len(mass) :]
+
+    def answered(*carried: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        forces = np.asarray(_forces(machine.model, *at, step, *carried))
+        solution = bordered_solve(mass, terms.jacobian, -forces, -terms.acceleration_bias)
+        return solution[: len(mass)], solution[len(mass) :]
+
+    found = answered()
+    return settled_reactions(answered, found) if machine.model.reads_reactions else found
 
 
 def forces_without_acceleration(
@@ -129,12 +135,16 @@ def forces_without_acceleration(
     configuration: Configuration,
     velocity: jax.Array,
     control: ControlStep | None = None,
+    multipliers: jax.Array | None = None,
 ) -> jax.Array:
-    """The residual without accelerations and multipliers, (n,)."""
-    still = SystemMotion(
-        time, configuration, velocity, jnp.zeros_like(velocity), jnp.zeros(len(model.active)), control
-    )
-    return balance(model, still).residual
+    """The residual without accelerations and joint forces, (n,).
+
+    multipliers : of the joints, for forces that depend on them; zero without
+    """
+    reactions = jnp.zeros(len(model.active)) if multipliers is None else multipliers
+    still = SystemMotion(time, configuration, velocity, jnp.zeros_like(velocity), reactions, control)
+    terms = balance(model, still)
+    return terms.inertia + terms.internal + terms.applied
 
 
 _moved = KeptProgram(advance, STARTING)

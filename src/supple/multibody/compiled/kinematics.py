@@ -32,6 +32,8 @@ __all__ = ["KinematicEngine"]
 _KEEPING_SHAPE = ("rigid", "reduced")
 _INSTANTS_AT_ONCE = 128
 _MOST_ITERATIONS = 20
+_REACTIONS, _SETTLED = 60, 1e-9
+"""Iterations for friction that depends on the joints' forces, and by what part the last may change these."""
 _DEAD_POINT = 1e-9
 """Smallest singular value of the joints' Jacobian over its largest, turns times the machine's size."""
 
@@ -208,13 +210,22 @@ def _next_instant(model: Model, before: Instant, time: jax.Array) -> Instant:
     velocity = of_frames(jnp.linalg.solve(jacobian, -at_rest.rate))
     bias = joint_terms(model, time, configuration, velocity).acceleration_bias
     acceleration = of_frames(jnp.linalg.solve(jacobian, -bias))
-    unheld = SystemMotion(time, configuration, velocity, acceleration, jnp.zeros(len(model.active)))
-    forces = balance(model, unheld).residual[frames]
-    multipliers = jnp.linalg.solve(jacobian.T, -forces)
+
+    def carried(multipliers: jax.Array) -> jax.Array:
+        terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers))
+        return jnp.linalg.solve(jacobian.T, -(terms.residual - terms.joint)[frames])
+
+    multipliers, unsettled = carried(jnp.zeros(len(model.active))), jnp.zeros(())
+    if model.reads_reactions:
+        multipliers, last = jax.lax.fori_loop(
+            0, _REACTIONS, lambda _, at: (carried(at[0]), at[0]), (multipliers, multipliers)
+        )
+        unsettled = jnp.linalg.norm(multipliers - last) / (jnp.linalg.norm(multipliers) + 1e-300)
     scale = jnp.tile(jnp.array([1.0, 1.0, 1.0, model.length, model.length, model.length]), len(model.sizes))
     sizes = jnp.linalg.svd(jacobian / scale, compute_uv=False)
     rounding = model.length * position_rounding(model.length, configuration.origins)
     good = (gap <= rounding) & (sizes[-1] > _DEAD_POINT * sizes[0]) & jnp.all(jnp.isfinite(acceleration))
+    good = good & (unsettled <= _SETTLED)
     turned = jnp.einsum("bji,bjk->bik", before.configuration.rotations, configuration.rotations)
     cosine = jnp.clip((jnp.trace(turned, axis1=1, axis2=2) - 1) / 2, -1.0, 1.0)
     after = Instant(

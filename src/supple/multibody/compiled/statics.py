@@ -16,7 +16,12 @@ from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
-from supple.multibody.equations.static_search import StaticCorrection, StaticState, Unbalance
+from supple.multibody.equations.static_search import (
+    ROUND_OFF,
+    StaticCorrection,
+    StaticState,
+    Unbalance,
+)
 from supple.multibody.equations.steady_motion import (
     Turning,
     in_turning_axes,
@@ -26,11 +31,6 @@ from supple.multibody.equations.steady_motion import (
 )
 
 __all__ = ["CompiledStatics", "balanced"]
-
-
-_ROUND_OFF = 1e-4
-"""Where all terms of a kind vanish, as the moments of a hanging rod do, rounding of the others is left: what
-residuals are compared with is no less than this part of the largest kind, both as work in a large motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class CompiledStatics:
         works = self.position_scale[:, None] * np.stack(columns, axis=1)
         norms = np.sqrt(kinds_of_rows(model) @ works**2)
         scale = norms[:, 1:].max(axis=1)
-        scale = np.maximum(scale, _ROUND_OFF * scale.max())
+        scale = np.maximum(scale, ROUND_OFF * scale.max())
         relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
         gap = float(np.max(abs(np.asarray(terms.constraint_residual)), initial=0.0)) / float(model.length)
         return Unbalance(relative, gap, terms)

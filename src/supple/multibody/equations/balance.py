@@ -76,7 +76,7 @@ def balance(model: Model, motion: SystemMotion) -> Balance:
         matrices.append(own_matrices)
     applied = [(load.velocities, -nodal_load.force(load, motion)) for load in model.nodal_loads]
     for forces in model.forces:
-        applied += [(places, -own) for places, own in marker_force.force(forces, motion)]
+        applied += [(places, -own) for places, own in marker_force.force(model, forces, motion)]
     applied += [(places, -own) for places, own in control_force.force(model, motion)]
     joints = linearized(model, motion.time, motion.configuration)
     return Balance(
@@ -138,7 +138,7 @@ def tangent_blocks(
         blocks.append(Block(load.velocities, load.velocities, own))
     minus = StepFactors(-factors.by_position, -factors.by_velocity)
     for forces in model.forces:
-        blocks += marker_force.tangent(forces, motion, turns, minus)
+        blocks += marker_force.tangent(model, forces, motion, turns, minus)
     blocks += control_force.tangent(model, motion, turns, minus)
     blocks += joint_force.tangent(model, motion, linearization.joints, turns, factors.by_position)
     return blocks

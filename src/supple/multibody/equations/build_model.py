@@ -15,6 +15,7 @@ from supple.body import BodyForm, FullBody, RigidBody
 from supple.errors import ModelError
 from supple.machine import GROUND, At, BaseAcceleration, ForceElement, Joint, NodalLoad, Placed, System
 from supple.machine.control import Controller, EndReading, JointReading, SampledController
+from supple.machine.forces import JointFriction
 from supple.multibody.equations.floating_inertia import inertia_arrays
 from supple.multibody.equations.model import (
     Actuator,
@@ -304,9 +305,20 @@ def _force_groups(
             parameters=_stacked([load.parameters for load, _, _ in group]),
             first=_ends(places, [first for _, first, _ in group]),
             second=_ends(places, [second for _, _, second in group]),
+            reaction=_reaction_rows(system, [load for load, _, _ in group]),
         )
         for group in _grouped(found, kind)
     )
+
+
+def _reaction_rows(system: System, loads: Sequence[ForceElement]) -> Places | None:
+    """The first two equations of the joints in which there is friction: their force across the axis."""
+    if not isinstance(loads[0], JointFriction):
+        return None
+    rows = np.cumsum([0, *(joint.n_constraints for joint in system.joints)])
+    names = [joint.name for joint in system.joints]
+    frictions = [load for load in loads if isinstance(load, JointFriction)]
+    return Places(tuple(int(rows[names.index(load.joint.name)]) for load in frictions), 2)
 
 
 def _control_law(

@@ -17,6 +17,7 @@ import scipy.linalg
 
 from supple.errors import ModelError, RedundantConstraintWarning
 from supple.machine import System
+from supple.machine.forces import JointFriction
 from supple.multibody.equations.build_model import row_scales
 from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.joint_closure import joints_closed, row_labels
@@ -67,6 +68,7 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
     active = independent_constraints(system, terms.jacobian, machine.metric(configuration))
     if active != machine.model.active:
         machine = machine.restricted(active)
+    _check_friction_known(system, active)
     configuration = joints_closed(machine, time, configuration, velocity)
     closed = every.joint_terms(time, configuration, velocity)
     left = closed.residual
@@ -147,6 +149,19 @@ def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) ->
                     "have the machine assembled: assemble(system); in a case file, assemble = true in "
                     "[simulation]"
                 )
+
+
+def _check_friction_known(system: System, active: tuple[int, ...]) -> None:
+    """ModelError where friction depends on the force of an equation that is left out."""
+    first = np.cumsum([0, *(joint.n_constraints for joint in system.joints)])
+    number = {joint.name: int(row) for joint, row in zip(system.joints, first, strict=False)}
+    for load in system.loads:
+        if isinstance(load, JointFriction) and not {0, 1} <= {i - number[load.joint.name] for i in active}:
+            raise ModelError(
+                f"{load.label}: how the joints share the forces across its axis is undetermined, "
+                "as some equations repeat others. Make a body flexible or a joint freer, or give friction "
+                "a preload, RevoluteFriction or PrismaticFriction"
+            )
 
 
 def _check_redundant_closed(system: System, active: tuple[int, ...], residuals: np.ndarray) -> None:

@@ -34,7 +34,7 @@ from supple.multibody.equations.marker import (
 from supple.multibody.equations.model import ControlLaw, Ends, Model
 from supple.multibody.equations.places import Block, Places
 
-__all__ = ["force", "readings_at", "stepped", "tangent"]
+__all__ = ["force", "readings_at", "resting_control", "stepped", "tangent"]
 
 _ITERATIONS = 3
 """Of Newton, for the states of one step: one is exact where the rates are linear in the states."""
@@ -94,11 +94,32 @@ def readings_at(model: Model, motion: SystemMotion) -> tuple[dict[str, Any], ...
     )
 
 
+def resting_control(model: Model) -> ControlStep | None:
+    """Of controllers whose outputs are functions of the motion alone; None without any.
+
+    Raises ModelError for one with states, or one that is sampled: at rest nothing says what they are.
+    """
+    if not model.controllers:
+        return None
+    states = []
+    for law in model.controllers:
+        if law.outputs is None or np.size(law.initial):
+            raise ModelError(
+                "an equilibrium and its modes take controllers whose outputs follow the motion alone, none "
+                "that is sampled or has states: leave it out, replace(system, "
+                "controllers=()), or let a damped run find its rest"
+            )
+        states.append(np.zeros(sum(reader.of_joint for reader in law.readers)))
+    none = tuple(np.zeros(0) for _ in states)
+    empty: tuple[dict[str, Any], ...] = tuple({} for _ in states)
+    return ControlStep(ControlState(tuple(states), none, empty, empty), np.zeros(()))
+
+
 def _step(motion: SystemMotion) -> ControlStep:
     if motion.control is None:
         raise ModelError(
-            "controllers act in the runs of rigid and reduced bodies, each by itself: for an equilibrium, "
-            "modes, a batch or the error of a basis leave them out, replace(system, controllers=())"
+            "controllers act in machines of rigid and reduced bodies: for full bodies or the error of a "
+            "basis leave them out, replace(system, controllers=())"
         )
     return motion.control
 

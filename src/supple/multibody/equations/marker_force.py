@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from supple.integrate import StepFactors
 from supple.multibody.equations.configuration import SystemMotion
 from supple.multibody.equations.ends import blocks_on_bodies, forces_on_bodies, markers
+from supple.multibody.equations.joint_force import all_multipliers
 from supple.multibody.equations.marker import (
     N_LOCAL,
     Marker,
@@ -19,21 +20,21 @@ from supple.multibody.equations.marker import (
     pose,
     with_rates,
 )
-from supple.multibody.equations.model import ForceGroup
+from supple.multibody.equations.model import ForceGroup, Model
 from supple.multibody.equations.places import Block, Places, over
 
 __all__ = ["force", "tangent"]
 
 
 def _on_local_freedoms(
-    wrenches: Any, law: Any, parameters: Any, first: Marker, second: Marker, time: Any
+    wrenches: Any, law: Any, parameters: Any, reaction: Any, first: Marker, second: Marker, time: Any
 ) -> Any:
     """Generalised forces (24,) of a force element as a function of displacements and rates (24,) each."""
 
     def of(variation: jax.Array, rates: jax.Array) -> jax.Array:
         one = with_rates(displaced(first, variation[:N_LOCAL]), rates[:N_LOCAL])
         other = with_rates(displaced(second, variation[N_LOCAL:]), rates[N_LOCAL:])
-        value = None if law is None else law(time)
+        value = reaction if law is None else law(time)
         on_first, on_second = wrenches(pose(one), pose(other), value, parameters)
         return jnp.concatenate([generalized_force(one, on_first), generalized_force(other, on_second)])
 
@@ -47,29 +48,43 @@ def _ends(forces: ForceGroup, motion: SystemMotion) -> tuple[Marker, Marker]:
     )
 
 
-def force(forces: ForceGroup, motion: SystemMotion) -> Iterator[tuple[Places, jax.Array]]:
+def _reactions(model: Model, forces: ForceGroup, motion: SystemMotion) -> Any:
+    """What the joints carry that the forces depend on, (k, 2); None for most."""
+    if forces.reaction is None:
+        return None
+    return forces.reaction.take(all_multipliers(model, jnp.asarray(motion.multipliers)))
+
+
+def force(model: Model, forces: ForceGroup, motion: SystemMotion) -> Iterator[tuple[Places, jax.Array]]:
     """Generalised forces on the bodies at both ends."""
     still = jnp.zeros(2 * N_LOCAL)
 
-    def of_element(law, parameters, first, second):
-        local = _on_local_freedoms(forces.wrenches, law, parameters, first, second, motion.time)(still, still)
-        return local[:N_LOCAL], local[N_LOCAL:]
+    def of_element(law, parameters, reaction, first, second):
+        local = _on_local_freedoms(forces.wrenches, law, parameters, reaction, first, second, motion.time)
+        both = local(still, still)
+        return both[:N_LOCAL], both[N_LOCAL:]
 
-    local = over(of_element, forces.law, forces.parameters, *_ends(forces, motion))
+    reactions = _reactions(model, forces, motion)
+    local = over(of_element, forces.law, forces.parameters, reactions, *_ends(forces, motion))
     yield from forces_on_bodies(forces, local)
 
 
 def tangent(
-    forces: ForceGroup, motion: SystemMotion, turns: jax.Array, factors: StepFactors
+    model: Model, forces: ForceGroup, motion: SystemMotion, turns: jax.Array, factors: StepFactors
 ) -> Iterator[Block]:
-    """Change of the generalised forces with the new accelerations."""
+    """Change of the generalised forces with the new accelerations, at constant reactions of the joints.
+
+    How friction follows the joints' own multipliers is left to Newton's iteration, which gains by the part
+    that friction has in the balance.
+    """
     still = jnp.zeros(2 * N_LOCAL)
 
-    def of_element(law, parameters, first, second):
-        local = _on_local_freedoms(forces.wrenches, law, parameters, first, second, motion.time)
+    def of_element(law, parameters, reaction, first, second):
+        local = _on_local_freedoms(forces.wrenches, law, parameters, reaction, first, second, motion.time)
         return jax.jacfwd(local, argnums=(0, 1))(still, still)
 
-    by_position, by_rate = over(of_element, forces.law, forces.parameters, *_ends(forces, motion))
+    reactions = _reactions(model, forces, motion)
+    by_position, by_rate = over(of_element, forces.law, forces.parameters, reactions, *_ends(forces, motion))
     halves = slice(0, N_LOCAL), slice(N_LOCAL, 2 * N_LOCAL)
     for matrix, factor, own_turns in (
         (by_position, factors.by_position, turns),

@@ -126,6 +126,8 @@ class ForceGroup:
     parameters: tuple[Any, ...]
     first: Ends
     second: Ends
+    reaction: Places | None = field(default=None, metadata=STATIC)
+    """Constraint equations whose multipliers they read, in the place of a law"""
 
 
 @jax.tree_util.register_dataclass
@@ -237,6 +239,11 @@ class Model:
     def n_velocities(self) -> int:
         """Length of the common velocity vector."""
         return sum(6 + r for r in self.sizes)
+
+    @property
+    def reads_reactions(self) -> bool:
+        """Whether forces depend on what the joints carry."""
+        return any(group.reaction is not None for group in self.forces)
 
     def gravity_at(self, time: Any) -> Any:
         """Gravity seen from a base that accelerates, (3,)."""

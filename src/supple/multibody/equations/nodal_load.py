@@ -21,7 +21,15 @@ from supple.machine.nodal_loads import NodalLoad
 from supple.multibody.equations.configuration import SystemMotion
 from supple.multibody.equations.model import STATIC, NodalLoadArrays
 
-__all__ = ["PreparedLoad", "force", "forces_by_rotation", "nodal_forces", "prepared", "tangent"]
+__all__ = [
+    "PreparedLoad",
+    "force",
+    "forces_by_places",
+    "forces_by_rotation",
+    "nodal_forces",
+    "prepared",
+    "tangent",
+]
 
 
 @jax.tree_util.register_dataclass
@@ -82,6 +90,13 @@ def forces_by_rotation(load: PreparedLoad, places: jax.Array, rotation: jax.Arra
         return turned(jnp.zeros(3))
 
     return _on_nodes(load, _over_facets(load, by_turn, places, value), len(places))
+
+
+def forces_by_places(load: PreparedLoad, places: jax.Array, rotation: jax.Array, time: Any) -> jax.Array:
+    """Change of the forces of every facet with the places of its nodes, (e, m, 3, m, 3)."""
+    value = jnp.asarray(load.law(time))
+    change = jax.jacfwd(lambda x, v: load.facet_forces(x, rotation, v))
+    return _over_facets(load, change, places, value)
 
 
 def _places(load: NodalLoadArrays, motion: SystemMotion) -> tuple[jax.Array, jax.Array]:

@@ -23,6 +23,7 @@ from supple.errors import AccuracyError, ConvergenceError
 from supple.multibody.equations.configuration import AnyArray, Configuration
 
 __all__ = [
+    "ROUND_OFF",
     "StaticCorrection",
     "StaticMachine",
     "StaticSearch",
@@ -32,6 +33,10 @@ __all__ = [
 ]
 
 _KINDS = ("forces", "moments", "deformation")
+
+ROUND_OFF = 1e-4
+"""Where all terms of a kind vanish, as the moments of a hanging rod do, rounding of the others is left: what
+residuals are compared with is no less than this part of the largest kind, both as work in a large motion."""
 
 
 @dataclass(frozen=True)

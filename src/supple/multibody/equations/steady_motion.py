@@ -28,6 +28,7 @@ from supple.integrate import StepFactors
 from supple.multibody.equations.balance import Balance, Linearization, tangent
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion
+from supple.multibody.equations.control_force import resting_control
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
 
@@ -71,7 +72,8 @@ def steady_motion(
     velocity, acceleration = turning_velocities(
         turning, configuration, model.frames.starts, model.n_velocities
     )
-    return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers)
+    control = resting_control(model)
+    return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers, control)
 
 
 def turning_velocities(

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import block_array, coo_array, csr_array
 
 from supple.algebra.cross import cross_matrices, cross_matrix
 from supple.algebra.rotation import rotation_right_jacobian
@@ -17,6 +17,7 @@ from supple.integrate import StepFactors
 from supple.machine import NodalLoad
 from supple.multibody.equations.nodal_load import (
     PreparedLoad,
+    forces_by_places,
     forces_by_rotation,
     nodal_forces,
     prepared,
@@ -32,6 +33,7 @@ __all__ = ["FullInterior", "InteriorForces", "InteriorState", "prepare_interior"
 _right_jacobian = jax.jit(rotation_right_jacobian)
 _forces = jax.jit(nodal_forces)
 _forces_by_rotation = jax.jit(forces_by_rotation)
+_forces_by_places = jax.jit(forces_by_places)
 
 
 class _LoadOnNodes(NamedTuple):
@@ -165,6 +167,52 @@ class FullInterior:
         constant = factored.responses
         responses = np.hstack([constant[:, :p], -factored.factor.solve(columns), constant[:, p:]])
         return elimination(factored.factor, responses, self.interface_rows, self.frame_rows, rows, corner)
+
+    def linear_parts(self, state: InteriorState) -> tuple[csr_array, ...]:
+        """`M`, `C` and `K` (6 + n, 6 + n) of a body that turns steadily, all in its own axes."""
+        motion, none = self._motion(state), np.zeros(3)
+        borders = [
+            self._border(motion, state, none, StepFactors(*factors))
+            for factors in ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
+        ]
+        still = borders[0]
+        changes = [still, *(tuple(a - b for a, b in zip(own, still, strict=True)) for own in borders[1:])]
+        following = self._following_loads(state)
+        parts = []
+        for number, ((columns, rows, corner), inner) in enumerate(
+            zip(changes, self.tangent.linear_parts(state.coordinates, state.angular_velocity), strict=True)
+        ):
+            own = csr_array(block_array([[corner, rows], [columns, inner]], format="csr"))
+            parts.append(own + following if number == 2 and following is not None else own)
+        return tuple(parts)
+
+    def _following_loads(self, state: InteriorState) -> csr_array | None:
+        """Change (6 + n, 6 + n) of minus the loads that follow the places of their nodes."""
+        body, d = self.full.body, self.full.body.dofs_per_node
+        place = body.nodes + self._nodal(state.coordinates)[:, :3]
+        entries, rows, columns = [], [], []
+        for load in self.loads:
+            if not load.prepared.follows_nodes:
+                continue
+            nodes = load.nodes[np.asarray(load.prepared.facets)]
+            freedoms = d * nodes[:, :, None] + np.arange(3)
+            change = np.asarray(
+                _forces_by_places(load.prepared, place[load.nodes], state.rotation, state.time)
+            )
+            entries.append(change.ravel())
+            rows.append(np.broadcast_to(freedoms[..., None, None], change.shape).ravel())
+            columns.append(np.broadcast_to(freedoms[:, None, None], change.shape).ravel())
+        if not entries:
+            return None
+        joined = (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns)))
+        by_nodes = csr_array(coo_array(joined, shape=(body.n_nodal, body.n_nodal)))
+        # Forces on nodes as forces and moments on the frame, and on the coordinates.
+        frame = np.zeros((len(body.nodes), d, 6))
+        frame[:, :3, :3] = np.eye(3)
+        frame[:, :3, 3:] = -cross_matrices(place)
+        on_freedoms = csr_array(block_array([[frame.reshape(-1, 6), body.expansion]], format="csr"))
+        seen = csr_array(block_array([[csr_array((body.n_nodal, 6)), body.expansion]], format="csr"))
+        return csr_array(-(on_freedoms.T @ by_nodes @ seen))
 
     def frame_mass(self, state: InteriorState) -> np.ndarray:
         """Mass matrix of the body moving rigidly, for its frame's velocities, the first three global."""

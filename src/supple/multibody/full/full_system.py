@@ -37,6 +37,7 @@ from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.inertia import mass_matrix
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
+from supple.multibody.equations.settled_reactions import settled_reactions
 from supple.multibody.equations.starting_machine import JointTerms, joint_terms
 from supple.multibody.equations.step_size import position_rounding
 from supple.multibody.full.bordered_solve import Border, EliminatedInterior, solve_bordered
@@ -93,6 +94,8 @@ class Evaluation(NamedTuple):
     """(6 + n,) of each full body, its interface forces included in the last n."""
     frame_residuals: tuple[np.ndarray, ...]
     relative_residual: np.ndarray
+    largest_terms: np.ndarray
+    """Of forces, moments and deformation, (3,): what the first residuals are compared with"""
 
 
 class FullSystem:
@@ -203,6 +206,7 @@ class FullSystem:
             tuple(residuals),
             tuple(gaps),
             np.append(relative, constraint),
+            np.where(scale > 0, scale, 1.0),
         )
 
     def _relative_constraint(self, state: FullState, residual: np.ndarray, by_position: float) -> float:
@@ -404,9 +408,16 @@ class FullSystem:
         """The state with the accelerations and multipliers that belong to its positions and velocities."""
         bias = self.joint_terms(state.time, state.configuration, state.velocity).acceleration_bias
         none = tuple(np.zeros(6) for _ in self.interiors)
-        acceleration, multipliers, frame_multipliers = self.correction(
-            self.evaluate(state, 0.0), (-bias, none), np.zeros(self.n), StepFactors(0.0, 0.0)
-        )
+        still, targets = np.zeros(self.n), (-bias, none)
+
+        def answered(carried: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+            at = self.evaluate(state._replace(multipliers=carried), 0.0)
+            change, more, frames = self.correction(at, targets, still, StepFactors(0.0, 0.0))
+            return change, carried + more, frames
+
+        acceleration, multipliers, frame_multipliers = found = answered(np.zeros(len(bias)))
+        if self.model.reads_reactions:
+            acceleration, multipliers, frame_multipliers = settled_reactions(answered, found)
         return state._replace(
             acceleration=acceleration,
             auxiliary=acceleration,

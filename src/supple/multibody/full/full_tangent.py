@@ -95,6 +95,21 @@ class FullTangent:
     """Loads of interface forces and frame multipliers, `[B^T, D^T]`, (n, 6 p + 6)"""
     _cache: _FactorCache = field(default_factory=_FactorCache, init=False, repr=False)
 
+    def linear_parts(self, coordinates: np.ndarray, angular_velocity: np.ndarray) -> tuple[csc_array, ...]:
+        """`M`, `C` and `K` of the body in its frame, which turns steadily: no rates, no accelerations."""
+        weights = FullInertia.weights(angular_velocity, np.zeros(3), StepFactors(1.0, 1.0))
+        mass, damping, stiffness = (
+            self.constant[kind][0].copy() for kind in ("mass", "damping", "stiffness")
+        )
+        damping += weights["gyroscopic"] @ self.constant["gyroscopic"]
+        if not self.full.is_linear:
+            material, geometric = self.full.body.assembly.tangent_parts(coordinates)
+            stiffness = np.zeros_like(stiffness)
+            stiffness[self.elastic_places] = material.data + geometric.data
+            damping[self.elastic_places] += self.damping.retardation_time * material.data
+        stiffness += weights["centrifugal"] @ self.constant["centrifugal"]
+        return self._matrix(mass), self._matrix(damping), self._matrix(stiffness)
+
     def exact(self, point: TangentPoint) -> Factored:
         """Factor the tangent as it is, unsymmetric."""
         return self._factored(point, factorize_general(self._matrix(self._data(point, self.constant))))

@@ -8,7 +8,7 @@ import numpy as np
 
 from supple.integrate import StepFactors
 from supple.multibody.equations.configuration import Configuration
-from supple.multibody.equations.static_search import StaticCorrection, StaticState, Unbalance
+from supple.multibody.equations.static_search import ROUND_OFF, StaticCorrection, StaticState, Unbalance
 from supple.multibody.equations.steady_motion import Turning, turning_velocities
 from supple.multibody.full.full_system import FullState, FullSystem
 
@@ -32,7 +32,10 @@ class FullStatics:
         terms = self.machine.evaluate(self._still(state, time), 0.0)
         gaps = [terms.constraint_residual, *terms.frame_residuals]
         gap = float(np.max(abs(np.concatenate(gaps)), initial=0.0)) / float(self.machine.model.length)
-        return Unbalance(terms.relative_residual[:3], gap, terms)
+        length = float(self.machine.model.length)
+        largest = terms.largest_terms * np.array([length, 1.0, length])
+        left = terms.relative_residual[:3] * largest
+        return Unbalance(left / np.maximum(largest, ROUND_OFF * largest.max()), gap, terms)
 
     def correction(
         self,

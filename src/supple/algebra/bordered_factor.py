@@ -1,0 +1,144 @@
+"""A sparse matrix with a narrow border, on the motions that linear constraints leave free: factored once.
+
+    [ K + c W W^T   A^T ] [ x ]   [ b ]
+    [ A              0  ] [ l ] = [ g ]
+
+Most rows, the interior, are sparse and have a factor of their own; the others, the constraints `A` and the
+columns `W` are few, and left over when the interior is eliminated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+from scipy import sparse
+
+from supple.algebra.sparse_factor import SparseFactor, factorize_general, factorize_symmetric
+from supple.errors import AccuracyError
+
+__all__ = ["BorderedFactor", "bordered_factor"]
+
+Array = NDArray[np.float64]
+
+LARGEST_REFINEMENT = 1e-3
+"""As of sparse factors: by how much one refinement may change a solution."""
+
+_ROUNDING = 1e-13
+"""Skew part of a symmetric matrix, over its largest entry."""
+
+
+@dataclass(frozen=True, eq=False)
+class BorderedFactor:
+    """The factored system; built by `bordered_factor`."""
+
+    matrix: Any
+    """Of the whole system, sparse (n + m + k, ..)"""
+    n: int
+    interior: NDArray[np.intp]
+    border: NDArray[np.intp]
+    factor: SparseFactor
+    responses: Array
+    """Of the interior to its border, (n_interior, n_border)"""
+    rows: Any
+    """Of the border in the interior, sparse"""
+    remainder: tuple[Any, Any]
+    """L U factor of what is left, scaled"""
+    scales: tuple[Array, Array]
+    """Of its rows and columns"""
+
+    def solve(self, loads: Array, gaps: Array | None = None) -> Array:
+        """`x` (n, k) for loads `b` (n, k) and gaps `g` (m, k), zero without, refined once."""
+        right = np.zeros((self.matrix.shape[0], loads.shape[1]))
+        right[: self.n] = loads
+        if gaps is not None:
+            right[self.n : self.n + len(gaps)] = gaps
+        solution = self._once(right)
+        return (solution + self._once(right - self.matrix @ solution))[: self.n]
+
+    def _once(self, right: Array) -> Array:
+        inner = self.factor.solve(right[self.interior])
+        rows, columns = self.scales
+        left = rows[:, None] * (right[self.border] - self.rows @ inner)
+        outer = columns[:, None] * scipy.linalg.lu_solve(self.remainder, left)
+        solution = np.empty_like(right)
+        solution[self.interior] = inner - self.responses @ outer
+        solution[self.border] = outer
+        return solution
+
+    def check(self) -> None:
+        """AccuracyError where the system is singular to working precision."""
+        right = np.zeros((self.matrix.shape[0], 1))
+        diagonal = abs(self.matrix.diagonal()[: self.n])
+        right[: self.n, 0] = np.sqrt(diagonal) * np.random.default_rng(0).standard_normal(self.n)
+        solution = self._once(right)
+        change = self._once(right - self.matrix @ solution)
+        moved, size = (np.linalg.norm(np.sqrt(diagonal) * part[: self.n, 0]) for part in (change, solution))
+        if not moved < LARGEST_REFINEMENT * size:  # NaN fails too
+            raise AccuracyError(
+                f"the bordered matrix of {self.n} freedoms is singular to working precision: one refinement "
+                f"changes a solution by {moved / size if size else np.nan:.1e} of its size"
+            )
+
+
+def bordered_factor(
+    matrix: Any,
+    constraint: Any,
+    interior: NDArray[np.intp],
+    columns: Array | None = None,
+    weight: float = 0.0,
+) -> BorderedFactor:
+    """Factor a sparse matrix on the motions that a constraint leaves free.
+
+    Parameters
+    ----------
+    matrix : sparse (n, n)      K, of symmetric pattern; its `interior` rows and columns regular
+    constraint : sparse (m, n)  A, of full row rank
+    interior : (k,)             numbers of the rows that are eliminated sparsely
+    columns : W, (n, w)         weight : c, not negative
+
+    Raises AccuracyError where the system is singular.
+    """
+    n = int(matrix.shape[0])
+    parts: list[list[Any]] = [[sparse.csr_array(matrix), constraint.T], [constraint, None]]
+    if columns is not None and columns.size and weight:
+        # c W W^T x by unknowns of its own, z = c W^T x.
+        wide = sparse.csr_array(columns)
+        parts = [
+            [*parts[0], wide],
+            [*parts[1], None],
+            [wide.T, None, -sparse.eye_array(columns.shape[1]) / weight],
+        ]
+    whole: Any = sparse.csr_array(sparse.block_array(parts, format="csr"))
+    border = np.setdiff1d(np.arange(whole.shape[0]), interior)
+    upper: Any = whole[interior]
+    inner: Any = sparse.csc_array(upper[:, interior])
+    skew = abs(inner - inner.T).max()
+    # At half the work; what rounding has made unsymmetric the refinement puts right.
+    symmetric = skew <= _ROUNDING * abs(inner).max()
+    factor = factorize_symmetric(inner) if symmetric else factorize_general(inner)
+    coupling: Any = sparse.csc_array(upper[:, border])
+    rows: Any = sparse.csr_array(whole[border][:, interior])
+    touched = np.flatnonzero(np.diff(coupling.indptr))
+    responses = np.zeros(coupling.shape)
+    responses[:, touched] = factor.solve(coupling[:, touched].toarray())
+    left = whole[border][:, border].toarray() - rows @ responses
+    scales = _balanced(left)
+    remainder = scipy.linalg.lu_factor(scales[0][:, None] * left * scales[1], check_finite=False)
+    bordered = BorderedFactor(whole, n, interior, border, factor, responses, rows, remainder, scales)
+    bordered.check()
+    return bordered
+
+
+def _balanced(matrix: Array) -> tuple[Array, Array]:
+    """Scales of rows and columns with which all of them have a largest entry near one."""
+    rows, columns, sizes = np.ones(len(matrix)), np.ones(len(matrix)), abs(matrix)
+    for _ in range(4):
+        scaled = rows[:, None] * sizes * columns
+        by_row, by_column = (scaled.max(axis=axis, initial=0.0) for axis in (1, 0))
+        rows = rows / np.sqrt(np.where(by_row > 0, by_row, 1.0))
+        columns = columns / np.sqrt(np.where(by_column > 0, by_column, 1.0))
+    return rows, columns

@@ -1,0 +1,114 @@
+"""The slowest modes of a machine with full bodies, by shift and invert.
+
+    ( s^2 M + s C + K ) x + A^T l = 0,    A x = 0
+
+A basis of slow motions is enlarged by what it leaves of each mode wanted, answered at a fixed shift z,
+
+    t = K(z)^-1 ( s^2 M + s C + K ) x,    K(z) = K + z C + z^2 M,
+
+until nothing is left. Of an undamped machine at rest this is a block of shifted and inverted Lanczos steps.
+Source: [Voss2004].
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from supple.errors import AccuracyError, ModelError
+from supple.linearization.linear_machine import Array
+from supple.linearization.sparse_machine import LARGEST_DENSE, SlowMotions, SparseMachine
+
+__all__ = ["slowest_motions"]
+
+_GUARD = 4
+"""Modes beyond those wanted, so that none is missed at the edge."""
+
+_LEFT = 1e-8
+"""Part of a mode that the basis may lack."""
+
+_ALLOWED = 1e-5
+"""Part that it may lack where rounding is in the way of more."""
+
+_ROUNDS = 60
+
+_NEW = 1e-5
+"""Part of a motion below which what is new in it is rounding."""
+
+
+def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) -> Array:
+    """Motions (n, k), mass-orthonormal, among which the slowest modes are; all of a small machine.
+
+    modes_of : eigenvalues and coordinates of the modes of a `LinearMachine`, slowest first
+
+    Raises
+    ------
+    ModelError      all modes of a large machine
+    AccuracyError   modes that do not settle
+    """
+    most = machine.size // 4 - _GUARD
+    if n_modes is None or n_modes > most:
+        if machine.size <= LARGEST_DENSE:
+            return machine.all_motions
+        raise ModelError(
+            f"a machine with full bodies has {machine.size} freedoms, of which the slowest modes are found: "
+            f"say how many, from 1 to {most}"
+        )
+    slow, mass = machine.slow, machine.equations.mass
+    wanted = n_modes + _GUARD
+    fresh = np.random.default_rng(1).standard_normal((mass.shape[0], wanted))
+    basis = _enlarged(machine, slow.motions, _unit(slow.factor.solve(mass @ fresh), mass))
+    left = np.inf
+    for _ in range(_ROUNDS):
+        values, independent = modes_of(machine.along(basis))
+        shapes = basis @ independent[:, :wanted]
+        answers = _left_over(machine, slow, values[:wanted], shapes)
+        parts = _sizes(answers, mass)
+        before, left = left, float(parts[:n_modes].max())
+        if len(values) >= wanted and (left <= _LEFT or (left <= _ALLOWED and left > before / 3)):
+            return basis
+        # One size for both halves of a mode: of the smaller, what is far below the larger is rounding.
+        new = answers[:, parts > _LEFT] / parts[parts > _LEFT]
+        larger = _enlarged(machine, basis, np.hstack([new.real, new.imag]))
+        if larger.shape[1] == basis.shape[1]:
+            break
+        basis = larger
+    raise AccuracyError(
+        f"the {n_modes} slowest modes have not settled: {left:.1e} of a mode is missing; ask for another "
+        "number of modes, or reduce the bodies"
+    )
+
+
+def _left_over(machine: SparseMachine, slow: SlowMotions, values: Any, shapes: Any) -> Any:
+    """`t = x + K(z)^-1 ( (s^2 - z^2) M + (s - z) C ) x`, complex (n, k), of shapes of unit size."""
+    equations, shift = machine.equations, slow.shift
+    loads = (equations.mass @ shapes) * (values**2 - shift**2)
+    loads = loads + equations.damped(shapes) * (values - shift)
+    answers = slow.factor.solve(np.hstack([loads.real, loads.imag]))
+    real, imaginary = np.split(answers, 2, axis=1)
+    return shapes + real + 1j * imaginary
+
+
+def _sizes(motions: Any, mass: Any) -> Array:
+    """Norms of motions in the mass."""
+    return np.sqrt(np.maximum(np.real(np.einsum("ij,ij->j", motions.conj(), mass @ motions)), 0.0))
+
+
+def _unit(motions: Array, mass: Any) -> Array:
+    return motions / _sizes(motions, mass)
+
+
+def _enlarged(machine: SparseMachine, basis: Array, more: Array) -> Array:
+    """The basis, orthonormal, with what is new in some motions of unit size or less."""
+    mass, constraint = machine.equations.mass, machine.equations.constraint
+    for smallest in (_NEW, 0.5):
+        for _ in range(2):
+            more = more - basis @ (basis.T @ (mass @ more))
+        # What is new may be small beside the motions it was found in, whose rounding opens the joints.
+        more = more + machine.slow.factor.solve(np.zeros_like(more), -(constraint @ more))
+        gram = more.T @ (mass @ more)
+        squares, weights = np.linalg.eigh((gram + gram.T) / 2)
+        kept = squares > smallest**2
+        more = more @ (weights[:, kept] / np.sqrt(squares[kept]))
+    return np.hstack([basis, more])

@@ -1,0 +1,147 @@
+"""A machine with full bodies, linearised: as many freedoms as its finite elements have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from scipy.sparse import csr_array
+
+from supple.algebra import mass_orthonormalize
+from supple.algebra.bordered_factor import BorderedFactor, bordered_factor
+from supple.errors import AccuracyError
+from supple.linearization.linear_machine import Array, LinearMachine
+from supple.machine import Spin, System
+from supple.multibody.full.linear_equations import SparseEquations
+
+__all__ = ["SparseMachine"]
+
+LARGEST_DENSE = 1000
+"""Independent freedoms up to which all motions are found at once."""
+
+_FIRST, _MOST, _ROUNDS = 4, 36, 12
+"""Motions that the shift is found with, besides the rigid ones of each body, and most of these; attempts."""
+
+_FROM_MODES = 0.3
+"""The shift, over the frequency of the fastest of them. A far slower one would drown them in rounding."""
+
+_FREE = 1e-4
+"""Frequency, over the shift, below which all of them are taken for free."""
+
+
+@dataclass(frozen=True, eq=False)
+class SparseMachine:
+    """Small motions `p` of a machine with full bodies at rest, or turning steadily.
+
+        M p'' + C p' + K p + A^T l = 0,      A p = 0
+
+    `p` holds per body the translation and the rotation of its frame, in the frame's own axes, and its
+    coordinates. Modes come from its slowest motions; nothing here is as large as all of them together.
+
+    system    : System          in its equilibrium
+    spin      : Spin | None
+    time      : float           of loads and laws
+    equations : SparseEquations
+    """
+
+    system: System
+    spin: Spin | None
+    time: float
+    equations: SparseEquations
+
+    @cached_property
+    def size(self) -> int:
+        """Number of independent freedoms."""
+        constraints, n = self.equations.constraint.shape
+        return n - constraints
+
+    @cached_property
+    def slow(self) -> SlowMotions:
+        """The solver for slow motions, and a few of these."""
+        rigid = 6 * len(self.system.bodies)
+        return _slow_motions(self.equations, min(rigid, _MOST, self.size - _FIRST) + _FIRST)
+
+    @cached_property
+    def all_motions(self) -> Array:
+        """`N` (n, k) of all motions, mass-orthonormal, for a machine that is small enough."""
+        free = scipy.linalg.null_space(self.equations.constraint.toarray())
+        mass, stiffness = (free.T @ (part @ free) for part in (self.equations.mass, self.equations.stiffness))
+        # As vibrations, the highest of the inverse, where rounding is in parts of the slowest.
+        square = self.slow.shift**2
+        while True:
+            shifted = (stiffness + stiffness.T) / 2 + square * mass
+            try:
+                values, motions = scipy.linalg.eigh(mass, shifted)
+            except scipy.linalg.LinAlgError:  # something buckles at that rate
+                square *= 10
+                continue
+            return free @ (motions / np.sqrt(values))
+
+    def along(self, basis: Array) -> LinearMachine:
+        """The machine that moves as some motions (n, k) allow."""
+        equations = self.equations
+        mass = basis.T @ (equations.mass @ basis)
+        return LinearMachine(
+            system=self.system,
+            spin=self.spin,
+            time=self.time,
+            mass=(mass + mass.T) / 2,
+            damping=basis.T @ equations.damped(basis),
+            stiffness=basis.T @ (equations.stiffness @ basis),
+            basis=basis,
+            full_mass=equations.mass,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SlowMotions:
+    """`( K + z C + z^2 M )^-1` at a shift z, on the motions that are free, and a few slow ones.
+
+    shift : z, rad per unit of time
+    motions : (n, k), mass-orthonormal
+    """
+
+    shift: float
+    factor: BorderedFactor
+    motions: Array
+
+
+def _slow_motions(equations: SparseEquations, number: int) -> SlowMotions:
+    """A shift of the size of the slowest vibrations, from a few steps of subspace iteration."""
+    mass, stiffness = equations.mass, equations.stiffness
+    n = mass.shape[0]
+    squares = abs(stiffness.diagonal()) / np.where(mass.diagonal() > 0, mass.diagonal(), np.inf)
+    shift = np.sqrt(1e-9 * float(squares.max()) or 1.0)
+    block = np.random.default_rng(0).standard_normal((n, number))
+    for _ in range(_ROUNDS):
+        try:
+            factor = _shifted(equations, shift)
+        except AccuracyError:  # an unstable machine may grow at just this rate
+            shift *= 1.37
+            continue
+        for _ in range(3):
+            images = factor.solve(mass @ block)
+            block = mass_orthonormalize(images, mass, rank_tolerance=1e-12).vectors
+        found = np.linalg.eigvalsh(block.T @ (stiffness @ block))
+        wanted = _FROM_MODES * float(np.sqrt(abs(found).max(initial=0.0)))
+        if 0.1 * wanted <= shift <= 10 * wanted or wanted < _FREE * shift:
+            return SlowMotions(shift, factor, block)
+        shift = wanted
+    raise AccuracyError(
+        "no shift was found at which the machine's linear equations can be solved: its stiffness spans too "
+        "many orders of magnitude; reduce its bodies, or leave out what is far stiffer than the rest"
+    )
+
+
+def _shifted(equations: SparseEquations, shift: float) -> BorderedFactor:
+    matrix: Any = equations.stiffness + shift * equations.damping + shift**2 * equations.mass
+    return bordered_factor(
+        csr_array(matrix),
+        equations.constraint,
+        equations.interior,
+        equations.damping_columns,
+        shift,
+    )

@@ -1,0 +1,121 @@
+"""Coulomb friction under the force that a joint carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.arguments import check_instance
+from supple.machine.ends import GROUND, At
+from supple.machine.forces.force_element import ForceElement, check_not_negative, check_positive
+from supple.machine.forces.friction import regularized_direction
+from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
+from supple.machine.joints.joint import Joint
+from supple.machine.joints.prismatic import Prismatic
+from supple.machine.joints.revolute import Revolute
+from supple.machine.pose import Pose, Wrench
+
+__all__ = ["HingeFriction", "JointFriction", "SlideFriction"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointFriction(ForceElement):
+    """Friction `mu N v / sqrt(v^2 + w^2)` in a joint, N the force that it carries across its axis.
+
+    N follows the motion: it is the joint's own multipliers at the same instant. Forces along the axis and
+    tilting moments make no friction.
+
+    joint : of the machine          coefficient : mu, not negative
+    width : w, below which it acts as a damper
+    """
+
+    joint: Joint
+    coefficient: float
+    width: float
+    first: At | Any = GROUND
+    second: At | Any = GROUND
+    """Both ends are the joint's."""
+
+    reads_reaction: ClassVar[bool] = True
+    kinds: ClassVar[tuple[type[Joint], ...]] = ()
+    """Of joints in which it acts"""
+
+    def __post_init__(self) -> None:
+        names = " or ".join(kind.__name__ for kind in self.kinds)
+        check_instance(type(self).__name__, self.joint, self.kinds, f"a joint of the machine, {names}")
+        object.__setattr__(self, "first", self.joint.first)
+        object.__setattr__(self, "second", self.joint.second)
+        super().__post_init__()
+        check_not_negative(self, coefficient=self.coefficient)
+        check_positive(self, width=self.width)
+
+    @property
+    def label(self) -> str:
+        """Name for messages."""
+        return f"{type(self).__name__} in joint '{self.joint.name}'"
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """The joint's."""
+        return self.joint.initial_axes
+
+
+@dataclass(frozen=True, kw_only=True)
+class HingeFriction(JointFriction):
+    """Moment `mu r N v / sqrt(v^2 + w^2)` against the rate v of a hinge whose pin has the radius r.
+
+    width : w, rad per time         radius : r
+    """
+
+    radius: float
+
+    kinds: ClassVar[tuple[type[Joint], ...]] = (Revolute,)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_positive(self, radius=self.radius)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(mu r, w)`."""
+        return (self.coefficient * self.radius, self.width)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+        """Equal and opposite moments about the axis; `value` is the joint's force across it, (2,)."""
+        lever, width = parameters
+        rate = axial_motion(first, second).rate
+        return moment_pair(first, -lever * _size(value) * regularized_direction(rate, width))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlideFriction(JointFriction):
+    """Force `mu N v / sqrt(v^2 + w^2)` against the speed v of a slide.
+
+    width : w, a velocity
+    """
+
+    kinds: ClassVar[tuple[type[Joint], ...]] = (Prismatic,)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(mu, w)`."""
+        return (self.coefficient, self.width)
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+        """Equal and opposite forces along the axis; `value` is the joint's force across it, (2,)."""
+        coefficient, width = parameters
+        speed = axial_motion(first, second).speed
+        force = -coefficient * _size(value) * regularized_direction(speed, width)
+        return force_pair(first, second, force * first.axes[:, 2], jnp.zeros(3))
+
+
+def _size(across: jax.Array) -> jax.Array:
+    """Length of the force, without a derivative at zero that is no number."""
+    square = across @ across
+    return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)

@@ -1,0 +1,148 @@
+"""Machines with full bodies, linearised about a steady motion: sparse matrices of all freedoms.
+
+The equations of the border come compiled, `w = B q` for the interfaces of a full body; those of its interior
+stand beside them, coordinate by coordinate, with the six conditions `D q = 0` of its frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import block_diag, csr_array, eye_array, hstack, vstack
+
+from supple.algebra.cross import cross_matrix
+from supple.multibody.equations.joint_force import constraint_rows
+from supple.multibody.equations.static_search import StaticState
+from supple.multibody.equations.steady_motion import Turning, linear_equations
+from supple.multibody.full.full_interior import FullInterior, InteriorState
+from supple.multibody.full.full_system import FullSystem
+from supple.multibody.full.statics import FullStatics
+
+__all__ = ["SparseEquations", "carried_state", "full_linear_equations"]
+
+
+class SparseEquations(NamedTuple):
+    """`M p'' + (C + W W^T) p' + K p + A^T l = 0`, `A p = 0`, in axes that turn with the bodies."""
+
+    mass: Any
+    """Sparse (n, n), regular on the motions that the constraints leave free"""
+    damping: Any
+    """Sparse (n, n), with the gyroscopic terms"""
+    damping_columns: np.ndarray
+    """`W` (n, w), of damped modes"""
+    stiffness: Any
+    """Sparse (n, n), with the centrifugal terms and those of the forces that are carried"""
+    constraint: Any
+    """Sparse (m, n): of the joints, and of the frames of full bodies"""
+    interior: np.ndarray
+    """Numbers of the freedoms of full bodies against their frames"""
+
+    def damped(self, motions: np.ndarray) -> np.ndarray:
+        """`(C + W W^T) p` of motions (n, k)."""
+        return self.damping @ motions + self.damping_columns @ (self.damping_columns.T @ motions)
+
+
+def full_linear_equations(
+    machine: FullSystem, turning: Turning, time: float, state: StaticState
+) -> SparseEquations:
+    """The equations of motion, linearised about a state in which every body turns steadily."""
+    terms = FullStatics(machine, turning).unbalance(state, time).terms
+    border = linear_equations(machine.model, turning, terms.border_motion, terms.border)
+    seen = _to_border(machine)
+    states = dict(zip((each.index for each in machine.interiors), terms.interior_states, strict=True))
+    inner = {each.index: _turning_parts(each, states[each.index]) for each in machine.interiors}
+    mass, damping, stiffness = (
+        csr_array(seen.T @ csr_array(of_border) @ seen)
+        + _by_body(machine, {index: parts[number] for index, parts in inner.items()})
+        for number, of_border in enumerate((border.mass, border.damping, border.stiffness))
+    )
+    columns = {each.index: _behind_frame(each.damping.columns.T).T for each in machine.interiors}
+    return SparseEquations(
+        mass=csr_array((mass + mass.T) / 2),
+        damping=damping,
+        damping_columns=_by_body(machine, columns, square=False).toarray(),
+        stiffness=stiffness,
+        constraint=csr_array(vstack([csr_array(border.jacobian) @ seen, _frame_conditions(machine)])),
+        interior=np.concatenate([np.arange(*_coordinates(machine, each)) for each in machine.interiors]),
+    )
+
+
+def carried_state(
+    machine: FullSystem, turning: Turning, time: float, state: StaticState
+) -> tuple[StaticState, float]:
+    """A configuration with multipliers that carry what is unbalanced in it; and what part they cannot."""
+    none = state._replace(
+        multipliers=np.zeros(len(machine.model.active)),
+        frame_multipliers=tuple(np.zeros(6) for _ in machine.interiors),
+    )
+    terms = FullStatics(machine, turning).unbalance(none, time).terms
+    parts = [terms.border.residual[part] for part in machine.model.slices]
+    for interior, own in zip(machine.interiors, terms.interior_residuals, strict=True):
+        parts[interior.index] = own
+    weights = machine.position_scale
+    unbalanced = weights * np.concatenate(parts)
+    joints: Any = csr_array(np.asarray(constraint_rows(machine.model, terms.border.linearization.joints)))
+    rows = vstack([joints @ _to_border(machine), _frame_conditions(machine)])
+    carried = weights[:, None] * rows.T.toarray()
+    multipliers = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
+    rate = float(np.max(np.linalg.norm(turning.angular_velocities, axis=1)))
+    of_inertia = float(machine.model.mass) * (rate * float(machine.model.length)) ** 2
+    size = max(of_inertia, float(np.linalg.norm(unbalanced))) or 1.0
+    left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / size
+    of_joints, of_frames = np.split(multipliers, [joints.shape[0]])
+    frames = tuple(of_frames.reshape(-1, 6))
+    return none._replace(multipliers=of_joints, frame_multipliers=frames), left
+
+
+def _turning_parts(interior: FullInterior, state: InteriorState) -> tuple[Any, Any, Any]:
+    """`M`, `C` and `K` (6 + n, 6 + n) of one full body, seen in its axes, which turn along."""
+    mass, damping, stiffness = interior.linear_parts(state)
+    spin, n = cross_matrix(state.angular_velocity), 6 + interior.full.n_coordinates
+    frame = csr_array(block_diag([spin, spin, csr_array((n - 6, n - 6))]))
+    translation = csr_array(block_diag([spin, csr_array((n - 3, n - 3))]))
+    return (
+        mass,
+        damping + mass @ (frame + translation),
+        stiffness + damping @ frame + mass @ translation @ frame,
+    )
+
+
+def _to_border(machine: FullSystem) -> csr_array:
+    """From all freedoms to those of the border: interfaces move with the coordinates of their bodies."""
+    interfaces = {
+        each.index: csr_array(block_diag([eye_array(6), each.interface_rows])) for each in machine.interiors
+    }
+    return csr_array(
+        block_diag(
+            [
+                interfaces.get(index, eye_array(part.stop - part.start))
+                for index, part in enumerate(machine.slices)
+            ]
+        )
+    )
+
+
+def _frame_conditions(machine: FullSystem) -> csr_array:
+    """`D` of all full bodies, (6 b, n)."""
+    rows = {each.index: _behind_frame(each.frame_rows).T for each in machine.interiors}
+    return csr_array(_by_body(machine, rows, square=False).T)
+
+
+def _behind_frame(rows: np.ndarray) -> csr_array:
+    """Rows for the coordinates of a full body, (k, 6 + n)."""
+    return csr_array(hstack([csr_array((len(rows), 6)), csr_array(rows)]))
+
+
+def _by_body(machine: FullSystem, parts: Mapping[int, Any], *, square: bool = True) -> csr_array:
+    """Matrices of some bodies where their freedoms stand, zero elsewhere."""
+    sizes = [part.stop - part.start for part in machine.slices]
+    blocks = [parts.get(i, csr_array((size, size if square else 0))) for i, size in enumerate(sizes)]
+    return csr_array(block_diag(blocks))
+
+
+def _coordinates(machine: FullSystem, interior: FullInterior) -> tuple[int, int]:
+    """First and last of a full body's coordinates among all freedoms."""
+    part = machine.slices[interior.index]
+    return part.start + 6, part.stop
