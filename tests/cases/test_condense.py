@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from supple.cases import read_case, run_case
-from supple.errors import CaseError
+from supple.errors import CaseError, ModelError
 from supple.intrinsic import IntrinsicBody
 
 WING = Path(__file__).parents[2] / "examples" / "wing.toml"
@@ -81,3 +81,119 @@ def test_mistakes_are_named(case_folder, old, new, message):
     path = rewritten(case_folder, (old, new))
     with pytest.raises(CaseError, match=message):
         read_case(path)
+
+
+RELEASED = CONDENSE.replace("modes = 4", "modes = 4, released = true")
+HUB = """\
+[[body]]
+name = "hub"
+rigid = { mass = 2.0, inertia = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]] }
+
+[[body.interface]]
+name = "axle"
+position = [0, 0, 0]
+
+[[body.interface]]
+name = "flange"
+position = [0.1, 0, 0]
+
+[[joint]]
+name = "shaft"
+kind = "revolute"
+first = "ground"
+second = "hub.axle"
+axis = [0, 1, 0]
+
+[[load]]
+kind = "torque"
+at = "hub.axle"
+vector = [0, 20.0, 0]
+
+"""
+ON_HUB = (
+    ('first = "ground"\nsecond = "strip.root"', 'first = "hub.flange"\nsecond = "strip.root"'),
+    ("damping = {", "position = [0.1, 0, 0]\ndamping = {"),
+    ('[[joint]]\nname = "clamp"', HUB + '[[joint]]\nname = "clamp"'),
+    ("duration = 0.4", "duration = 0.1"),
+)
+
+
+def test_a_strip_on_a_turning_hub_moves_as_the_whole_one(case_folder, tmp_path):
+    """Bent little, so that a floating frame is right as well, and turned by a motor on the hub."""
+    path = case_folder / "strip.toml"
+    text = path.read_text().replace("[[joint]]", TIP, 1)
+    for old, new in ON_HUB:
+        text = text.replace(old, new, 1)
+    path.write_text(text)
+    whole = run_case(read_case(path), tmp_path / "whole", errors=False)
+    body = text.replace(WHOLE[0], "").replace(WHOLE[1], RELEASED)
+    path.write_text(body)
+    joined = run_case(read_case(path), tmp_path / "joined", errors=False)
+    strip = joined.system.bodies[0].body
+    assert isinstance(strip, IntrinsicBody)
+    assert strip.modes.n_rigid == 6
+    own, other = (result.tracked["strip.TIP"].position for result in (joined, whole))
+    assert np.abs(own - other).max() < 5e-3 * np.ptp(other[:, 2])
+    forces = [result.solution.joint_forces["clamp"][-1] for result in (joined, whole)]
+    assert np.abs(forces[0] - forces[1]).max() < 0.05 * np.abs(forces[1]).max()
+
+
+def test_a_strip_hangs_by_its_tip_once_it_is_released(case_folder, tmp_path):
+    """Still there where a joint holds it, and falling about that point as a rigid rod does at first."""
+    path = rewritten(
+        case_folder,
+        (CONDENSE, RELEASED),
+        ('kind = "fixed"', 'kind = "ball"'),
+        ('second = "strip.root"', 'second = "strip.tip"'),
+        ("duration = 0.4", "duration = 0.05"),
+    )
+    result = run_case(read_case(path), tmp_path / "hung", errors=False)
+    held = result.tracked["strip.TIP"].position
+    assert np.abs(held - held[0]).max() < 1e-6
+    fallen = result.tracked["strip.root"].position[-1, 2]
+    assert fallen == pytest.approx(-1.5 * 9.81 * 0.05**2 / 2, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (ON_HUB, "more than its root and the ground .'hub.flange'.: set released = true in its condense"),
+        ((('second = "strip.root"', 'second = "strip.tip"'),), "'strip.tip'.: set released = true"),
+        ((('kind = "fixed"', 'kind = "ball"'),), 'does not hold a clamped root: set support = "ball", or'),
+        ((("modes = 4", 'modes = 4, support = "ball"'),), "a fixed joint does not hold a ball root"),
+        ((('[[joint]]\nname = "clamp"', '[[spring]]\nname = "clamp"'),), "no joint holds 'strip'"),
+        ((("step = 0.002\n\n", "adaptive = { first = 1e-3, largest = 1e-2 }\n\n"),), "give step = TIME"),
+        ((("[simulation]", '[simulation]\nstart = "equilibrium"'),), "start as placed, with damping"),
+        ((("[simulation]", "[simulation]\nkinematic = true"),), "takes none: make it a rigid body"),
+    ],
+)
+def test_what_a_condensed_body_cannot_do_is_named_before_anything_runs(case_folder, changes, message):
+    path = rewritten(case_folder, *changes)
+    with pytest.raises(CaseError, match=message):
+        read_case(path)
+
+
+def beside(case_folder, reduction):
+    """A condensed strip clamped at its root, and one in a floating frame on its tip."""
+    path = rewritten(case_folder, (CONDENSE, RELEASED), ("duration = 0.4", "duration = 0.004"))
+    text = path.read_text()
+    first, rest = text.split("[[joint]]", 1)
+    whole = first[first.index("[[body]]") :].replace(RELEASED, WHOLE[0] + reduction)
+    second = whole.replace('name = "strip"', 'name = "other"\nposition = [1, 0, 0]')
+    weld = '[[joint]]\nname = "weld"\nkind = "fixed"\nfirst = "strip.tip"\nsecond = "other.root"\n\n'
+    path.write_text(first + second + weld + "[[joint]]" + rest)
+    return read_case(path)
+
+
+@pytest.mark.slow
+def test_beside_a_condensed_body_the_error_is_that_of_the_steps(case_folder, tmp_path):
+    result = run_case(beside(case_folder, WHOLE[1]), tmp_path / "both")
+    stated = result.solution.errors
+    assert set(stated) == {"strip", "other"}
+    assert all(each.basis is None for each in stated.values())
+    assert all(each.step is not None and each.step.value > 0 for each in stated.values())
+
+
+def test_beside_a_condensed_body_none_corrects_itself(case_folder, tmp_path):
+    with pytest.raises(ModelError, match="give the other bodies reductions of fixed size"):
+        run_case(beside(case_folder, ""), tmp_path / "both")

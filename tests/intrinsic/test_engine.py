@@ -39,7 +39,7 @@ from supple.machine import (
     System,
     Universal,
 )
-from supple.simulation import equilibrium, simulate, simulate_batch
+from supple.simulation import equilibrium, simulate
 
 SOFT = {"EA": 1e4, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.05}
 STIFF = {"EA": 1e6, "EI": 1e5, "GJ": 1e5, "mass_per_length": 1.0, "radius": 0.05}
@@ -319,12 +319,10 @@ def test_implicit_steps_that_do_not_converge_end_the_run():
     )
 
 
-def test_equilibrium_and_batch_name_what_intrinsic_bodies_have_instead():
+def test_equilibrium_names_what_intrinsic_bodies_have_instead():
     system = System([beam(CLAMPED, n_modes=6)], [CLAMP])
     with pytest.raises(ModelError, match=r"find its rest with supple\.intrinsic\.line_rest"):
         equilibrium(system)
-    with pytest.raises(ModelError, match="march_lines over the"):
-        simulate_batch([system], Run(0.1, 0.1))
 
 
 def test_supports_say_what_is_wrong_with_them():

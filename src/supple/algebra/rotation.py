@@ -13,6 +13,7 @@ import numpy as np
 import supple.algebra.jax_settings  # noqa: F401 - 64-bit floats, before the first array
 
 __all__ = [
+    "angle_quotients",
     "euler_parameters",
     "right_jacobian_slope",
     "rotation_exp",
@@ -53,31 +54,32 @@ _SERIES = np.array(
 )
 
 
-def _angle_quotients(squared: jax.Array) -> jax.Array:
-    """`sin x / x`, `(1 - cos x) / x^2`, `(x - sin x) / x^3` as smooth functions of `x^2`, (3,)."""
+def angle_quotients(squared: jax.Array) -> jax.Array:
+    """`sin x / x`, `(1 - cos x) / x^2`, `(x - sin x) / x^3` as smooth functions of `x^2` (...), (3, ...)."""
     small = squared < _SMALL_SQUARED_ANGLE
     s = jnp.where(small, squared, 0.0)
-    series = 1 - _SERIES[-1] * s
-    for factors in _SERIES[-2:0:-1]:
+    first, *middle, last = _SERIES.reshape(*_SERIES.shape, *(1,) * squared.ndim)
+    series = 1 - last * s
+    for factors in reversed(middle):
         series = 1 - factors * s * series
     # `where` evaluates both branches: keep the closed form away from 0 / 0, whose derivative is NaN.
     safe = jnp.where(small, 1.0, squared)
     x = jnp.sqrt(safe)
     sin, cos = jnp.sin(x), jnp.cos(x)
     closed = jnp.stack([sin, 1 - cos, x - sin]) / jnp.stack([x, safe, safe * x])
-    return jnp.where(small, _SERIES[0] * series, closed)
+    return jnp.where(small, first * series, closed)
 
 
 def rotation_exp(psi: jax.Array) -> jax.Array:
     """Rotation matrix of a rotation vector (Rodrigues): `exp(skew(psi))`; shape (3,) to (3, 3)."""
-    sinc, versine, _ = _angle_quotients(psi @ psi)
+    sinc, versine, _ = angle_quotients(psi @ psi)
     matrix = skew(psi)
     return jnp.eye(3) + sinc * matrix + versine * (jnp.outer(psi, psi) - (psi @ psi) * jnp.eye(3))
 
 
 def rotation_right_jacobian(psi: jax.Array) -> jax.Array:
     """Matrix `T(psi)` with `exp(psi)^T d exp(psi) = skew(T dpsi)`; shape (3,) to (3, 3)."""
-    _, versine, cubic = _angle_quotients(psi @ psi)
+    _, versine, cubic = angle_quotients(psi @ psi)
     matrix = skew(psi)
     return jnp.eye(3) - versine * matrix + cubic * (jnp.outer(psi, psi) - (psi @ psi) * jnp.eye(3))
 
@@ -86,7 +88,7 @@ def right_jacobian_slope(psi: jax.Array, vector: jax.Array) -> tuple[jax.Array, 
     """`T(psi)^T vector` (3,), and its derivative for `psi`, (3, 3)."""
     square = psi @ psi
     (_, versine, cubic), (_, versine_slope, cubic_slope) = jax.jvp(
-        _angle_quotients, (square,), (jnp.ones_like(square),)
+        angle_quotients, (square,), (jnp.ones_like(square),)
     )
     along, across = psi @ vector, jnp.cross(psi, vector)
     bent = along * psi - square * vector

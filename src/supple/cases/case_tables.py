@@ -10,6 +10,7 @@ from pydantic import Field
 
 from supple.cases import (
     bodies,
+    condense,
     control,
     elements,
     joints,
@@ -77,6 +78,7 @@ def units_are_one_set(raw: Raw) -> Mistakes:
 RULES: tuple[Rule, ...] = (
     *bodies.RULES,
     *joints.RULES,
+    *condense.RULES,
     *loads.RULES,
     *springs.RULES,
     *elements.RULES,

@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from supple.body import Damping, FlexibleBody
-from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, names, table, unknown
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, names, table, tables, unknown
 from supple.intrinsic import (
     BALL,
     CLAMPED,
@@ -17,12 +17,19 @@ from supple.intrinsic import (
     RootSupport,
     condense,
     hinged,
+    released,
     sliding,
 )
 
 Support = Literal["clamped", "free", "ball", "hinged", "sliding"]
 _WITH_AXIS = {"hinged": hinged, "sliding": sliding}
 _WITHOUT_AXIS = {"clamped": CLAMPED, "free": FREE, "ball": BALL}
+_HELD_BY = {
+    "clamped": ("fixed", "prescribed-rotation", "prescribed-translation"),
+    "ball": ("ball",),
+    "hinged": ("revolute",),
+    "sliding": ("prismatic",),
+}
 _INSTEAD_OF = ("frame", "reduction", "split", "linear")
 
 
@@ -38,11 +45,17 @@ class Condense(CheckedTable):
         description="what the joint at the root leaves free; clamped also where it prescribes a motion",
     )
     axis: Vector | None = Field(None, description="of a hinged or sliding root, in the mesh axes")
+    released: bool = Field(
+        False,
+        description="true where joints hold the body to others, or at its tip: its modes are those on its "
+        "support, and rigid motion besides",
+    )
 
     def build(self, body: FlexibleBody, damping: Damping | None) -> IntrinsicBody:
         """The body in its intrinsic modes."""
         path = LoadPath(self.root, self.tip, self.stations)
-        return condense(body, path, support=self._support(), n_modes=self.modes, damping=damping)
+        made = condense(body, path, support=self._support(), n_modes=self.modes, damping=damping)
+        return released(made) if self.released else made
 
     def _support(self) -> RootSupport:
         if self.axis is not None:  # a rule of the case file
@@ -82,4 +95,62 @@ def _axis_suits_the_support(path: KeyPath, body: Raw) -> Mistakes:
         yield (*path, "condense", "axis"), "only a hinged or sliding root has an axis; remove the key"
 
 
+def _joints_suit_the_supports(raw: Raw) -> Mistakes:
+    for path, body in tables(raw, "body"):
+        given, name = table(body, "condense"), str(body.get("name"))
+        root = f"{name}.{given.get('root')}"
+        if not is_condensed(body) or given.get("released") is True or given.get("support") == "free":
+            continue
+        joints = [(at, own) for at, own in tables(raw, "joint") if name in map(_body, _ends(own))]
+        remedy = (
+            f'set released = true in its condense; support = "{given.get("support", "clamped")}" may stay'
+        )
+        if len(joints) > 1:
+            yield (*path, "condense"), f"{len(joints)} joints hold {name!r}: {remedy}"
+            continue
+        if not joints:
+            yield (
+                (*path, "condense"),
+                f'no joint holds {name!r}: set support = "free", or join {root!r} to ground',
+            )
+        for at, joint in joints:
+            own = _ends(joint)
+            if set(own) != {"ground", root}:
+                other = next((end for end in own if end not in ("ground", root)), root)
+                yield at, f"it holds {name!r} by more than its root and the ground ({other!r}): {remedy}"
+            elif joint.get("kind") not in _HELD_BY[given.get("support", "clamped")]:
+                fitting = [key for key, kinds in _HELD_BY.items() if joint.get("kind") in kinds]
+                better = f'set support = "{fitting[0]}", or ' if fitting else ""
+                yield (
+                    (*at, "kind"),
+                    f"a {joint.get('kind')} joint does not hold a {given.get('support', 'clamped')} root: "
+                    f"{better}{remedy}",
+                )
+
+
+def _ends(joint: Raw) -> list[str]:
+    return [end for end in (joint.get("first"), joint.get("second")) if isinstance(end, str)]
+
+
+def _body(end: str) -> str:
+    return end.partition(".")[0]
+
+
+def _marches_in_fixed_steps(raw: Raw) -> Mistakes:
+    """Nothing else is there for intrinsic bodies."""
+    condensed = next((body.get("name") for _, body in tables(raw, "body") if is_condensed(body)), None)
+    if condensed is None:
+        return
+    given = table(raw, "simulation")
+    for key, refused, remedy in (
+        ("adaptive", "adaptive" in given, "give step = TIME"),
+        ("start", given.get("start") == "equilibrium", "start as placed, with damping"),
+        ("assemble", given.get("assemble") is True, "place the bodies so that all joints fit"),
+        ("kinematic", given.get("kinematic") is True, "make it a rigid body, or leave the key out"),
+    ):
+        if refused:
+            yield ("simulation", key), f"a machine with the condensed body {condensed!r} takes none: {remedy}"
+
+
 RULES_OF_BODY = (_has_no_floating_frame, _path_is_between_interfaces, _axis_suits_the_support)
+RULES = (_joints_suit_the_supports, _marches_in_fixed_steps)

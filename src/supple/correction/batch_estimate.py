@@ -20,6 +20,7 @@ from supple.correction.error_estimate import (
     INSTANTS,
     ErrorEstimator,
     body_error,
+    check_linearised,
     deformed_rows,
     is_small,
     modal_damping,
@@ -94,6 +95,7 @@ def estimate_batch_errors(
     ------
     ModelError      bodies that differ from case to case, or are not made of those in full; nothing to judge
     """
+    check_linearised(cases[0])
     bases = kept_bases(cases[0], fulls)
     if not bases:
         raise ModelError("batch estimate: give the bodies to judge in full; none of them is in the cases")

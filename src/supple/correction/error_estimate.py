@@ -28,6 +28,7 @@ from supple.error_equation import (
 from supple.error_equation.linearised_march import ErrorState
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import Progress, Run, Solution
+from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.compiled.every_step import as_outputs, every_step
@@ -124,6 +125,7 @@ class ErrorEstimator:
     """
 
     def __init__(self, system: System, run: Run) -> None:
+        check_linearised(system)
         self._system = system
         self._run = run
         self._modes: dict[str, ModesInFrame] = {}
@@ -283,6 +285,15 @@ class ErrorEstimator:
             name: _start_error(machine, index, name, configuration, velocity, steps, bases)
             for index, name in enumerate(placed)
         }
+
+
+def check_linearised(system: System) -> None:
+    """ModelError for a machine with intrinsic bodies: its equations are not among those linearised here."""
+    if intrinsic := system.bodies_of(IntrinsicBody):
+        raise ModelError(
+            f"error estimate: beside the intrinsic body '{next(iter(intrinsic))}' what a basis costs is not "
+            "told: give the other bodies reductions of fixed size, and compare with richer ones"
+        )
 
 
 def modal_damping(body: ReducedBody) -> ModalDamping | None:

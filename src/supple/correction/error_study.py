@@ -13,6 +13,7 @@ from supple.correction.kept_basis import kept_bases
 from supple.correction.model_error import model_errors
 from supple.errors import ModelError
 from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution
+from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.reduction import ReductionBasis
 
@@ -71,7 +72,8 @@ def state_errors(
     study = study or ErrorStudy()
     if not isinstance(fulls, Mapping):
         fulls = {full.name: full for full in fulls}
-    known = _of_machine(system, fulls)
+    # What is found from equations of floating bodies alone is not found beside an intrinsic one.
+    known = {} if system.bodies_of(IntrinsicBody) else _of_machine(system, fulls)
     quantities = judged(system, study)
     bases = kept_bases(system, known)
     of_basis: Mapping[str, ErrorPart] = {}

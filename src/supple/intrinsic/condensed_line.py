@@ -24,6 +24,8 @@ LARGEST_RIGID_FORCE = 1e-6
 """Of the forces that a stiffness has for each freedom alone: more under rigid motion is no round-off."""
 ASYMMETRY = 1e-8
 """Of the largest entry."""
+LARGEST_NEGATIVE = 1e-6
+"""Of the largest principal stiffness: one as negative as that is a mistake, not round-off."""
 ROUNDING = 1e-13
 """Of the largest mass: stations that share less share none."""
 
@@ -92,7 +94,7 @@ def condensed_line(
     Raises
     ------
     ModelError      matrices of the wrong size, not finite or not symmetric; a stiffness that resists rigid
-                    motion; a negative mass; whatever `load_path_tree` refuses
+                    motion; a negative stiffness or mass; whatever `load_path_tree` refuses
     Source: [Wang2015] (20); [Guyan1965].
     """
     check_text("condensed_line, name", name)
@@ -112,6 +114,7 @@ def condensed_line(
     scaled = K / np.outer(scale, scale)
     scaled = scaled - Q @ (Q.T @ scaled)
     scaled = scaled - (scaled @ Q) @ Q.T
+    _check_not_negative(name, 0.5 * (scaled + scaled.T))
     clean = scaled * np.outer(scale, scale)
     return CondensedLine(
         name, tree, read_only(0.5 * (clean + clean.T)), read_only(cleaned_mass(name, M, _length(tree))), left
@@ -152,6 +155,17 @@ def clamped_line(
 def _length(tree: LoadPathTree) -> float:
     """What makes rotations comparable with displacements: the mean segment, or one unit for a point."""
     return float(tree.lengths.mean()) if tree.n > 1 else 1.0
+
+
+def _check_not_negative(name: str, scaled: Array) -> None:
+    values, vectors = np.linalg.eigh(scaled)
+    if values.size and values[0] < -LARGEST_NEGATIVE * np.abs(values).max():
+        worst = int(np.argmax(np.abs(vectors[:, 0]))) // 6
+        raise ModelError(
+            f"line '{name}': its stiffness is negative at station {worst}: the smallest principal value is "
+            f"{values[0] / np.abs(values).max():.1e} of the largest. Condense a body that is not "
+            "prestressed, and export stiffness and mass under their own names"
+        )
 
 
 def _rigid_force(K: Array, R: Array, tree: LoadPathTree) -> float:

@@ -23,6 +23,7 @@ from supple.integrate import (
 from supple.intrinsic.joined_engine import ITERATED, JoinedEngine
 from supple.intrinsic.line_march import LineRule, MarchState, first_march_state, march_lines
 from supple.intrinsic.line_model import LineState
+from supple.intrinsic.line_system import LineSystem
 from supple.intrinsic.machine_of_lines import MachineOfLines, machine_of_lines
 from supple.intrinsic.root_reaction import reactions
 from supple.intrinsic.stable_step import check_stable
@@ -57,20 +58,30 @@ class IntrinsicEngine:
     def __init__(self, system: System, run: Run) -> None:
         self._system = system
         self._run = run
-        self._rule = line_rule(run)
+        self.rule = line_rule(run)
         if not isinstance(run.step_control, FixedStep):
             raise ModelError(
                 "intrinsic bodies are stepped with FixedStep(size): an adaptive step is not for them"
             )
         self._machine: MachineOfLines = machine_of_lines(system, run.start)
         step = float(run.times[1] - run.times[0])
-        self._n_steps = max(1, int(np.ceil(step / run.step_control.size * (1 - 1e-9))))
-        check_stable(self._machine, self._rule, step / self._n_steps)
+        self.n_steps = max(1, int(np.ceil(step / run.step_control.size * (1 - 1e-9))))
+        check_stable(self._machine, self.rule, step / self.n_steps)
         self._length = leg_size(len(run.times))
+
+    @property
+    def lines(self) -> LineSystem:
+        """The machine as compiled code takes it."""
+        return self._machine.lines
+
+    @property
+    def tolerance(self) -> float:
+        """To which implicit steps are solved."""
+        return ITERATED * self._run.tolerances.residual
 
     def start(self, time: float) -> MarchState:
         """The bodies as they are placed; residual modes where they rest."""
-        return first_march_state(self._machine.lines, self._rule, time, self._machine.start)
+        return first_march_state(self._machine.lines, self.rule, time, self._machine.start)
 
     def resumed(self, last: Solution) -> MarchState:
         """The state at the end of a recorded part, exact."""
@@ -93,15 +104,20 @@ class IntrinsicEngine:
         # A short leg repeats its end, where steps have no length: all legs share one program.
         padded = np.pad(times, (0, max(self._length - len(times), 0)), mode="edge")
         reached = march_lines(
-            self._machine.lines,
+            self.lines,
             state,
             jnp.asarray(padded),
-            rule=self._rule,
-            n_steps=self._n_steps,
-            tolerance=ITERATED * self._run.tolerances.residual,
+            rule=self.rule,
+            n_steps=self.n_steps,
+            tolerance=self.tolerance,
             max_iterations=self._run.tolerances.max_iterations,
         )
-        reached = jax.device_get(reached)
+        return self.leg(state, jax.device_get(reached), times, clock.perf_counter() - began)
+
+    def leg(
+        self, state: MarchState, reached: MarchState, times: np.ndarray, seconds: float
+    ) -> Leg[MarchState]:
+        """What a march from a state reached (leading axis: time), judged; it may go on beyond the times."""
         good = self._good(reached)[: len(times)]
         n_reached = len(times) if good.all() else int(np.argmin(good))
         stopped = None if good.all() else self._why(reached, n_reached)
@@ -112,17 +128,17 @@ class IntrinsicEngine:
             n_reached=n_reached,
             last=last,
             statistics=Statistics(
-                steps=moving * self._n_steps,
+                steps=moving * self.n_steps,
                 iterations=int(last.iterations - state.iterations),
-                seconds=clock.perf_counter() - began,
+                seconds=seconds,
             ),
             stopped=stopped,
         )
 
     def _limit(self) -> float:
-        match self._rule:
+        match self.rule:
             case ResidualRungeKutta4():
-                return self._rule.largest_contraction
+                return self.rule.largest_contraction
             case GeneralizedAlpha():
                 return 10 * self._run.tolerances.residual
             case _:
@@ -135,11 +151,11 @@ class IntrinsicEngine:
     def _why(self, reached: MarchState, number: int) -> str:
         when = f"before t = {float(reached.time[number]):.6g}"
         worst = float(reached.worst[number])
-        match self._rule:
+        match self.rule:
             case ResidualRungeKutta4(n_kept=n):
                 return (
                     f"the residual modes were not found {when}: their search contracts by {worst:.3g} a "
-                    f"sweep (at most {self._rule.largest_contraction:g}). Keep more modes than {n} (n_kept)"
+                    f"sweep (at most {self.rule.largest_contraction:g}). Keep more modes than {n} (n_kept)"
                 )
             case GeneralizedAlpha():
                 return (

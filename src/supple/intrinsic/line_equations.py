@@ -6,6 +6,9 @@
 Where a tensor form stores the couplings of three modes each, N_m^3 numbers, this one goes to the stations and
 back: products of vectors at stations and segments between a few products of a matrix and a vector. It is the
 same function for any choice of modes, and the power of the couplings is exactly zero.
+
+Amplitudes may have a last axis of cases, and all that follows from them has it too: the products are then of
+two matrices, and cases lie side by side in memory, several to an instruction.
 Source: [Wang2015] (12)-(14), their integrals left as sums over stations.
 """
 
@@ -45,17 +48,17 @@ def station_velocities(model: LineModel, q1: jax.Array, root: RootTwist | None =
     x1 = model.velocities @ q1
     if root is not None:
         x1 = x1 + model.twists @ root.twist
-    return x1.reshape(-1, 6)
+    return _by_sixes(x1)
 
 
 def section_strains(model: LineModel, q2: jax.Array) -> jax.Array:
     """Strains and curvatures (n - 1, 6) of the segments, C x_2."""
-    return (model.strains @ q2).reshape(-1, 6)
+    return _by_sixes(model.strains @ q2)
 
 
 def section_forces(model: LineModel, q2: jax.Array) -> jax.Array:
     """Internal forces and moments (n - 1, 6) at the middles of the segments, x_2, along material axes."""
-    return (model.forces @ q2).reshape(-1, 6)
+    return _by_sixes(model.forces @ q2)
 
 
 def line_rates(
@@ -65,9 +68,9 @@ def line_rates(
     wrenches: jax.Array | None = None,
     root: RootTwist | None = None,
 ) -> tuple[jax.Array, jax.Array]:
-    """Rates (m,) and (e,) of the amplitudes.
+    """Rates (m,) and (e,) of the amplitudes, or (m, k) and (e, k) of k cases.
 
-    wrenches : (n, 6)   forces and moments on the stations, along material axes
+    wrenches : (n, 6)   forces and moments on the stations, along material axes; (n, 6, k) of k cases
     root : RootTwist    where the root's motion is prescribed
     """
     k = model.n_rigid
@@ -78,10 +81,10 @@ def line_rates(
     inertial = on_stations(model, x1, q1, stress, e, root)
     if wrenches is not None:
         inertial = inertial - wrenches
-    d1 = -(inertial.reshape(-1) @ model.velocities) - model.decay * q1
+    d1 = -_in_modes(model.velocities, inertial) - _along(model.decay, q1) * q1
     if root is not None:
         d1 = d1 - model.velocities.T @ (model.twist_momenta @ root.rate)
-    return d1.at[k:].add(model.omega * stress), d2
+    return d1.at[k:].add(_along(model.omega, q2) * stress), d2
 
 
 def force_rates(model: LineModel, x1: jax.Array, q1: jax.Array, e: jax.Array) -> jax.Array:
@@ -89,15 +92,16 @@ def force_rates(model: LineModel, x1: jax.Array, q1: jax.Array, e: jax.Array) ->
     outer = x1[1:]
     inner = x1[:-1] if model.is_chain else x1[model.inner]
     middle = 0.5 * (outer + inner)
-    strain_power = (model.lengths[:, None] * l1_transposed(middle, e)).reshape(-1)
-    return strain_power @ model.forces - model.omega * q1[model.n_rigid :]
+    strain_power = _along(model.lengths, e) * l1_transposed(middle, e)
+    elastic = q1[model.n_rigid :]
+    return _in_modes(model.forces, strain_power) - _along(model.omega, elastic) * elastic
 
 
 def on_stations(
     model: LineModel, x1: jax.Array, q1: jax.Array, stress: jax.Array, e: jax.Array, root: RootTwist | None
 ) -> jax.Array:
     """What turning and bending ask of the stations (n, 6): L_1(x_1) M x_1 + L_2(x_2) e."""
-    half = 0.5 * model.lengths[:, None] * l2(section_forces(model, stress), e)
+    half = 0.5 * _along(model.lengths, e) * l2(section_forces(model, stress), e)
     turning = turning_forces(model, x1, q1, root)
     inner = slice(None, -1) if model.is_chain else model.inner
     return turning.at[1:].add(half).at[inner].add(half)
@@ -111,11 +115,13 @@ def turning_forces(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwi
 def momenta(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwist | None) -> jax.Array:
     """M x_1 (n, 6) of velocities and their amplitudes."""
     if model.station_masses is not None:
-        return (model.station_masses * x1[:, None, :]).sum(-1)
+        # Column by column: compiled into one pass, for one case as for many.
+        columns = (_along(model.station_masses[:, :, j], x1) * x1[:, None, j] for j in range(6))
+        return sum(columns, jnp.zeros(()))
     p = model.momenta @ q1
     if root is not None:
         p = p + model.twist_momenta @ root.twist
-    return p.reshape(-1, 6)
+    return _by_sixes(p)
 
 
 def l1(x1: jax.Array, p: jax.Array) -> jax.Array:
@@ -141,3 +147,20 @@ def _cross(a: jax.Array, b: jax.Array) -> jax.Array:
     a0, a1, a2 = a[:, 0], a[:, 1], a[:, 2]
     b0, b1, b2 = b[:, 0], b[:, 1], b[:, 2]
     return jnp.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=1)
+
+
+def _by_sixes(values: jax.Array) -> jax.Array:
+    """(n, 6) of (6 n,), whatever axes follow."""
+    return values.reshape(-1, 6, *values.shape[1:])
+
+
+def _in_modes(modes: jax.Array, values: jax.Array) -> jax.Array:
+    """Parts (m,) in modes (6 n, m) of values (n, 6), whatever axes follow."""
+    if values.ndim == 2:
+        return values.reshape(-1) @ modes
+    return modes.T @ values.reshape(-1, *values.shape[2:])
+
+
+def _along(values: jax.Array, other: jax.Array) -> jax.Array:
+    """Values with axes of length one added, to multiply those that have more."""
+    return values.reshape(values.shape + (1,) * (other.ndim - values.ndim))

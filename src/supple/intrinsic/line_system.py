@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +15,15 @@ from supple.intrinsic.root_drive import RootDrive
 from supple.intrinsic.station_loads import StationLoad, StationMotion
 from supple.intrinsic.strain_integration import Places, rotation_of, station_places
 
-__all__ = ["LineSystem", "States", "places_of", "root_rates", "system_rates", "system_wrenches"]
+__all__ = [
+    "LineSystem",
+    "States",
+    "places_of",
+    "root_rates",
+    "system_rates",
+    "system_wrenches",
+    "wrenches_on",
+]
 
 States = tuple[LineState, ...]
 """One per line."""
@@ -31,7 +40,7 @@ class LineSystem:
 
 
 def places_of(model: LineModel, drive: RootDrive | None, state: LineState, time: Any) -> Places:
-    """Places of the stations of one line."""
+    """Places of the stations of one line, whose root may be driven."""
     if drive is None:
         return station_places(model, state.q2, rotation_of(state.quaternion), state.position)
     return station_places(model, state.q2, *drive.pose(time))
@@ -41,9 +50,8 @@ def system_wrenches(
     system: LineSystem, states: States, time: Any, roots: tuple[RootTwist | None, ...]
 ) -> list[jax.Array | None]:
     """Forces and moments on the stations of each line, along their own axes; None on a free line."""
-    sums: list[jax.Array | None] = [None] * len(system.lines)
     if not system.loads:
-        return sums
+        return [None] * len(system.lines)
     need_places = any(load.needs_places for load in system.loads)
     motions = [
         StationMotion(
@@ -52,7 +60,15 @@ def system_wrenches(
         )
         for model, drive, state, root in zip(system.lines, system.drives, states, roots, strict=True)
     ]
-    for load in system.loads:
+    return wrenches_on(system.loads, motions, time)
+
+
+def wrenches_on(
+    loads: Sequence[StationLoad], motions: Sequence[StationMotion], time: Any
+) -> list[jax.Array | None]:
+    """Forces and moments of loads on the stations of each line, which move in some way."""
+    sums: list[jax.Array | None] = [None] * len(motions)
+    for load in loads:
         for line, wrench in load.wrenches(motions, time):
             own = sums[line]
             sums[line] = wrench if own is None else own + wrench

@@ -26,6 +26,8 @@ __all__ = ["MachineOfLines", "line_motion", "line_start", "machine_of_lines"]
 
 Array = np.ndarray
 
+_quaternion = jax.jit(euler_parameters)
+
 SAME_VELOCITY = 1e-6
 """Of the velocities: what a root may be given more than its support leaves free is round-off."""
 
@@ -109,7 +111,7 @@ def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineStat
     return LineState(
         q1=jnp.asarray(np.concatenate([amplitudes, placed.coordinate_rates])),
         q2=jnp.asarray(body.forces_of(placed.coordinates)),
-        quaternion=euler_parameters(jnp.asarray(placed.rotation)),
+        quaternion=_quaternion(placed.rotation),
         position=jnp.asarray(placed.position + placed.rotation @ root),
     )
 

@@ -42,7 +42,8 @@ class StationLoad(Protocol):
 
 
 def _one(motion: StationMotion, station: jax.Array, wrench: jax.Array) -> jax.Array:
-    return jnp.zeros(motion.velocities.shape).at[station].add(wrench)
+    # No scatter: over many cases it would be a loop.
+    return jnp.where(jnp.arange(motion.velocities.shape[0])[:, None] == station, wrench, 0.0)
 
 
 @jax.tree_util.register_dataclass

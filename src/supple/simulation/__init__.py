@@ -1,10 +1,8 @@
 """From a machine to its motion: one case, many cases, runs that live on disk."""
 
 from supple.simulation.assembly import AssembledMachine, assemble
-from supple.simulation.batch import (
-    BatchSolution,
-    simulate_batch,
-)
+from supple.simulation.batch import simulate_batch
+from supple.simulation.batch_solution import BatchSolution
 from supple.simulation.engines import register_engine
 from supple.simulation.equilibrium import Equilibrium, equilibrium
 from supple.simulation.kept_bodies import (

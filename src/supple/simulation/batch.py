@@ -10,8 +10,7 @@ up: a chunk as large as the processor's cache serves best, about 64 cases of a b
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -23,7 +22,7 @@ from supple.algebra.jax_settings import before_compiled_code
 from supple.algebra.kept_programs import KeptProgram
 from supple.arguments import checked_arguments
 from supple.body.full_body import FullBody
-from supple.errors import ConvergenceError, ModelError
+from supple.errors import ModelError
 from supple.integrate import (
     Progress,
     Run,
@@ -45,32 +44,11 @@ from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.floating_solution import failure_message
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, filled_up, laws_of, stepping_instants
+from supple.simulation.batch_of_lines import batch_of_lines
+from supple.simulation.batch_solution import BatchSolution
 from supple.simulation.watched_run import check_laws_cover, warn_of_unseen_laws
 
-__all__ = ["BatchSolution", "simulate_batch"]
-
-
-@dataclass(frozen=True)
-class BatchSolution:
-    """What a batch came to: a solution per case, and why where a case failed."""
-
-    solutions: tuple[Solution, ...]
-    """One per case, in order; a failed case's ends at the last output time it reached."""
-    failures: Mapping[int, str]
-    """Case number to message; empty when every case ran to the end."""
-    seconds: float
-    """Wall time of all cases after compilation."""
-    compile_seconds: float
-
-    def check(self) -> BatchSolution:
-        """The batch itself, or ConvergenceError naming the failed cases."""
-        if self.failures:
-            first = next(iter(self.failures))
-            raise ConvergenceError(
-                f"{len(self.failures)} of {len(self.solutions)} cases failed "
-                f"({', '.join(map(str, self.failures))}); case {first}: {self.failures[first]}"
-            )
-        return self
+__all__ = ["simulate_batch"]
 
 
 @lru_cache(maxsize=32)
@@ -94,7 +72,7 @@ def simulate_batch(
     chunk: int = 64,
     progress: Progress | None = None,
 ) -> BatchSolution:
-    """Simulate many load cases of one system of rigid and reduced bodies.
+    """Simulate many load cases of one system of rigid and reduced bodies, or of intrinsic ones.
 
     Parameters
     ----------
@@ -118,11 +96,6 @@ def simulate_batch(
         raise ModelError("a batch needs at least one case")
     if cases[0].bodies_of(FullBody):
         raise ModelError("a batch takes rigid and reduced bodies: reduce the full ones first")
-    if cases[0].bodies_of(IntrinsicBody):
-        raise ModelError(
-            "a batch takes rigid and reduced bodies: map supple.intrinsic.line_march.march_lines over the "
-            "cases of intrinsic ones (jax.vmap)"
-        )
     sampled = [each for system in cases for each in system.controllers if isinstance(each, SampledController)]
     if sampled:
         raise ModelError(
@@ -133,8 +106,12 @@ def simulate_batch(
         raise ValueError(f"chunk must be at least 1, got {chunk}")
     for system in cases:
         check_laws_cover(system, run.times[0], run.times[-1])
-    settings = controls(run)
     warn_of_unseen_laws(_briefest(cases, run), run)
+    if any(system.bodies_of(IntrinsicBody) for system in cases):
+        batch = batch_of_lines(cases, run, chunk, progress)
+        report_output_rate(cases[0], run, batch.solutions[0])
+        return batch
+    settings = controls(run)
     stops = Stops(run.times, stepping_instants(cases, run))
     limits = watch(cases[0], run.validity)
     peaks: dict[str, Peaks] = {}

@@ -1,0 +1,132 @@
+"""Load cases of a machine of intrinsic bodies, marched together.
+
+Chunks of cases go round the processors that JAX has: one, unless it was told of more before it started
+(JAX_NUM_CPU_DEVICES=2 in the environment).
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.available_memory import require_memory
+from supple.errors import ModelError
+from supple.integrate import Progress, Run, Solution
+from supple.intrinsic import IntrinsicEngine
+from supple.intrinsic.line_march import MarchState
+from supple.intrinsic.line_system import LineSystem
+from supple.intrinsic.march_of_cases import march_of_cases
+from supple.intrinsic.supported_root import is_joined
+from supple.machine import System
+from supple.multibody.compiled.batch_start import differing, stacked
+from supple.simulation.batch_solution import BatchSolution
+
+__all__ = ["batch_of_lines"]
+
+
+def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Progress | None) -> BatchSolution:
+    """The solutions of `simulate` for machines of intrinsic bodies whose roots the ground alone holds.
+
+    Runge and Kutta's rule gains most, where cases differ in loads, motions and starts alone.
+    Raises ModelError for joined machines, and for cases that differ in more than numbers.
+    """
+    joined = next((number for number, system in enumerate(cases) if is_joined(system)), None)
+    if joined is not None:
+        raise ModelError(
+            f"case {joined}: a batch with intrinsic bodies takes no others, and only those that the ground "
+            "alone holds by their roots: simulate cases with joints between bodies, with released or with "
+            "other ones, one by one"
+        )
+    began = clock.perf_counter()
+    engines = [IntrinsicEngine(system, run) for system in cases]
+    systems = [engine.lines for engine in engines]
+    _check_alike(systems)
+    structure, axes = jax.tree.structure(systems[0]), differing(systems)
+    first = engines[0]
+    starts = [engine.start(float(run.times[0])) for engine in engines]
+    chunk = min(chunk, len(cases))
+    _require_memory(axes, systems[0], starts[0], chunk, len(run.times))
+    march = march_of_cases(structure, axes, first.rule, first.n_steps, run.tolerances.max_iterations)
+    times = jnp.asarray(run.times[1:])
+    devices = jax.devices()
+    preparing = clock.perf_counter() - began
+
+    def sent(own: range, device: Any) -> MarchState:
+        # A last chunk that is shorter repeats its last case, so that one program marches all.
+        numbers = [*own, *[own[-1]] * (chunk - len(own))]
+        together = jax.tree.map(lambda *leaves: np.stack(leaves), *(starts[i] for i in numbers))
+        leaves = stacked([systems[i] for i in numbers], axes)
+        return march(*jax.device_put((leaves, together, times), device), first.tolerance)
+
+    chunks = [range(i, min(i + chunk, len(cases))) for i in range(0, len(cases), chunk)]
+    solutions: list[Solution] = []
+    failures: dict[int, str] = {}
+    seconds = 0.0
+    for begin in range(0, len(chunks), len(devices)):
+        began = clock.perf_counter()
+        group = chunks[begin : begin + len(devices)]
+        marching = [sent(own, device) for own, device in zip(group, devices, strict=False)]
+        # The first of a kind is compiled as it is sent; the march goes on by itself.
+        preparing += (sending := clock.perf_counter() - began)
+        began += sending
+        reached = jax.device_get(marching)
+        seconds += (passed := clock.perf_counter() - began)
+        share = passed / sum(map(len, group))
+        for own, states in zip(group, reached, strict=True):
+            for place, number in enumerate(own):
+                of_case = jax.tree.map(lambda leaf, place=place: leaf[place], states)
+                solution = _solution(engines[number], starts[number], of_case, run.times, share)
+                solutions.append(solution)
+                if solution.stopped is not None:
+                    failures[number] = solution.stopped
+        if progress is not None:
+            progress(len(solutions) / len(cases))
+    return BatchSolution(tuple(solutions), failures, seconds, preparing)
+
+
+def _solution(
+    engine: IntrinsicEngine, start: MarchState, reached: MarchState, times: np.ndarray, seconds: float
+) -> Solution:
+    """The start, and what a case reached, as the engine tells it."""
+    whole = jax.tree.map(lambda first, leaf: np.concatenate([np.asarray(first)[None], leaf]), start, reached)
+    leg = engine.leg(start, whole, times, seconds)
+    return replace(engine.solution(leg), stopped=leg.stopped)
+
+
+def _check_alike(systems: Sequence[LineSystem]) -> None:
+    first = systems[0]
+    structure, shapes = jax.tree.structure(first), _shapes(first)
+    for number, system in enumerate(systems):
+        if jax.tree.structure(system) != structure or _shapes(system) != shapes:
+            raise ModelError(
+                f"case {number} differs from the first in more than numbers: the cases of a batch have the "
+                "same bodies, joints, kinds of loads and sizes of tables, gravity or none, and the same "
+                "functions of time (use Table for what differs)"
+            )
+
+
+def _shapes(system: LineSystem) -> list[tuple[int, ...]]:
+    return [np.shape(leaf) for leaf in jax.tree.leaves(system)]
+
+
+def _require_memory(
+    axes: Sequence[int | None], system: LineSystem, start: MarchState, chunk: int, n_times: int
+) -> None:
+    """MemoryShortageError where a chunk would take more than is left."""
+    numbers = sum(
+        np.size(leaf) * (1 if axis is None else chunk)
+        for leaf, axis in zip(jax.tree.leaves(system), axes, strict=True)
+    )
+    state = sum(np.size(leaf) for leaf in jax.tree.leaves(start))
+    stations = sum(np.size(model.twists) for model in system.lines)
+    require_memory(
+        8 * (2 * numbers + chunk * (3 * n_times * state + 10 * stations)),
+        f"a chunk of {chunk} cases with {n_times} output times",
+        "take fewer cases at a time (`chunk`) or fewer output times",
+    )
