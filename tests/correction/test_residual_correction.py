@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from supple.algebra import constrained_factor
+from supple.algebra.rotation import rotation_exp
 from supple.body import (
     FullBody,
     MeanAxisFrame,
@@ -17,7 +18,7 @@ from supple.body import (
     RigidInterface,
     flexible_body,
 )
-from supple.correction import residual_corrections
+from supple.correction import missing_motion, residual_corrections
 from supple.errors import ModelError
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, FloatingMotion, Run, Solution, Statistics, Tolerances
@@ -43,7 +44,7 @@ from supple.reduction import (
     project,
     reduction_basis,
 )
-from supple.simulation import simulate
+from supple.simulation import equilibrium, simulate
 
 FRAMES = {"nodal-fixed": NodalFixedFrame("root"), "mean-axis": MeanAxisFrame()}
 DAMPING = RayleighDamping(alpha=0.2, beta=2e-4)
@@ -123,12 +124,61 @@ def in_space(full, missed):
 
 
 @pytest.mark.parametrize("name", FRAMES)
+def test_a_large_missing_motion_is_the_full_equilibrium(beam, name):
+    """A body that should bend by a quarter of its length: one Newton step would be far off."""
+    basis = reduction_basis(beam, FRAMES[name], CraigBampton(n_modes=4), derivatives=NoDerivatives())
+    full = FullBody(beam, FRAMES[name])
+    force = np.array([0.0, 0.0, 300.0])
+
+    def held(body):
+        return System(
+            bodies=(Placed(body),),
+            joints=(Fixed(first=GROUND, second=At("beam", "root"), name="wall"),),
+            loads=(DeadForce(body="beam", at="tip", force=force),),
+        )
+
+    reduced = project(beam, basis)
+    system = held(reduced)
+    missed = residual_corrections(system, full, basis, at_rest(system, basis.r), np.array([0]))
+    rest = equilibrium(held(full)).system.bodies[0]
+
+    def moved(origin, rotation, coordinates):
+        return origin + (full.nodes + full.expand(coordinates)) @ rotation.T - full.nodes
+
+    expected = moved(rest.position, rest.rotation, rest.coordinates)
+    turn = np.asarray(rotation_exp(missed.rotation[0]))
+    found = moved(missed.origin[0], turn, missed.deformation[:, 0])
+    size = np.abs(expected).max()
+    assert size > LENGTH / 5
+    clamped = NormalModes(1).build(beam, NodalFixedFrame("root")).frequencies[0]
+    inertia = (reduced.frequencies[0] / clamped / 100) ** 2  # M / p, as below
+    np.testing.assert_allclose(found, expected, atol=(2e-3 + inertia) * size)
+    linear = held_deflection(beam, ["root"], beam.interface("tip").motion[:3].T @ force)
+    assert np.abs(linear - expected).max() > 0.05 * size
+
+
+def test_where_no_equilibrium_is_found_that_is_said(beam, monkeypatch):
+    monkeypatch.setattr(missing_motion, "MOST_CORRECTIONS", 0)
+    monkeypatch.setattr(missing_motion, "MOST_RELAXATIONS", 0)
+    basis = reduction_basis(beam, FRAMES["nodal-fixed"], CraigBampton(n_modes=4), derivatives=NoDerivatives())
+    system = System(
+        bodies=(Placed(project(beam, basis)),),
+        joints=(Fixed(first=GROUND, second=At("beam", "root"), name="wall"),),
+        loads=(DeadForce(body="beam", at="tip", force=TIP),),
+    )
+    full = FullBody(beam, FRAMES["nodal-fixed"])
+    missed = residual_corrections(system, full, basis, at_rest(system, basis.r), np.array([0]))
+    assert np.isinf(missed.rms).all()
+    assert not missed.deformation.any()
+
+
+@pytest.mark.parametrize("name", FRAMES)
 def test_from_rest_it_is_the_static_deflection_with_the_joint_held(beam, name):
     """In either frame the body hangs on its root; the inertia that steadies free bodies adds little.
 
     M / p with 1 / p = (omega_1 / 100)^2, omega_1 that of the basis in its frame, lowers the deflection
-    by about 1 / (p omega_c^2), omega_c the lowest frequency of the beam held at its root. The load is so small
-    that the beam does not shorten as it bends.
+    by about 1 / (p omega_c^2), omega_c the lowest frequency of the beam held at its root. The load is too
+    small for the beam to shorten as it bends.
     """
     force = 0.01 * np.array(TIP)
     basis = reduction_basis(beam, FRAMES[name], CraigBampton(n_modes=4), derivatives=NoDerivatives())
