@@ -3,7 +3,7 @@
 At an instant of the run the motion is expanded to all coordinates of the body, `q = V gamma + z(gamma)` with
 its rates and accelerations, z the motion that condensed tensors let follow the columns, and the full-order
 equations are evaluated with the run's joint forces. Along V the residual r vanishes; what is left is answered
-by one Newton step of the whole system,
+by Newton's method for the whole system (`missing_motion`), with corrections
 
     [ K_t(q) + M / p   D^T   G^T ] [ delta  ]     [ r ]
     [ D                          ] [ mu     ] = - [ 0 ]
@@ -13,7 +13,7 @@ K_t is the tangent of the deformed body and of the inertia forces at given accel
 softens, the tension it raises stiffens). The frame rows D and the joint rows G hold, while the frame, the
 other bodies and the joint forces are free to follow: one clamped interface, closed loops and free flight are
 all of one kind. The inertia M / p says what a static equilibrium cannot, how a rigid motion resists. delta
-is the missing motion, to first order and quasi-statically; z, which no displacement of the run shows, belongs
+is the missing motion, quasi-statically; z, which no displacement of the run shows, belongs
 to it.
 """
 
