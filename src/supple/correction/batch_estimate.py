@@ -22,7 +22,6 @@ from supple.correction.error_estimate import (
     body_error,
     check_linearised,
     deformed_rows,
-    is_small,
     modal_damping,
     untold,
 )
@@ -31,6 +30,7 @@ from supple.correction.judged_quantity import WholeBody
 from supple.correction.kept_basis import kept_bases
 from supple.correction.looked_at_instants import jittered
 from supple.correction.residual_correction import system_corrections
+from supple.correction.settled_error import is_small
 from supple.error_equation import (
     ErrorEquation,
     JudgedBody,

@@ -13,6 +13,7 @@ from supple.body import FullBody, ModalDamping
 from supple.correction.basis_error import FIRST_ORDER, BasisError, BodyError
 from supple.correction.looked_at_instants import followed, jittered, striking
 from supple.correction.residual_correction import ResidualCorrections, system_corrections
+from supple.correction.settled_error import is_finite, is_small, settled
 from supple.error_equation import (
     ErrorEquation,
     ErrorHistory,
@@ -25,7 +26,6 @@ from supple.error_equation import (
     run_columns,
     second_correction,
 )
-from supple.error_equation.linearised_march import ErrorState
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import Progress, Run, Solution
 from supple.intrinsic import IntrinsicBody
@@ -43,7 +43,6 @@ __all__ = [
     "body_error",
     "deformed_rows",
     "estimate_error",
-    "is_small",
     "modal_damping",
     "untold",
 ]
@@ -52,12 +51,6 @@ INSTANTS = 50
 FRESH = 16
 """Of the instants: those that the space of the error does not know, to see what it lacks."""
 DEFORMED = 8
-SMALL_SECOND = 0.02
-"""A second correction below it is not made: the first is right to as much."""
-SWEEPS = 3
-"""About the corrected motion, at most."""
-SMALL_TURN = 0.02
-"""Error of a frame's turn, rad, below which it counts as small."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,21 +173,21 @@ class ErrorEstimator:
         )
         found = equation.first()
         histories = equation.histories(found)
-        finite = _is_finite(histories)
+        finite = is_finite(histories)
         second = {
             name: second_correction(history) if finite else np.inf for name, history in histories.items()
         }
         if not finite or not is_small(histories, second):
-            found, histories, second = _settled(equation, found, histories)
+            found, histories, second = settled(equation, found, histories)
         if curved and max(second.values()) > FIRST_ORDER:
-            # Where the run itself is no place to linearise at, the motion that it should have made may be.
-            about = equation.first({name: _known(own) for name, own in every.items()})
-            other = equation.histories(about)
-            if _is_finite(other):
-                about, other, change = _settled(equation, about, other)
-                if max(change.values()) <= FIRST_ORDER:
-                    found, histories, second = about, other, change
-        if not _is_finite(histories):
+            # The run may be no place to take tangents at: walls that should have buckled, and in the run have
+            # not, let any difference grow. With the motion that it misses at rest they do not.
+            tangents = equation.with_missed({name: _known(own) for name, own in every.items()})
+            about = equation.first(tangents)
+            told = settled(equation, about, equation.histories(about), tangents)
+            if max(told[2].values()) <= FIRST_ORDER:
+                found, histories, second = told
+        if not is_finite(histories):
             return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
         if progress is not None:
             progress(1.0)
@@ -329,55 +322,10 @@ def _start_error(
     return StartError(position, moving)
 
 
-def _settled(
-    equation: ErrorEquation, first: ErrorState, histories: Mapping[str, ErrorHistory]
-) -> tuple[ErrorState, Mapping[str, ErrorHistory], dict[str, float]]:
-    """The differences about the corrected motion, once more until they change no more, and the last change.
-
-    Each time is a step of Newton's method for the motion itself. Where it does not settle, the first is as
-    good a guess as any, and no more than that.
-    """
-    found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
-    if not _is_finite(histories):
-        return found, own, changes
-    for _ in range(SWEEPS):
-        more = equation.again(found)
-        again = equation.histories(more)
-        changes = {name: _change(own[name], each) for name, each in again.items()}
-        if not np.isfinite(max(changes.values())):
-            break
-        found, own = more, again
-        if max(changes.values()) <= FIRST_ORDER:
-            return found, own, changes
-    return first, histories, changes
-
-
-def _is_finite(histories: Mapping[str, ErrorHistory]) -> bool:
-    return all(bool(np.isfinite(history.rms).all()) for history in histories.values())
-
-
 def _known(missed: ResidualCorrections) -> MissedAtRest:
     """Where it was found."""
     known = np.isfinite(missed.rms)
     return MissedAtRest(missed.times[known], missed.deformation[:, known])
-
-
-def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
-    """Whether errors are small, by their second corrections and the turns of the frames."""
-    turned = max(float(np.abs(history.turn).max()) for history in histories.values())
-    return max(second.values()) <= SMALL_SECOND and turned <= SMALL_TURN
-
-
-def _change(first: ErrorHistory, again: ErrorHistory) -> float:
-    """Largest distance of two estimates of an error, over the first."""
-    if not np.isfinite(again.rms).all():
-        return np.inf
-    rows = np.unique([int(np.argmax(first.rms)), int(np.argmax(again.rms))])
-    apart = max(
-        float(np.sqrt(np.mean(np.sum((first.at_nodes(row) - again.at_nodes(row)) ** 2, axis=1))))
-        for row in rows
-    )
-    return apart / max(float(first.rms.max()), np.finfo(float).tiny)
 
 
 def body_error(

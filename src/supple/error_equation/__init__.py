@@ -3,15 +3,18 @@
 from supple.error_equation.error_history import (
     ErrorEquation,
     ErrorHistory,
-    JudgedBody,
-    MissedAtRest,
-    StartError,
+    TangentMotion,
 )
 from supple.error_equation.error_space import (
     ErrorSpace,
     ModesInFrame,
     error_space,
     modes_in_frame,
+)
+from supple.error_equation.judged_body import (
+    JudgedBody,
+    MissedAtRest,
+    StartError,
 )
 from supple.error_equation.nonlinearity import (
     second_correction,
@@ -30,6 +33,7 @@ __all__ = [
     "ModesInFrame",
     "RunColumns",
     "StartError",
+    "TangentMotion",
     "error_space",
     "modes_in_frame",
     "run_columns",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -11,15 +11,15 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body import Damping, FullBody, in_space
+from supple.body import FullBody, in_space
 from supple.error_equation.elastic_history import (
     force_polynomial,
     strain_rate_history,
     strain_rate_polynomial,
     tangent_history,
 )
-from supple.error_equation.error_model import body_of_columns, system_of_columns
-from supple.error_equation.error_space import ErrorSpace
+from supple.error_equation.error_model import system_of_columns
+from supple.error_equation.judged_body import JudgedBody, MissedAtRest, StartError
 from supple.error_equation.linearised_march import (
     ElasticGain,
     ErrorState,
@@ -28,7 +28,6 @@ from supple.error_equation.linearised_march import (
     march_error,
 )
 from supple.error_equation.nodal_squares import nodal_squares
-from supple.error_equation.run_columns import RunColumns
 from supple.error_equation.steps_of_run import blocks_of_run, rotation_vectors, rotations, standing
 from supple.integrate import Coefficients, Solution, Statistics
 from supple.machine import System
@@ -36,9 +35,8 @@ from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.floating_solution import floating_solution
 from supple.multibody.equations.model import Model
-from supple.reduction import ReducedBody
 
-__all__ = ["ErrorEquation", "ErrorHistory", "JudgedBody", "MissedAtRest", "StartError"]
+__all__ = ["ErrorEquation", "ErrorHistory", "TangentMotion"]
 
 Array = NDArray[np.float64]
 
@@ -47,47 +45,16 @@ SMALLEST_DIRECTION = 0.02
 """Of the error: what the columns of the corrected motion leave out of it."""
 
 
-@dataclass(frozen=True, eq=False)
-class JudgedBody:
-    """A body of a run: all its coordinates, the columns that the run moves in, and those of its error."""
-
-    full: FullBody
-    motion: RunColumns
-    space: ErrorSpace
-    damping: Damping | None = None
-
-    @cached_property
-    def columns(self) -> ReducedBody:
-        """The body in the columns of its error."""
-        return body_of_columns(self.full.body, self.full.frame, self.space.vectors, self.damping)
-
-    def along(self, motion: RunColumns) -> JudgedBody:
-        """The same for another run in the same columns."""
-        other = replace(self, motion=motion)
-        object.__setattr__(other, "columns", self.columns)
-        return other
-
-
-class MissedAtRest(NamedTuple):
-    """Motion that the run of a body misses, at some times (k,): displacements (n, k)."""
-
-    times: Array
-    deformation: Array
-
-
-class StartError(NamedTuple):
-    """True start less the run's of one body: positions and velocities `(dR, psi, q)`, (6 + n,) each."""
-
-    position: Array
-    velocity: Array
-
-
 class _InColumns(NamedTuple):
     """Motion of a body within its error space: columns `Z chosen` (k, s), coordinates and rates (t, s)."""
 
     chosen: Array
     coordinates: Array
     rates: Array
+
+
+TangentMotion = Mapping[str, _InColumns]
+"""By body"""
 
 
 class _Point(NamedTuple):
@@ -148,13 +115,16 @@ class ErrorEquation:
     active: tuple[int, ...]
     start: Mapping[str, StartError]
 
-    def first(self, missed: Mapping[str, MissedAtRest] | None = None) -> ErrorState:
+    def first(self, tangents: TangentMotion | None = None) -> ErrorState:
         """Differences of the true motion and the run's at every step, to first order; of all columns.
 
-        missed : motion that the run misses at rest, by body: the tangents are those of the bodies with it
+        tangents : the motion at which elastic tangents are taken; none: the run
         """
-        tangents = None if missed is None else self._corrected(self._at_rest(missed)).bodies
         return self._march(self.point, *self.start_vectors(), tangents)
+
+    def with_missed(self, missed: Mapping[str, MissedAtRest]) -> TangentMotion:
+        """The deformation of the bodies with what the run misses at rest, to take tangents at."""
+        return self._corrected(self._at_rest(missed)).bodies
 
     def _at_rest(self, missed: Mapping[str, MissedAtRest]) -> ErrorState:
         """Missed motion at every step, between those at which it is known by straight lines."""
@@ -168,16 +138,18 @@ class ErrorEquation:
         none = np.zeros_like(position)
         return ErrorState(position, none, none, none, np.zeros_like(self.point.motion.multipliers))
 
-    def again(self, found: ErrorState) -> ErrorState:
-        """The differences once more, from the equation about the corrected motion.
+    def again(self, found: ErrorState, tangents: TangentMotion | None = None) -> ErrorState:
+        """The differences once more, from the equation about the corrected motion; tangents as for `first`.
 
         Of each body's error the leading directions are taken into the motion, so that its forces remain
         polynomials of few coordinates.
         """
         point = self._corrected(found)
         here = self._differences(point.motion)
-        still = [np.asarray(each[0]) - own[0] for each, own in zip(found[:2], here[:2], strict=True)]
-        more = self._march(point, *still)
+        position, velocity = (
+            np.asarray(each[0]) - own[0] for each, own in zip(found[:2], here[:2], strict=True)
+        )
+        more = self._march(point, position, velocity, tangents)
         if not np.isfinite(more.position).all():
             return jax.tree.map(lambda leaf: np.full_like(leaf, np.nan), more)
         return ErrorState(*(own + each for own, each in zip(here, more, strict=True)))._replace(
@@ -352,7 +324,7 @@ class ErrorEquation:
         point: _Point,
         position: Array,
         velocity: Array,
-        tangents: Mapping[str, _InColumns] | None = None,
+        tangents: TangentMotion | None = None,
     ) -> ErrorState:
         """The linearised march about a motion, from differences of positions and velocities.
 

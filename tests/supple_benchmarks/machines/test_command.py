@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from supple.cli.main import app
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("name", ["quadruple-pendulum", "slider-crank"])
 def test_quick_form_writes_report_figures_and_animation(name, tmp_path):
     target = tmp_path / "report.json"

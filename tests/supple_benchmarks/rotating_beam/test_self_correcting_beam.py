@@ -37,7 +37,7 @@ def spun_up(body):
     return System((Placed(body),), (hinge,))
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     "frame", [NodalFixedFrame("root"), MeanAxisFrame()], ids=["nodal-fixed", "mean-axis"]
 )

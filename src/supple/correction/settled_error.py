@@ -1,0 +1,69 @@
+"""Errors that are not small: the error equation once more about what it found, until that settles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from supple.correction.basis_error import FIRST_ORDER
+from supple.error_equation import ErrorEquation, ErrorHistory, TangentMotion
+from supple.error_equation.linearised_march import ErrorState
+
+__all__ = ["is_finite", "is_small", "settled"]
+
+SMALL_SECOND = 0.02
+"""A second correction below it is not made: the first is right to as much."""
+SWEEPS = 3
+"""About the corrected motion, at most."""
+SMALL_TURN = 0.02
+"""Error of a frame's turn, rad, below which it counts as small."""
+
+
+def settled(
+    equation: ErrorEquation,
+    first: ErrorState,
+    histories: Mapping[str, ErrorHistory],
+    tangents: TangentMotion | None = None,
+) -> tuple[ErrorState, Mapping[str, ErrorHistory], dict[str, float]]:
+    """The differences about the corrected motion, once more until they change no more, and the last change.
+
+    Each time is a step of Newton's method for the motion itself. Where it does not settle, the first is as
+    good a guess as any, and no more than that.
+    """
+    found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
+    if not is_finite(histories):
+        return found, own, changes
+    for _ in range(SWEEPS):
+        more = equation.again(found, tangents)
+        again = equation.histories(more)
+        changes = {name: _change(own[name], each) for name, each in again.items()}
+        if not np.isfinite(max(changes.values())):
+            break
+        found, own = more, again
+        if max(changes.values()) <= FIRST_ORDER:
+            return found, own, changes
+    return first, histories, changes
+
+
+def is_finite(histories: Mapping[str, ErrorHistory]) -> bool:
+    """Whether errors are numbers at every step."""
+    return all(bool(np.isfinite(history.rms).all()) for history in histories.values())
+
+
+def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
+    """Whether errors are small, by their second corrections and the turns of the frames."""
+    turned = max(float(np.abs(history.turn).max()) for history in histories.values())
+    return max(second.values()) <= SMALL_SECOND and turned <= SMALL_TURN
+
+
+def _change(first: ErrorHistory, again: ErrorHistory) -> float:
+    """Largest distance of two estimates of an error, over the first."""
+    if not np.isfinite(again.rms).all():
+        return np.inf
+    rows = np.unique([int(np.argmax(first.rms)), int(np.argmax(again.rms))])
+    apart = max(
+        float(np.sqrt(np.mean(np.sum((first.at_nodes(row) - again.at_nodes(row)) ** 2, axis=1))))
+        for row in rows
+    )
+    return apart / max(float(first.rms.max()), np.finfo(float).tiny)
