@@ -26,6 +26,7 @@ from supple.error_equation import (
     run_columns,
     second_correction,
 )
+from supple.error_equation.linearised_march import ErrorState
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import Progress, Run, Solution
 from supple.intrinsic import IntrinsicBody
@@ -51,6 +52,8 @@ INSTANTS = 50
 FRESH = 16
 """Of the instants: those that the space of the error does not know, to see what it lacks."""
 DEFORMED = 8
+WILD = 10.0
+"""Times the deformation: an error larger than that has grown by instability."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +113,9 @@ def estimate_error(
     return ErrorEstimator(system, run).judge(reduced, bases, solution, progress=progress).error
 
 
+Told = tuple[ErrorState, Mapping[str, ErrorHistory], dict[str, float]]
+
+
 class ErrorEstimator:
     """Judges the runs of one system, whose full bodies it looks at once.
 
@@ -142,8 +148,8 @@ class ErrorEstimator:
         steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
         looked, fresh = self._instants(steps.solution.times, instants)
         both = np.concatenate([looked, fresh])
-        curved = not all(full.is_linear for full in fulls.values())
-        along = followed(both) if curved else np.unique(both)
+        nonlinear = not all(full.is_linear for full in fulls.values())
+        along = followed(both) if nonlinear else np.unique(both)
         every = system_corrections(
             reduced,
             tuple(fulls.values()),
@@ -171,24 +177,10 @@ class ErrorEstimator:
             self.active(solution),
             start,
         )
-        found = equation.first()
-        histories = equation.histories(found)
-        finite = is_finite(histories)
-        second = {
-            name: second_correction(history) if finite else np.inf for name, history in histories.items()
-        }
-        if not finite or not is_small(histories, second):
-            found, histories, second = settled(equation, found, histories)
-        if curved and max(second.values()) > FIRST_ORDER:
-            # The run may be no place to take tangents at: walls that should have buckled, and in the run have
-            # not, let any difference grow. With the motion that it misses at rest they do not.
-            tangents = equation.with_missed({name: _known(own) for name, own in every.items()})
-            about = equation.first(tangents)
-            told = settled(equation, about, equation.histories(about), tangents)
-            if max(told[2].values()) <= FIRST_ORDER:
-                found, histories, second = told
-        if not is_finite(histories):
+        told = _told(equation, every)
+        if told is None:
             return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
+        found, histories, second = told
         if progress is not None:
             progress(1.0)
         errors = {
@@ -320,6 +312,36 @@ def _start_error(
     )
     moving = velocity[part] - np.concatenate([own.velocity[0], own.angular_velocity[0], rates])
     return StartError(position, moving)
+
+
+def _told(equation: ErrorEquation, missed: Mapping[str, ResidualCorrections]) -> Told | None:
+    """The differences of the true motion and the run's, and by body what the last sweep changed.
+
+    None where they grow far beyond the deformation itself: not even their order of magnitude is known then.
+    """
+    found = equation.first()
+    histories = equation.histories(found)
+    told: Told = found, histories, dict.fromkeys(histories, np.inf)
+    if _are_bounded(histories):
+        second = {name: second_correction(history) for name, history in histories.items()}
+        small = is_small(histories, second)
+        told = (found, histories, second) if small else settled(equation, found, histories)
+    nonlinear = not all(history.body.full.is_linear for history in histories.values())
+    if nonlinear and max(told[2].values()) > FIRST_ORDER:
+        # The run may be no place to take tangents at: walls that should have buckled, and in the run have
+        # not, let any difference grow. With the motion that it misses at rest they do not.
+        tangents = equation.with_missed({name: _known(own) for name, own in missed.items()})
+        about = equation.first(tangents)
+        other = settled(equation, about, equation.histories(about), tangents)
+        if max(other[2].values()) <= FIRST_ORDER:
+            return other
+    return told if _are_bounded(histories) else None
+
+
+def _are_bounded(histories: Mapping[str, ErrorHistory]) -> bool:
+    return is_finite(histories) and all(
+        float(history.rms.max()) <= WILD * _deflection(history) for history in histories.values()
+    )
 
 
 def _known(missed: ResidualCorrections) -> MissedAtRest:
