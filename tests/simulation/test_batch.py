@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from supple.algebra import available_memory
+from supple.algebra.jax_settings import give_programs_back
 from supple.body import FullBody, MeanAxisFrame, RigidBody
 from supple.errors import ConvergenceError, MemoryShortageError, ModelError
 from supple.integrate import FixedStep, Run, Tolerances
@@ -145,6 +146,7 @@ def test_cases_that_differ_in_the_numbers_of_their_laws_compile_once(monkeypatch
     march = batch.march
     monkeypatch.setattr(batch, "march", counted)
     batch._mapped_march.cache_clear()
+    give_programs_back()  # now, not between two of the batches
     first = [driven(1.0, 2.0, 3.0, 4.0, 5.0), driven(-2.0, 1.0, 0.5, 3.0, 2.0)]
     second = [driven(7.0, 0.3, 1.0, 2.0, -5.0), driven(1.5, 2.5, -1.0, 6.0, 0.0)]
     simulate_batch(first, RUN)
@@ -170,6 +172,7 @@ def test_a_last_chunk_of_fewer_cases_and_another_duration_share_the_program(monk
     march = batch.march
     monkeypatch.setattr(batch, "march", counted)
     batch._mapped_march.cache_clear()
+    give_programs_back()  # now, not between two of the batches
     cases = [driven(1.0 + i, 2.0, 3.0 - i, 4.0, 5.0) for i in range(3)]
     found = simulate_batch(cases, RUN, chunk=2).check()
     assert len(found.solutions) == 3

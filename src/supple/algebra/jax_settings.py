@@ -30,6 +30,7 @@ __all__ = [
     "bound_programs",
     "check_not_forked",
     "count_program",
+    "give_programs_back",
     "keep_compiled_programs",
     "this_machine",
     "when_given_back",
@@ -118,11 +119,17 @@ def bound_programs() -> bool:
         count = sum(1 for _ in listing)
     if 2 * count < int(_MOST_MAPS.read_text()):
         return False
+    give_programs_back()
+    return True
+
+
+def give_programs_back() -> None:
+    """Let go of all compiled programs, and look at the memory maps again after as many new ones as ever."""
+    _Process.compiled_since_looked = 0
     jax.clear_caches()
     for forget in _FORGET:
         forget()
     gc.collect()
-    return True
 
 
 _FORGET: list[Callable[[], None]] = []

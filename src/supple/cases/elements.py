@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -29,9 +29,12 @@ class _Element(CheckedTable):
     first: str = Field(description="ground or BODY.INTERFACE")
     second: str = Field("ground", description="ground or BODY.INTERFACE")
 
+    makes: ClassVar[Callable[..., machine.ForceElement]]
+    """The class of the element, where the keys say all."""
+
     def build(self, _folder: Path) -> machine.ForceElement:
         """The element; its laws' files lie in the folder."""
-        raise NotImplementedError
+        return type(self).makes(**self._own())
 
     def _own(self, *left_out: str) -> dict[str, Any]:
         """The keys that the element has too, those that say something."""
@@ -63,14 +66,11 @@ class Bushing(_Element):
     """Stiffness and damping against all six motions, diagonal in the axes of the first end."""
 
     kind: Literal["bushing"]
+    makes = machine.Bushing
     axis: Vector = Field((0.0, 0.0, 1.0), description="z of the bushing at the start, global axes")
     x_axis: Vector | None = Field(None, description="near which x lies")
     stiffness: Six = Field(description="three of translation, three of rotation")
     damping: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-    def build(self, _folder: Path) -> machine.ForceElement:
-        """The bushing."""
-        return machine.Bushing(**self._own())
 
 
 class AxialStop(_Pushing):
@@ -172,35 +172,30 @@ class Gear(_Element):
     """Spur gear of two wheels on parallel axes."""
 
     kind: Literal["gear"]
+    makes = machine.Gear
     axis: Vector = _AXIS
     teeth: Teeth = Field(description="of both wheels; negative of a ring with inner teeth")
     stiffness: Positive
     damping: NonNegative = 0.0
     anchor: Vector | None = Field(None, description="global centre of a wheel that is the ground")
 
-    def build(self, _folder: Path) -> machine.ForceElement:
-        """The gear."""
-        return machine.Gear(**self._own())
-
 
 class Screw(_Element):
     """A slide that follows an angle."""
 
     kind: Literal["screw"]
+    makes = machine.Screw
     axis: Vector = _AXIS
     pitch: float = Field(description="length per turn, positive for a right-hand thread")
     stiffness: Positive
     damping: NonNegative = 0.0
-
-    def build(self, _folder: Path) -> machine.ForceElement:
-        """The screw."""
-        return machine.Screw(**self._own())
 
 
 class Rack(_Element):
     """A pinion (second end) that rolls along a rack (first)."""
 
     kind: Literal["rack-and-pinion"]
+    makes = machine.RackAndPinion
     axis: Vector = Field(description="of the pinion at the start, global axes")
     direction: Vector = Field(description="of the rack at the start, global axes")
     radius: float = Field(
@@ -209,15 +204,12 @@ class Rack(_Element):
     stiffness: Positive
     damping: NonNegative = 0.0
 
-    def build(self, _folder: Path) -> machine.ForceElement:
-        """The rack and pinion."""
-        return machine.RackAndPinion(**self._own())
-
 
 class Bearing(_Element):
     """Stiffness and damping across the axis of a rotor, the second end, by speed."""
 
     kind: Literal["bearing"]
+    makes = machine.JournalBearing
     axis: Vector = _AXIS
     x_axis: Vector | None = Field(None, description="near which x lies")
     speeds: Numbers = (0.0, 1.0)
@@ -226,20 +218,13 @@ class Bearing(_Element):
     )
     damping: Annotated[tuple[Square, ...], Field(strict=False)] | None = None
 
-    def build(self, _folder: Path) -> machine.ForceElement:
-        """The bearing."""
-        return machine.JournalBearing(**self._own())
-
 
 class Unbalance(_Element):
     """Centrifugal force of a small mass beside an interface."""
 
     kind: Literal["unbalance"]
+    makes = machine.Unbalance
     moment: Vector = Field(description="mass times eccentricity, global axes at the start")
-
-    def build(self, _folder: Path) -> machine.ForceElement:
-        """The unbalance."""
-        return machine.Unbalance(**self._own())
 
 
 class Contact(_Pushing):

@@ -13,7 +13,7 @@ from supple.body import FullBody, ModalDamping
 from supple.correction.basis_error import FIRST_ORDER, BasisError, BodyError
 from supple.correction.looked_at_instants import followed, jittered, striking
 from supple.correction.residual_correction import ResidualCorrections, system_corrections
-from supple.correction.settled_error import is_finite, is_small, settled
+from supple.correction.settled_error import Told, is_finite, is_small, settled
 from supple.error_equation import (
     ErrorEquation,
     ErrorHistory,
@@ -26,7 +26,6 @@ from supple.error_equation import (
     run_columns,
     second_correction,
 )
-from supple.error_equation.linearised_march import ErrorState
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import Progress, Run, Solution
 from supple.intrinsic import IntrinsicBody
@@ -111,9 +110,6 @@ def estimate_error(
     AccuracyError   a tangent is singular, as for `system_corrections`
     """
     return ErrorEstimator(system, run).judge(reduced, bases, solution, progress=progress).error
-
-
-Told = tuple[ErrorState, Mapping[str, ErrorHistory], dict[str, float]]
 
 
 class ErrorEstimator:
@@ -322,7 +318,8 @@ def _told(equation: ErrorEquation, missed: Mapping[str, ResidualCorrections]) ->
     found = equation.first()
     histories = equation.histories(found)
     told: Told = found, histories, dict.fromkeys(histories, np.inf)
-    if _are_bounded(histories):
+    bounded = _are_bounded(histories)
+    if bounded:
         second = {name: second_correction(history) for name, history in histories.items()}
         small = is_small(histories, second)
         told = (found, histories, second) if small else settled(equation, found, histories)
@@ -335,7 +332,7 @@ def _told(equation: ErrorEquation, missed: Mapping[str, ResidualCorrections]) ->
         other = settled(equation, about, equation.histories(about), tangents)
         if max(other[2].values()) <= FIRST_ORDER:
             return other
-    return told if _are_bounded(histories) else None
+    return told if bounded else None
 
 
 def _are_bounded(histories: Mapping[str, ErrorHistory]) -> bool:

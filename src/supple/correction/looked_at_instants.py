@@ -18,6 +18,7 @@ MOST_STRIKING = 8
 """With 50 others, and what a body's modes take: sixty factorisations."""
 
 FOLLOWED = 100
+"""Besides those that are asked for."""
 
 
 def jittered(n_times: int, number: int, seed: int) -> NDArray[np.intp]:

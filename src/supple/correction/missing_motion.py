@@ -186,10 +186,7 @@ class MissingMotionSearch:
     def _more(self, evaluation: Evaluation, tangent: KeptTangent) -> MissingMotion:
         """A correction of the missing motion."""
         by_position = tangent.factors.by_position
-        targets = (
-            -evaluation.constraint_residual / by_position,
-            tuple(-residual / by_position for residual in evaluation.frame_residuals),
-        )
+        targets = evaluation.closing(by_position)
         step, multipliers, frame_multipliers = self._machine.correction_behind(
             tangent.eliminations, evaluation, targets, np.zeros(self._machine.n), tangent.factors
         )

@@ -28,7 +28,7 @@ from supple.correction.residual_correction import (
     ResidualCorrections,
     corrections_of,
     expanded_states,
-    newton_step,
+    static_answer,
 )
 from supple.correction.run_distance import blocks_of_times, largest_displacement
 from supple.integrate import ErrorPart, FloatingMotion, Solution
@@ -78,7 +78,7 @@ def model_errors(
                 q = state.configuration.coordinates[seen.prepared.coordinate_slices[index]]
                 spurious[full.name] = turned_force(full.body, q) - full.body.force.internal_force(q)
             states.append(state)
-            steps[row] = newton_step(seen.prepared, state, seen.by_position, spurious)
+            steps[row] = static_answer(seen.prepared, state, seen.by_position, spurious)
             if progress is not None:
                 progress((row + 1) / len(instants))
         missed = corrections_of(seen, seen_bodies, states, steps)

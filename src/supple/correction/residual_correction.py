@@ -44,8 +44,8 @@ __all__ = [
     "ResidualCorrections",
     "corrections_of",
     "expanded_states",
-    "newton_step",
     "residual_corrections",
+    "static_answer",
     "system_corrections",
 ]
 
@@ -320,23 +320,20 @@ def _expanded(
     )
 
 
-def newton_step(
-    prepared: FullSystem, state: FullState, position: float, forces: Mapping[str, np.ndarray] | None = None
+def static_answer(
+    prepared: FullSystem, state: FullState, position: float, forces: Mapping[str, np.ndarray]
 ) -> np.ndarray:
-    """Displacement of all freedoms (n,) that balances the residual, joints and frames fixed.
+    """Displacement of all freedoms (n,) by forces on full bodies (n,), by name; joints and frames are held.
 
-    forces : (n,) of full bodies by name, to answer instead of the residual, in balance with nothing else
+    What is out of balance besides is left so.
     """
-    evaluation = prepared.evaluate(state, 0.0)
-    if forces is not None:
-        evaluation = _loaded(prepared, evaluation, forces)
+    evaluation = _loaded(prepared, prepared.evaluate(state, 0.0), forces)
     # Written for accelerations, of which a displacement is `position` times as large.
-    targets = (
-        -evaluation.constraint_residual / position,
-        tuple(-residual / position for residual in evaluation.frame_residuals),
-    )
     step, _, _ = prepared.correction(
-        evaluation, targets, np.zeros(prepared.n), StepFactors(by_position=position, by_velocity=0.0)
+        evaluation,
+        evaluation.closing(position),
+        np.zeros(prepared.n),
+        StepFactors(by_position=position, by_velocity=0.0),
     )
     return position * step
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 
+from supple.integrate import Solution
 from supple.integrate.motion import StackedMotion, register_motion
 
-__all__ = ["SeriesMotion"]
+__all__ = ["SeriesMotion", "series_of"]
 
 
 @register_motion
@@ -20,3 +21,8 @@ class SeriesMotion(StackedMotion):
     kind: ClassVar[str] = "series"
 
     values: np.ndarray
+
+
+def series_of(solution: Solution, name: str) -> np.ndarray:
+    """The values (t, c) that a run keeps under a name."""
+    return cast(SeriesMotion, solution.bodies[name]).values

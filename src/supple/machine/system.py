@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -232,6 +233,18 @@ class System:
         placed = self.bodies[self.body_index(end.body)]
         position, rotation = placed.assembly
         return position + rotation @ placed.body.interface(end.interface).position
+
+    @property
+    def n_constraints(self) -> int:
+        """Number of the joints' equations, redundant ones included."""
+        return sum(joint.n_constraints for joint in self.joints)
+
+    @property
+    def constraint_slices(self) -> dict[str, slice]:
+        """Where the equations of each joint stand among those of all, by its name."""
+        ends = np.cumsum([0, *(joint.n_constraints for joint in self.joints)])
+        spans = zip(self.joints, pairwise(ends), strict=True)
+        return {joint.name: slice(int(begin), int(end)) for joint, (begin, end) in spans}
 
     def bodies_of(self, form: type[_Form]) -> dict[str, _Form]:
         """The bodies of one form, by name, in the system's order: `system.bodies_of(FullBody)`."""

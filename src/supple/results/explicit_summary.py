@@ -17,6 +17,7 @@ from supple.explicit import (
     ModalSubdomain,
     part_positions,
 )
+from supple.explicit.series_motion import series_of
 from supple.integrate import Solution
 from supple.machine import At
 from supple.results.run_summary import cost_numbers, unit_names
@@ -29,7 +30,7 @@ FloatArray = NDArray[np.float64]
 
 def energy_balance(solution: Solution) -> FloatArray:
     """By how much the sum of all energies less external work has changed since the start, (t,) J."""
-    energies = solution.bodies[ENERGIES].values  # type: ignore[attr-defined] - a SeriesMotion
+    energies = series_of(solution, ENERGIES)
     external = Energies._fields.index("external")
     total = np.delete(energies, external, axis=1).sum(axis=1) - energies[:, external]
     return total - total[0]
@@ -54,8 +55,8 @@ def summarize_explicit(
     tracked : mean positions (t, 3) of places, by their names
     """
     times = solution.times
-    energies: FloatArray = solution.bodies[ENERGIES].values  # type: ignore[attr-defined] - a SeriesMotion
-    steps: FloatArray = solution.bodies[STEPS].values[1:]  # type: ignore[attr-defined] - a SeriesMotion
+    energies = series_of(solution, ENERGIES)
+    steps = series_of(solution, STEPS)[1:]
     balance = energy_balance(solution)
     scale = float(np.abs(energies).max())
     return {

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.explicit import ENERGIES, OBSTACLES, Energies, ExplicitSubdomain, ExplicitSystem, part_positions
+from supple.explicit.series_motion import series_of
 from supple.integrate import Solution
 from supple.results.explicit_fields import element_means, nodal_von_mises
 from supple.units import UNNAMED, UnitSystem, labelled
@@ -74,7 +75,7 @@ def draw_explicit(
     tracked : positions (t, 3) by name
     """
     times = solution.times
-    energies: FloatArray = solution.bodies[ENERGIES].values  # type: ignore[attr-defined] - a SeriesMotion
+    energies = series_of(solution, ENERGIES)
     shown = [
         Series(name, times, values)
         for name, values in zip(Energies._fields, energies.T, strict=True)
@@ -121,7 +122,7 @@ def animate_explicit(
         return None
     seen = np.concatenate([actor.positions.reshape(-1, 3) for actor in actors])
     if OBSTACLES in solution.bodies:
-        moved: FloatArray = solution.bodies[OBSTACLES].values[chosen]  # type: ignore[attr-defined] - a SeriesMotion
+        moved = series_of(solution, OBSTACLES)[chosen]
         for number, contact in enumerate(system.rigid_contacts):
             offsets = moved[:, 6 * number : 6 * number + 3]
             actors.append(obstacle_actor(contact.obstacle, offsets, seen))

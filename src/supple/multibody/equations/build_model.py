@@ -54,7 +54,7 @@ def build_model(system: System, active: tuple[int, ...] | None = None) -> Model:
     sizes = tuple(_size(placed) for placed in system.bodies)
     length = system_length(system)
     places = _BodyPlaces.of(sizes)
-    n_equations = sum(joint.n_constraints for joint in system.joints)
+    n_equations = system.n_constraints
     forces = [load for load in system.loads if isinstance(load, ForceElement)]
     nodal = [load for load in system.loads if isinstance(load, NodalLoad)]
     return Model(
@@ -261,11 +261,8 @@ def end_at(system: System, end: At) -> Ends:
 
 
 def _joint_groups(system: System, places: _BodyPlaces) -> tuple[JointGroup, ...]:
-    rows = np.cumsum([0, *(joint.n_constraints for joint in system.joints)])
-    found = [
-        (joint, int(row), *_both_ends(system, joint))
-        for joint, row in zip(system.joints, rows[:-1], strict=True)
-    ]
+    rows = system.constraint_slices
+    found = [(joint, rows[joint.name].start, *_both_ends(system, joint)) for joint in system.joints]
 
     def kind(each: tuple[Joint, int, _End, _End]) -> Hashable:
         joint, _, first, second = each
@@ -315,10 +312,9 @@ def _reaction_rows(system: System, loads: Sequence[ForceElement]) -> Places | No
     """The first two equations of the joints in which there is friction: their force across the axis."""
     if not isinstance(loads[0], JointFriction):
         return None
-    rows = np.cumsum([0, *(joint.n_constraints for joint in system.joints)])
-    names = [joint.name for joint in system.joints]
+    rows = system.constraint_slices
     frictions = [load for load in loads if isinstance(load, JointFriction)]
-    return Places(tuple(int(rows[names.index(load.joint.name)]) for load in frictions), 2)
+    return Places(tuple(rows[load.joint.name].start for load in frictions), 2)
 
 
 def _control_law(

@@ -135,10 +135,9 @@ def placed_velocity(system: System) -> np.ndarray:
 
 def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) -> None:
     """Raise ModelError for a joint whose ends lie apart in the initial configuration."""
-    start = 0
+    rows = system.constraint_slices
     for joint in system.joints:
-        own = residuals[start : start + joint.n_constraints]
-        start += joint.n_constraints
+        own = residuals[rows[joint.name]]
         for row, residual in zip(joint.rows, own, strict=True):
             scale = float(model.length) if row.startswith("position") else 1.0
             if abs(residual) > _OPEN * scale:
@@ -153,10 +152,12 @@ def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) ->
 
 def _check_friction_known(system: System, active: tuple[int, ...]) -> None:
     """ModelError where friction depends on the force of an equation that is left out."""
-    first = np.cumsum([0, *(joint.n_constraints for joint in system.joints)])
-    number = {joint.name: int(row) for joint, row in zip(system.joints, first, strict=False)}
+    rows = system.constraint_slices
     for load in system.loads:
-        if isinstance(load, JointFriction) and not {0, 1} <= {i - number[load.joint.name] for i in active}:
+        if not isinstance(load, JointFriction):
+            continue
+        first = rows[load.joint.name].start
+        if not {first, first + 1} <= set(active):
             raise ModelError(
                 f"{load.label}: how the joints share the forces across its axis is undetermined, "
                 "as some equations repeat others. Make a body flexible or a joint freer, or give friction "

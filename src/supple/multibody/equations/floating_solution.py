@@ -85,14 +85,9 @@ def joint_multipliers(
     system: System, active: tuple[int, ...], multipliers: np.ndarray
 ) -> dict[str, np.ndarray]:
     """Multipliers by joint; zero for the equations that were left out as redundant."""
-    n_equations = sum(joint.n_constraints for joint in system.joints)
-    every = np.zeros((*multipliers.shape[:-1], n_equations))
+    every = np.zeros((*multipliers.shape[:-1], system.n_constraints))
     every[..., list(active)] = multipliers
-    of_joint, start = {}, 0
-    for joint in system.joints:
-        of_joint[joint.name] = every[..., start : start + joint.n_constraints]
-        start += joint.n_constraints
-    return of_joint
+    return {name: every[..., rows] for name, rows in system.constraint_slices.items()}
 
 
 class LastInstant(NamedTuple):

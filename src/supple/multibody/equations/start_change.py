@@ -112,10 +112,9 @@ class StartChange:
 def _open(system: System, gaps: np.ndarray, which: np.ndarray) -> tuple[Open, ...]:
     """The worst equation of each joint that has any among `which`, the worst joint first."""
     relative = gaps / row_scales(system)
-    worst, start = [], 0
+    worst, stands = [], system.constraint_slices
     for joint in system.joints:
-        rows = np.arange(start, start + joint.n_constraints)
-        start += joint.n_constraints
+        rows = np.arange(system.n_constraints)[stands[joint.name]]
         own = rows[which[rows]]
         if own.size:
             row = own[np.argmax(relative[own])]

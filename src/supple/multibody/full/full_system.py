@@ -83,6 +83,10 @@ def _border_matrices(
     )
 
 
+Targets = tuple[np.ndarray, tuple[np.ndarray, ...]]
+"""Of the constraint rows, and of the frame conditions of each full body"""
+
+
 class Evaluation(NamedTuple):
     """Residuals at one iterate."""
 
@@ -96,6 +100,11 @@ class Evaluation(NamedTuple):
     relative_residual: np.ndarray
     largest_terms: np.ndarray
     """Of forces, moments and deformation, (3,): what the first residuals are compared with"""
+
+    def closing(self, by_position: float) -> Targets:
+        """What constraint rows and frame conditions must become, in accelerations, to close what is open."""
+        frames = tuple(-residual / by_position for residual in self.frame_residuals)
+        return -self.constraint_residual / by_position, frames
 
 
 class FullSystem:
@@ -246,7 +255,7 @@ class FullSystem:
     def correction(
         self,
         evaluation: Evaluation,
-        targets: tuple[np.ndarray, tuple[np.ndarray, ...]],
+        targets: Targets,
         increments: np.ndarray,
         factors: StepFactors,
     ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
@@ -279,7 +288,7 @@ class FullSystem:
         self,
         eliminations: tuple[Elimination, ...],
         evaluation: Evaluation,
-        targets: tuple[np.ndarray, tuple[np.ndarray, ...]],
+        targets: Targets,
         increments: np.ndarray,
         factors: StepFactors,
     ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:

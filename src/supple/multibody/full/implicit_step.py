@@ -91,10 +91,6 @@ class ImplicitStep(NamedTuple):
         """
         machine, by_position = self.machine, self.rule.factors.by_position
         evaluation, increments = iterate.evaluation, iterate.increments
-        targets = (
-            -evaluation.constraint_residual / by_position,
-            tuple(-residual / by_position for residual in evaluation.frame_residuals),
-        )
         if tangent is None:
             eliminations = machine.eliminated(
                 evaluation.interior_states, machine.turns(increments), self.rule.factors, FullTangent.exact
@@ -102,7 +98,7 @@ class ImplicitStep(NamedTuple):
         else:
             eliminations = tangent.eliminations
         change, joint_change, frame_change = machine.correction_behind(
-            eliminations, evaluation, targets, increments, self.rule.factors
+            eliminations, evaluation, evaluation.closing(by_position), increments, self.rule.factors
         )
         old = iterate.unknowns
         frames = zip(old.frame_multipliers, frame_change, strict=True)

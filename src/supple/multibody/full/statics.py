@@ -46,9 +46,8 @@ class FullStatics:
     ) -> StaticCorrection:
         """One implicit step of length k."""
         terms = unbalance.terms
-        targets = (-terms.constraint_residual / k, tuple(-own / k for own in terms.frame_residuals))
         change, multipliers, frame_multipliers = self.machine.correction(
-            terms, targets, np.zeros(self.machine.n), StepFactors(k, 0.0)
+            terms, terms.closing(k), np.zeros(self.machine.n), StepFactors(k, 0.0)
         )
         return StaticCorrection(k * change, multipliers, frame_multipliers)
 
