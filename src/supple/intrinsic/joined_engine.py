@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time as clock
-from functools import partial
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.errors import ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
 from supple.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
@@ -52,7 +52,9 @@ class JoinedEngine:
 
     def start(self, time: float) -> JoinedState:
         """Velocities on the joints, consistent rates and joint forces."""
-        self._arrays, now = joined_start(self._machine, time)
+        self._arrays, begun = joined_start(self._machine, time)
+        # Of NumPy's types as all later instants: JAX would compile once more for numbers of Python's.
+        now = jax.tree.map(np.asarray, begun)
         _, rates, multipliers = self._outputs(jax.tree.map(lambda leaf: leaf[None], now))
         first, forces = jax.tree.map(lambda leaf: leaf[0], (rates, multipliers))
         return JoinedState(now, first, forces, jnp.zeros(()), jnp.zeros((), dtype=int))
@@ -149,8 +151,7 @@ class JoinedEngine:
         )
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def _march(
+def _march_joined(
     arrays: JoinedArrays,
     start: JoinedState,
     times: jax.Array,
@@ -171,6 +172,9 @@ def _march(
     return jax.lax.scan(to_output, start, times)[1]
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def _outputs(arrays: JoinedArrays, states: Instant) -> tuple[jax.Array, Motion, jax.Array]:
+def _rates_at(arrays: JoinedArrays, states: Instant) -> tuple[jax.Array, Motion, jax.Array]:
     return jax.vmap(lambda now: (all_velocities(arrays, now), *instant_rates(arrays, now)))(states)
+
+
+_march = KeptProgram(_march_joined, STARTING)
+_outputs = KeptProgram(_rates_at, STARTING)
