@@ -40,6 +40,7 @@ def test_the_box_has_the_low_frequencies_of_its_shells(report):
     for row in rows.values():  # walls restrain warping, and beams do not
         assert row["shells"] == pytest.approx(row["beam"], rel=0.04 if row["kind"] == "torsion" else 5e-3)
     assert report["box_beam"]["small_from_linear"] < 1e-3
+    assert report["box_beam"]["against_shells"][0]["error"] < 1e-3
     assert len(report["box_beam"]["tip"]["t"]) == len(report["box_beam"]["tip"]["u"])
 
 

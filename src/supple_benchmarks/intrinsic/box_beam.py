@@ -21,6 +21,7 @@ from supple.intrinsic import IntrinsicBody, LoadPath, condense
 from supple.machine import Fixed, Placed, System
 from supple.mesh import box_beam as box_mesh
 from supple.simulation import simulate
+from supple_benchmarks.intrinsic.box_against_shells import box_against_shells, parabolic_velocity
 
 __all__ = ["box_beam"]
 
@@ -36,10 +37,8 @@ NEAR = 8
 
 def box_beam(quick: bool) -> dict[str, Any]:
     """Frequencies of stations, shells and slender beams, rad/s, with their kind; free vibrations."""
-    mesh = box_mesh(LENGTH, WIDTH, HEIGHT, 40 if quick else 120, 4, 1 if quick else 2)
-    model = shell_model(mesh, HomogeneousSection(Isotropic(E, NU, DENSITY), WALL))
-    ends = [RigidInterface("root", "root"), AveragingInterface("tip", "tip")]
-    shells = flexible_body("box", model, ends)
+    coarse, tip_nodes = meshed(40, 1)
+    shells = coarse if quick else meshed(120, 2)[0]
     held = shells.interface("root").motion
     exact = np.sqrt(lowest_modes(shells.stiffness, shells.mass, N_FREQUENCIES, constraint=held).values)
     body = condense(shells, LoadPath("root", "tip", 21 if quick else 41), n_modes=35 if quick else 60)
@@ -65,8 +64,17 @@ def box_beam(quick: bool) -> dict[str, Any]:
     return {
         "frequencies": rows,
         "tip": {"t": times.tolist(), "u": tip.tolist()},
+        "against_shells": list(box_against_shells(coarse, tip_nodes, quick)),
         "small_from_linear": _from_linear(body, 0.5 if quick else 2.5),
     }
+
+
+def meshed(n_along: int, n_high: int) -> tuple[FlexibleBody, np.ndarray]:
+    """The box of shells, and the nodes of its tip."""
+    mesh = box_mesh(LENGTH, WIDTH, HEIGHT, n_along, 4, n_high)
+    model = shell_model(mesh, HomogeneousSection(Isotropic(E, NU, DENSITY), WALL))
+    ends = [RigidInterface("root", "root"), AveragingInterface("tip", "tip")]
+    return flexible_body("box", model, ends), mesh.nodes_of("tip")
 
 
 def slender_beam(kind: str, rank: int) -> float:
@@ -106,14 +114,10 @@ def _vibration(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Free vibration from the velocity (0, 1, 1) speed (s / L)^2: displacement of the tip (t, 3), and what
     amplitudes it starts with."""
-    modes = body.modes
-    s = modes.line.tree.points[:, 0] / LENGTH
-    velocity = np.zeros((modes.line.n, 6))
-    velocity[:, 1:3] = speed * s[:, None] ** 2
-    rates = velocity.ravel() @ modes.momenta.reshape(-1, modes.n_modes)
+    rates = parabolic_velocity(body, speed)
     system = System([Placed(body, coordinate_rates=rates)], [Fixed(first="ground", second="box.root")])
-    step = min(2.0 / modes.omega.max(), 0.01)
+    step = min(2.0 / body.modes.omega.max(), 0.01)
     run = Run(duration, duration / 25, step=FixedStep(step), method=RungeKutta4())
     solution = simulate(system, run)
     tip = body.places(solution.bodies["box"])[1][:, -1]
-    return solution.times, tip - modes.line.tree.points[-1], rates
+    return solution.times, tip - body.line.tree.points[-1], rates
