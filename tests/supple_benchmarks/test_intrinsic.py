@@ -14,7 +14,7 @@ def report(tmp_path_factory):
     return json.loads((folder / "report.json").read_text())
 
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.soak]
 
 
 def test_modes_are_orthonormal_and_energy_is_kept(report):

@@ -12,6 +12,7 @@ import numpy as np
 from supple.algebra.kept_programs import KeptProgram
 from supple.errors import ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
+from supple.intrinsic.full_leg import full_leg
 from supple.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
 from supple.intrinsic.joined_equations import Instant, Motion, all_velocities
 from supple.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine
@@ -73,13 +74,12 @@ class JoinedEngine:
     def march(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
         """To each of the output times, in one call of the compiled program."""
         began = clock.perf_counter()
-        # A short leg repeats its end, where steps have no length: all legs share one program.
-        padded = np.pad(times, (0, max(self._length - len(times), 0)), mode="edge")
+        # A short leg repeats its end, where steps have no length.
         tolerances = self._run.tolerances
         reached = _march(
             self._arrays,
             state,
-            jnp.asarray(padded),
+            full_leg(times, self._length),
             self._coefficients,
             ITERATED * tolerances.residual,
             self._n_steps,
@@ -114,12 +114,9 @@ class JoinedEngine:
         )
 
     def _outputs(self, now: Instant) -> tuple[Any, Motion, Any]:
-        """Velocities of the model's bodies, rates and multipliers at instants; of a leg's length, to share a
-        program."""
+        """Velocities of the model's bodies, rates and multipliers at instants."""
         n = len(now.time)
-        longer = max(self._length - n, 0)
-        filled = jax.tree.map(lambda leaf: jnp.concatenate([leaf, *[leaf[-1:]] * longer]), now)
-        return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, filled))
+        return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, full_leg(now, self._length)))
 
     def solution(self, leg: Leg[JoinedState]) -> Solution:
         """The motion of a leg; forces of joints and accelerations are those of its very instants."""
