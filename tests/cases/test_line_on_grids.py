@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from fixtures.beam_lines import beam_line, straight
 from scipy.linalg import eigvalsh
+from typer.testing import CliRunner
 
 from supple.cases import read_case, run_case
+from supple.cli.main import app
 from supple.errors import CaseError, ModelError
 from supple.export import write_dmig_punch
-from supple.intrinsic import IntrinsicBody
+from supple.intrinsic import CLAMPED, IntrinsicBody, intrinsic_modes
 
 POINTS = straight(1.0, 6)
 GRIDS = np.arange(11, 18)
@@ -112,6 +114,15 @@ def test_a_root_that_was_clamped_gets_its_mass_back(wing, line):
     exact = np.sqrt(np.abs(eigvalsh(line.stiffness, line.mass))[6:])
     assert placed.body.modes.omega[6:] == pytest.approx(exact, rel=1e-5)
     assert placed.body.mass == pytest.approx(line.total_mass)
+
+
+def test_the_check_of_a_case_tells_of_its_lines(wing, line):
+    told = CliRunner().invoke(app, ["check", str(wing())])
+    assert told.exit_code == 0
+    lowest = intrinsic_modes(line, CLAMPED).omega[0] / (2 * np.pi)
+    output = " ".join(told.output.split())
+    assert "condensed on 7 stations, mass 1.3;" in output
+    assert f"lowest frequencies on its support {lowest:.4g}," in output
 
 
 def test_faults_of_the_files_are_told_as_the_case_is_built(wing):

@@ -122,9 +122,14 @@ class Body(CheckedTable):
         None also of matrices that are condensed already: they make no body but one in intrinsic modes.
         """
         made_of = getattr(self, self.kind)
-        if self.condense is not None and self.matrices is not None:
+        if self.is_on_grids:
             return None
         return made_of if isinstance(made_of, ElasticKind) else None
+
+    @property
+    def is_on_grids(self) -> bool:
+        """True of matrices that another program condensed on the grids of a load path."""
+        return self.condense is not None and self.matrices is not None
 
     @property
     def corrects_itself(self) -> bool:
