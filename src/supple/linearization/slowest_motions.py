@@ -61,7 +61,7 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
     basis = _enlarged(machine, slow.motions, _unit(slow.factor.solve(mass @ fresh), mass))
     left = np.inf
     for _ in range(_ROUNDS):
-        values, independent = modes_of(machine.along(basis))
+        values, independent, _ = modes_of(machine.along(basis))
         shapes = basis @ independent[:, :wanted]
         answers = _left_over(machine, slow, values[:wanted], shapes)
         parts = _sizes(answers, mass)

@@ -354,9 +354,6 @@ def test_what_a_controller_cannot_do_is_refused():
         replace(arm(FOLLOWING), controllers=[FOLLOWING, SAMPLED])
     with pytest.raises(ModelError, match="leave it out, replace"):
         equilibrium(replace(arm(FOLLOWING), controllers=[SAMPLED]))
-    integrator = replace(FOLLOWING, rates=lambda _t, _reads, z: -z, initial=[0.0])
-    with pytest.raises(ModelError, match="leave it out, replace"):
-        equilibrium(arm(integrator))
 
 
 def holding(_time, reads, _states):

@@ -29,6 +29,7 @@ from supple.multibody.equations.balance import Balance, Linearization, tangent
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion
 from supple.multibody.equations.control_force import resting_control
+from supple.multibody.equations.control_linearization import LinearControl, control_at_rest
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
 
@@ -53,7 +54,7 @@ class Turning(NamedTuple):
 
 
 class LinearEquations(NamedTuple):
-    """`M p'' + C p' + K p + G^T l = B u`, `G p = 0`, in axes that turn with the bodies."""
+    """`M p'' + C p' + K p + G^T l = H z`, `G p = 0`, in axes that turn with the bodies."""
 
     mass: AnyArray
     """(n, n)"""
@@ -63,16 +64,26 @@ class LinearEquations(NamedTuple):
     """(n, n), with the centrifugal terms and those of the forces that are carried"""
     jacobian: AnyArray
     """(m, n)"""
+    control: LinearControl
+    """States z of controllers: `z' = E_p p + E_v p' + E_z z`"""
 
 
 def steady_motion(
-    model: Model, turning: Turning, time: float, configuration: Configuration, multipliers: AnyArray
+    model: Model,
+    turning: Turning,
+    time: float,
+    configuration: Configuration,
+    multipliers: AnyArray,
+    states: AnyArray,
 ) -> SystemMotion:
-    """The motion of bodies that turn without any other change of what they see."""
+    """The motion of bodies that turn without any other change of what they see.
+
+    states : of all controllers, one after the other
+    """
     velocity, acceleration = turning_velocities(
         turning, configuration, model.frames.starts, model.n_velocities
     )
-    control = resting_control(model)
+    control = resting_control(model, states)
     return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers, control)
 
 
@@ -101,11 +112,13 @@ def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms
     axes = in_turning_axes(model, motion.configuration)
     mass, damping, stiffness = (axes.T @ each @ axes for each in (mass, damping, stiffness))
     frames, translations = _spins(model, turning, motion.configuration)
+    control = control_at_rest(model, motion).linear.along(axes)
     return LinearEquations(
         mass=mass,
         damping=damping + mass @ (frames + translations),
         stiffness=stiffness + damping @ frames + mass @ translations @ frames,
         jacobian=np.asarray(constraint_rows(model, terms.linearization.joints)) @ axes,
+        control=control._replace(by_position=control.by_position + control.by_velocity @ frames),
     )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.sparse import block_diag, csr_array, eye_array, hstack, vstack
 
 from supple.algebra.cross import cross_matrix
+from supple.multibody.equations.control_linearization import LinearControl
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.static_search import StaticState
 from supple.multibody.equations.steady_motion import Turning, linear_equations
@@ -24,7 +25,7 @@ __all__ = ["SparseEquations", "carried_state", "full_linear_equations"]
 
 
 class SparseEquations(NamedTuple):
-    """`M p'' + (C + W W^T) p' + K p + A^T l = 0`, `A p = 0`, in axes that turn with the bodies."""
+    """`M p'' + (C + W W^T) p' + K p + A^T l = H z`, `A p = 0`, in axes that turn with the bodies."""
 
     mass: Any
     """Sparse (n, n), regular on the motions that the constraints leave free"""
@@ -38,6 +39,8 @@ class SparseEquations(NamedTuple):
     """Sparse (m, n): of the joints, and of the frames of full bodies"""
     interior: np.ndarray
     """Numbers of the freedoms of full bodies against their frames"""
+    control: LinearControl
+    """States z of controllers"""
 
     def damped(self, motions: np.ndarray) -> np.ndarray:
         """`(C + W W^T) p` of motions (n, k)."""
@@ -66,6 +69,7 @@ def full_linear_equations(
         stiffness=stiffness,
         constraint=csr_array(vstack([csr_array(border.jacobian) @ seen, _frame_conditions(machine)])),
         interior=np.concatenate([np.arange(*_coordinates(machine, each)) for each in machine.interiors]),
+        control=border.control.along(seen),
     )
 
 
