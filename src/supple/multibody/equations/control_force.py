@@ -208,12 +208,36 @@ def rates_of(law: ControlLaw, time: Any, readings: Mapping[str, Any], states: ja
     """`f(t, y, z)`, (k,)."""
     if law.rates is None:
         return jnp.zeros(0)
-    rates = jnp.asarray(law.rates(time, readings, states), dtype=float)
+    rates = _real(_called(law.rates, time, readings, states), "the rates of a controller's states")
     if rates.shape != states.shape:
         raise ModelError(
             f"the rates of a controller's states have shape {rates.shape}, its states {states.shape}"
         )
     return rates
+
+
+def _called(function: Any, *arguments: Any) -> Any:
+    """What a function of the user's gives; ModelError where it cannot be traced, or asks for too much."""
+    name = getattr(function, "__qualname__", repr(function))
+    try:
+        return function(*arguments)
+    except (jax.errors.ConcretizationTypeError, jax.errors.TracerArrayConversionError) as error:
+        raise ModelError(
+            f"the controller's function {name} asks for the numbers of what is traced: write jnp.where "
+            "instead of if, and jax.numpy instead of math and numpy; or make it a SampledController, in "
+            "plain Python"
+        ) from error
+    except KeyError as error:
+        raise ModelError(
+            f"the controller's function {name} asks for {error}; it reads {sorted(arguments[1])}"
+        ) from error
+
+
+def _real(value: Any, what: str) -> jax.Array:
+    try:
+        return jnp.asarray(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ModelError(f"{what} must be real numbers, got {value}") from error
 
 
 def _new_states(law: ControlLaw, number: int, motion: SystemMotion, readings: Mapping[str, Any]) -> jax.Array:
@@ -238,7 +262,8 @@ def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mappi
     """By name of the actuator."""
     if law.outputs is None:
         return _step(motion).start.held[number]
-    found = law.outputs(motion.time, readings, _new_states(law, number, motion, readings))
+    states = _new_states(law, number, motion, readings)
+    found = _called(law.outputs, motion.time, readings, states)
     names = {each.name for each in law.actuators}
     if not isinstance(found, Mapping) or set(found) != names:
         given = sorted(found) if isinstance(found, Mapping) else type(found).__name__
@@ -259,7 +284,12 @@ def local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
         loads: list[Wrench] = []
         for place, each in enumerate(law.actuators):
             own, parameters = _one((each.force.law, each.force.parameters), 0)
-            added = jnp.reshape(jnp.asarray(outputs[each.name], dtype=float), each.shape)
+            added = _real(outputs[each.name], f"a controller's output '{each.name}'")
+            if added.size != np.prod(each.shape):
+                raise ModelError(
+                    f"a controller's output '{each.name}' must have the shape {each.shape}, got {added.shape}"
+                )
+            added = jnp.reshape(added, each.shape)
             ends = _one(poses, n_read + 2 * place), _one(poses, n_read + 2 * place + 1)
             loads += each.force.wrenches(*ends, own(motion.time) + added, parameters)
         every = jax.tree.map(lambda *leaves: jnp.stack(leaves), *loads)

@@ -51,7 +51,7 @@ def full_linear_equations(
     machine: FullSystem, turning: Turning, time: float, state: StaticState
 ) -> SparseEquations:
     """The equations of motion, linearised about a state in which every body turns steadily."""
-    terms = FullStatics(machine, turning).unbalance(state, time).terms
+    terms, _ = FullStatics(machine, turning).unbalance(state, time).terms
     border = linear_equations(machine.model, turning, terms.border_motion, terms.border)
     seen = _to_border(machine)
     states = dict(zip((each.index for each in machine.interiors), terms.interior_states, strict=True))
@@ -81,7 +81,8 @@ def carried_state(
         multipliers=np.zeros(len(machine.model.active)),
         frame_multipliers=tuple(np.zeros(6) for _ in machine.interiors),
     )
-    terms = FullStatics(machine, turning).unbalance(none, time).terms
+    found = FullStatics(machine, turning).unbalance(none, time)
+    terms, _ = found.terms
     parts = [terms.border.residual[part] for part in machine.model.slices]
     for interior, own in zip(machine.interiors, terms.interior_residuals, strict=True):
         parts[interior.index] = own
@@ -97,6 +98,7 @@ def carried_state(
     left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / size
     of_joints, of_frames = np.split(multipliers, [joints.shape[0]])
     frames = tuple(of_frames.reshape(-1, 6))
+    left = max(left, *found.unrest.values(), 0.0)
     return none._replace(multipliers=of_joints, frame_multipliers=frames), left
 
 
