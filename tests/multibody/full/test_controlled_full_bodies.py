@@ -117,8 +117,13 @@ def test_a_full_body_rests_where_its_complete_basis_does(body):
     ours, theirs = (system.controllers[0].initial for system in systems)
     np.testing.assert_allclose(ours, theirs, rtol=1e-8, atol=1e-10)
     ours = machine_modes(linearize(systems[0]), 6).eigenvalues
-    theirs = slowest(linearize(systems[1]), 6)
-    np.testing.assert_allclose(ours, theirs, rtol=1e-7, atol=1e-7)
+    dense = linearize(systems[1])
+    theirs = slowest(dense, 6)
+    # All motions at once are known to rounding in parts of the fastest, as squares.
+    fastest = abs(np.linalg.eigvals(np.linalg.solve(dense.mass, dense.stiffness))).max()
+    rounding = np.finfo(float).eps * fastest / abs(theirs) ** 2
+    assert (abs(ours - theirs) <= (1e-8 + rounding) * abs(theirs)).all()
+    np.testing.assert_allclose(ours, theirs, rtol=2e-6)
     assert (theirs.imag == 0).any()
 
 
