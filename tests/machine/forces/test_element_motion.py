@@ -85,7 +85,7 @@ def test_a_ball_that_slides_comes_to_roll():
         anchor=(0, 0, 0),
         radius=radius,
         penalty=m.Penalty(stiffness=stiffness),
-        friction=m.Coulomb(0.5, width=1e-3),
+        friction=m.Coulomb(coefficient=0.5, width=1e-2),
     )
     ball = m.Placed(lump("ball"), position=[0, 0, radius - depth], velocity=[speed, 0, 0])
     motion = run(m.System([ball], loads=[floor], gravity=(0, 0, -G)), 0.4, 1e-3).bodies["ball"]

@@ -96,6 +96,24 @@ def test_an_integrator_holds_a_pendulum_where_it_shall_be():
     np.testing.assert_allclose(eigenvalues(pendulum([PID])), expected, rtol=1e-8)
 
 
+@pytest.mark.parametrize(("length", "time", "mass"), [(1e3, 1e3, 1.0), (1e6, 1e9, 1e3)], ids=["ms", "ns"])
+def test_eigenvalues_are_those_of_any_units(length, time, mass):
+    """Millimetres, milliseconds, kilograms; micrometres, nanoseconds, grams."""
+    torque, arm = mass * length**2 / time**2, ARM * length
+    faces = {"root": (0, 0, 0)}
+    inertia = (INERTIA - MASS * ARM**2) * mass * length**2 * np.eye(3)
+    body = RigidBody("arm", MASS * mass, [arm, 0, 0], inertia, faces)
+
+    def outputs(_t, reads, z):
+        hinge = reads["hinge"]
+        wanted = P * (GOAL - hinge.angle) + INTEGRAL / time * z[0] - D * time * hinge.rate
+        return {"motor": torque * wanted}
+
+    system = replace(pendulum([replace(PID, outputs=outputs)]), bodies=[body])
+    system = replace(system, gravity=(0, -GRAVITY * length / time**2, 0))
+    np.testing.assert_allclose(time * eigenvalues(system), eigenvalues(pendulum([PID])), rtol=1e-8)
+
+
 def test_a_run_from_the_equilibrium_stays_there():
     system = equilibrium(pendulum([PID])).system
     run = Run(duration=0.5, output_step=0.1, step=FixedStep(0.01), tolerances=Tolerances(residual=1e-11))

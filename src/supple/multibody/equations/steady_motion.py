@@ -44,6 +44,10 @@ __all__ = [
 ]
 
 
+_LARGE = 2.0**300
+"""A power of two: by it nothing is rounded."""
+
+
 class Turning(NamedTuple):
     """How every body turns."""
 
@@ -107,8 +111,9 @@ def turning_velocities(
 def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms: Balance) -> LinearEquations:
     """The equations of motion, linearised about a steady motion, at which `terms` were evaluated."""
     mass = step_matrix(model, motion, terms, 0.0, 0.0)
-    damping = step_matrix(model, motion, terms, 0.0, 1.0) - mass
-    stiffness = step_matrix(model, motion, terms, 1.0, 0.0) - mass
+    # So large a factor that nothing is lost beside the mass, whatever the unit of time.
+    damping = (step_matrix(model, motion, terms, 0.0, _LARGE) - mass) / _LARGE
+    stiffness = (step_matrix(model, motion, terms, _LARGE, 0.0) - mass) / _LARGE
     axes = in_turning_axes(model, motion.configuration)
     mass, damping, stiffness = (axes.T @ each @ axes for each in (mass, damping, stiffness))
     frames, translations = _spins(model, turning, motion.configuration)
