@@ -19,7 +19,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 help:
 	@echo "make demo   set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
 	@echo "make test   set up, then check style, types, layers and run every test"
-	@echo "make soak   kill runs and damage files by the hundred, the longest quick benchmarks: three quarters of an hour"
+	@echo "make soak   kill runs and damage files by the hundred, the longest quick benchmarks: an hour"
 	@echo "make lint   style, types and layers only"
 	@echo "make format rewrite the sources in the project's style"
 	@echo "make clean  remove the environment and the results"

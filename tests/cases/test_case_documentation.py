@@ -69,6 +69,19 @@ def test_the_examples_of_the_import_page_are_valid_cases(tmp_path):
     assert len(found) == 2
 
 
+def test_the_imported_line_of_the_page_of_intrinsic_bodies_is_a_valid_case(tmp_path):
+    page = (ROOT / "docs" / "how-to" / "intrinsic_body.md").read_text(encoding="utf-8")
+    (text,) = [each for each in re.findall(r"```toml\n(.*?)```", page, re.DOTALL) if "paths" in each]
+    for name in ("wing.bdf", "wing.pch"):
+        (tmp_path / name).touch()
+    joint = '[[joint]]\nkind = "fixed"\nfirst = "ground"\nsecond = "wing.root"\n'
+    run = "[simulation]\nduration = 1.0\noutput_step = 0.1\nstep = 0.1\n"
+    (tmp_path / "wing.toml").write_text(f'title = "wing"\n{text}\n{joint}{run}', encoding="utf-8")
+    (body,) = read_case(tmp_path / "wing.toml").tables.body
+    assert body.condense is not None
+    assert body.condense.paths == ((1, 2, 3, 4), (2, 11, 12))
+
+
 def test_the_scripts_of_the_import_page_run(tmp_path, monkeypatch, bulk):
     """The bulk data and matrices of a block, written by the page's own function, give its two bodies."""
     mesh = block(1.0, 0.3, 0.2, 3, 1, 1, CellType.TETRA4)

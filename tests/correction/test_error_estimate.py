@@ -20,7 +20,8 @@ from error_equation.machines import (
 )
 
 from supple.body import FullBody, ModalDamping, RayleighDamping
-from supple.correction import estimate_error
+from supple.correction import ErrorEstimator, estimate_error
+from supple.correction.basis_error import FIRST_ORDER
 from supple.errors import ModelError
 from supple.integrate import AdaptiveStep, FixedStep
 from supple.machine import Placed
@@ -69,6 +70,19 @@ def test_a_machine(name):
     # What the spring does to three modes is too much for first order, and is said to be.
     size = (5, 8) if name == "sprung" else (3, 3)
     is_told(system, run, *reduced(system, *size), within=1.1)
+
+
+@pytest.mark.parametrize("size", [(3, 3), (5, 8)], ids=["unsettled", "settled"])
+def test_columns_are_made_of_the_error_where_it_has_settled(size):
+    """Elsewhere of the residual's corrections alone: the march has shapes of its own instability."""
+    system, run = sprung(NODAL)
+    small, bases = reduced(system, *size)
+    told = ErrorEstimator(system, run).judge(small, bases, simulate(small, run))
+    settled = size == (5, 8)
+    assert settled == all(error.second <= FIRST_ORDER for error in told.error.bodies.values())
+    for name, missed in told.missed.items():
+        corrections = told.corrections[name].deformation
+        assert missed.shape[1] > corrections.shape[1] if settled else missed.shape == corrections.shape
 
 
 @pytest.mark.parametrize("frame", [NODAL, MEAN], ids=["nodal-fixed", "mean-axis"])

@@ -1,11 +1,14 @@
 """Modes as functions along a line: orthonormal on the grid, and those of the analytic cantilever."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fixtures.beam_lines import beam_line, straight
 
-from supple.errors import ModelError
+from supple.errors import AccuracyError, ModelError
 from supple.intrinsic import BALL, CLAMPED, FREE, condensed_line, hinged, intrinsic_modes, sliding
+from supple.intrinsic.intrinsic_modes import checked_modes
 
 SECTION = {"EA": 1e5, "EI": 10.0, "GJ": 8.0, "mass_per_length": 1.3, "radius": 0.02}
 PARENTS = [-1, 0, 1, 2, 3, 2, 5, 6]
@@ -146,3 +149,11 @@ def test_a_station_that_hangs_loose_is_refused():
     loose[18:24, 18:24] -= line.stiffness[18:24, 18:24] / 2
     with pytest.raises(ModelError):
         intrinsic_modes(condensed_line("loose", line.tree.points, loose, line.mass), CLAMPED)
+
+
+@pytest.mark.parametrize("broken", ["velocities", "strains"])
+def test_modes_that_are_not_orthonormal_are_refused(broken):
+    modes = intrinsic_modes(tree_line(), CLAMPED, 4)
+    spoiled = replace(modes, **{broken: 1.001 * getattr(modes, broken)})
+    with pytest.raises(AccuracyError, match=r"its modes are orthonormal to .* \(velocities\)"):
+        checked_modes(spoiled)

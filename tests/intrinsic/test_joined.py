@@ -8,8 +8,18 @@ from scipy.integrate import solve_ivp
 from supple.body import ModalDamping, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import ModelError
 from supple.fem import BeamSection, Isotropic, shell_model
-from supple.integrate import FixedStep, GeneralizedAlpha, Run, RungeKutta4
-from supple.intrinsic import BALL, CLAMPED, FREE, condensed_line, intrinsic_body, intrinsic_modes, released
+from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run, RungeKutta4
+from supple.intrinsic import (
+    BALL,
+    CLAMPED,
+    FREE,
+    condensed_line,
+    intrinsic_body,
+    intrinsic_modes,
+    line_rest,
+    released,
+    truncation_error,
+)
 from supple.machine import (
     Ball,
     DeadForce,
@@ -22,7 +32,7 @@ from supple.machine import (
 )
 from supple.mesh import CellType, Mesh
 from supple.reduction import CraigBampton, NoDerivatives, reduce
-from supple.simulation import simulate
+from supple.simulation import equilibrium, simulate
 
 SOFT = {"EA": 1e4, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.05}
 STIFF = {"EA": 1e6, "EI": 1e5, "GJ": 1e5, "mass_per_length": 1.0, "radius": 0.05}
@@ -236,3 +246,11 @@ def test_what_cannot_be_joined_is_refused_with_the_remedy():
     refused(good, "do not take RungeKutta4", method=RungeKutta4())
     apart = System([released(clamped), Placed(other, position=[1.1, 0, 0])], [HINGE, ELBOW])
     refused(apart, "joint 'elbow' is open .* position x is off by 0.1")
+    refused(good, "stepped with FixedStep", step=AdaptiveStep())
+    alone = System([clamped], [Fixed(first="ground", second="a.root")])
+    moved = simulate(alone, Run(1e-3, 1e-3, step=FixedStep(1e-3), method=RungeKutta4()))
+    for look in (line_rest, lambda system: truncation_error(system, moved, [other])):
+        with pytest.raises(ModelError, match=r"whose roots the ground alone holds.*Simulate, with damping"):
+            look(good)
+    with pytest.raises(ModelError, match="or by a run with damping"):
+        equilibrium(good)

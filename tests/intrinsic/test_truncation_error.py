@@ -8,7 +8,8 @@ from fixtures.beam_lines import beam_line, straight
 from supple.body import ModalDamping
 from supple.errors import ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, Run
-from supple.intrinsic import CLAMPED, intrinsic_body, truncation_error
+from supple.intrinsic import CLAMPED, enough_modes, intrinsic_body, truncation_error
+from supple.intrinsic.intrinsic_body import body_of
 from supple.machine import Fixed, FollowerTorque, System
 from supple.simulation import simulate
 
@@ -44,3 +45,32 @@ def test_a_body_without_more_modes_is_refused():
     solution = simulate(system, run)
     with pytest.raises(ModelError, match="give the same body with more of them"):
         truncation_error(system, solution, [body])
+
+
+def test_as_many_modes_are_taken_as_the_tolerance_asks_for():
+    """Of 48; half as many miss it. Forces jump at the moment and need many modes, the tip's place few."""
+    run = Run(0.6, 0.2, step=FixedStep(5e-3), method=GeneralizedAlpha(0.9))
+    whole, system = held(None)
+    found = enough_modes(system, lambda machine: simulate(machine, run), tolerance=0.3)
+    body = body_of(found.system.bodies[0])
+    n = body.n_coordinates
+    assert 6 < n < whole.n_coordinates
+    assert found.errors["beam"].largest <= 0.3
+    half = whole.truncated(n // 2)
+    fewer = System([half], system.joints, system.loads)
+    assert truncation_error(fewer, simulate(fewer, run), [whole])["beam"].largest > 0.3
+    exact = whole.positions(simulate(system, run).bodies["beam"])[:, -1]
+    away = np.abs(body.positions(found.solution.bodies["beam"])[:, -1] - exact).max()
+    assert away < 0.01 * np.abs(exact - exact[0]).max()
+
+
+def test_all_modes_are_kept_where_no_fewer_are_enough():
+    run = Run(0.6, 0.2, step=FixedStep(5e-3), method=GeneralizedAlpha(0.9))
+    _, system = held(None)
+    found = enough_modes(system, lambda machine: simulate(machine, run), tolerance=1e-12, first=24)
+    assert found.system is system
+    assert found.errors == {}
+    with pytest.raises(ModelError, match="between 0 and 1"):
+        enough_modes(system, lambda _: found.solution, tolerance=2.0)
+    with pytest.raises(ModelError, match="one at least"):
+        enough_modes(system, lambda _: found.solution, tolerance=0.1, first=0)

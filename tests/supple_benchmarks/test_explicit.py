@@ -9,7 +9,7 @@ import pytest
 
 from supple_benchmarks.explicit.perform import perform
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.soak]
 
 
 @pytest.fixture(scope="module")

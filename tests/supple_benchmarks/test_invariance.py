@@ -18,7 +18,7 @@ def report(tmp_path_factory):
     return json.loads((folder / "report.json").read_text())
 
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.soak]
 
 
 def test_condensed_bodies_do_not_lock_and_the_indicator_knows_the_others(report):

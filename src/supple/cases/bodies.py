@@ -19,7 +19,7 @@ from supple.body import (
     check_rigid_connections,
     rigid_mass_properties,
 )
-from supple.cases import condense, damping, interfaces, reductions, split
+from supple.cases import condense, damping, interfaces, line_on_grids, reductions, split
 from supple.cases.body_kinds import (
     KINDS,
     ElasticKind,
@@ -34,6 +34,7 @@ from supple.cases.body_kinds import (
 from supple.cases.condense import Condense, is_condensed
 from supple.cases.damping import Damping, Modal, Rayleigh
 from supple.cases.interfaces import Interface
+from supple.cases.line_on_grids import line_on_grids as built_on_grids
 from supple.cases.notify import Notify
 from supple.cases.reductions import FullOrder, Reduction, derivative_choice, quartic_choice
 from supple.cases.shared_rules import usable_names
@@ -116,9 +117,19 @@ class Body(CheckedTable):
 
     @property
     def elastic(self) -> ElasticKind | None:
-        """What an elastic body is made of that the case builds; None of any other."""
+        """What an elastic body is made of that the case builds; None of any other.
+
+        None also of matrices that are condensed already: they make no body but one in intrinsic modes.
+        """
         made_of = getattr(self, self.kind)
+        if self.is_on_grids:
+            return None
         return made_of if isinstance(made_of, ElasticKind) else None
+
+    @property
+    def is_on_grids(self) -> bool:
+        """True of matrices that another program condensed on the grids of a load path."""
+        return self.condense is not None and self.matrices is not None
 
     @property
     def corrects_itself(self) -> bool:
@@ -165,13 +176,20 @@ class Body(CheckedTable):
         if self.rigid is not None:
             places = {i.name: np.array(i.position) for i in self.interface if i.position is not None}
             return self.rigid.body(self.name, places)
-        assert flexible is not None
         if self.condense is not None:
-            notify(f"condensing body '{self.name}' ({flexible.n} freedoms)")
             damped = self.damping
             # A rule of the case file: kinds that ask for neither a body nor its frame.
             own = damped.build() if isinstance(damped, Rayleigh | Modal) else None
+            if self.matrices is not None:
+                notify(f"reading body '{self.name}', condensed already")
+                mesh = folder / (self.mesh or "")
+                made = built_on_grids(self.name, self.matrices, mesh, self.condense, self.interface, own)
+                notify(f"checked body '{self.name}': {made.line.n} stations, mass {made.mass:.5g}")
+                return made
+            assert flexible is not None
+            notify(f"condensing body '{self.name}' ({flexible.n} freedoms)")
             return self.condense.build(flexible, own)
+        assert flexible is not None
         assert self.frame is not None  # a rule of the case file
         frame = self.frame.build()
         damped = self.damping.build(flexible, frame) if self.damping else None
@@ -255,5 +273,6 @@ RULES = (
         *damping.RULES_OF_BODY,
         *split.RULES_OF_BODY,
         *condense.RULES_OF_BODY,
+        *line_on_grids.RULES_OF_BODY,
     ),
 )

@@ -2,21 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from supple.body import Damping, FlexibleBody
-from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, names, table, tables, unknown
+from supple.importers.toml import (
+    CheckedTable,
+    KeyPath,
+    Mistakes,
+    NodeIndices,
+    Raw,
+    Vector,
+    names,
+    table,
+    tables,
+    unknown,
+)
 from supple.intrinsic import (
     BALL,
     CLAMPED,
     FREE,
+    CondensedLine,
     IntrinsicBody,
     LoadPath,
     RootSupport,
     condense,
     hinged,
+    intrinsic_body,
     released,
     sliding,
 )
@@ -30,6 +44,8 @@ _HELD_BY = {
     "hinged": ("revolute",),
     "sliding": ("prismatic",),
 }
+Row = Annotated[tuple[float, float, float, float, float, float], Field(strict=False)]
+RootMass = Annotated[tuple[Row, Row, Row, Row, Row, Row], Field(strict=False)]
 _INSTEAD_OF = ("frame", "reduction", "split", "linear")
 
 
@@ -37,8 +53,18 @@ class Condense(CheckedTable):
     """Stations along a load path, and the modes on them."""
 
     root: str = Field(description="interface where the load path begins, and where a joint may hold the body")
-    tip: str = Field(description="interface where it ends")
-    stations: int = Field(ge=2, description="stations along the path, both ends included")
+    tip: str | None = Field(None, description="interface where it ends; of a body with elements")
+    stations: int | None = Field(
+        None, ge=2, description="stations along the path, both ends included; of a body with elements"
+    )
+    paths: Annotated[tuple[NodeIndices, ...], Field(strict=False)] | None = Field(
+        None,
+        description="grids from the root outwards, a list for each branch that begins at the grid it leaves; "
+        "of a matrices body, condensed on these grids by another program",
+    )
+    root_mass: RootMass | None = Field(
+        None, description="of a first grid that the matrices lack, 6 rows of 6; none if left out"
+    )
     modes: int | None = Field(None, ge=1, description="elastic modes; all if left out")
     support: Support = Field(
         "clamped",
@@ -52,9 +78,20 @@ class Condense(CheckedTable):
     )
 
     def build(self, body: FlexibleBody, damping: Damping | None) -> IntrinsicBody:
-        """The body in its intrinsic modes."""
+        """The body in its intrinsic modes, on stations along its elements."""
+        assert self.tip is not None  # rules of the case file
+        assert self.stations is not None
         path = LoadPath(self.root, self.tip, self.stations)
-        made = condense(body, path, support=self._support(), n_modes=self.modes, damping=damping)
+        return self._held(condense(body, path, support=self._support(), n_modes=self.modes, damping=damping))
+
+    def on_line(
+        self, line: CondensedLine, stations: Mapping[str, int], damping: Damping | None
+    ) -> IntrinsicBody:
+        """The body in its intrinsic modes, on the stations that another program condensed it on."""
+        support = self._support()
+        return self._held(intrinsic_body(line, support, self.modes, stations=stations, damping=damping))
+
+    def _held(self, made: IntrinsicBody) -> IntrinsicBody:
         return released(made) if self.released else made
 
     def _support(self) -> RootSupport:

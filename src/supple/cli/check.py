@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 from rich.table import Table
 
 from supple.body import ModelCheck, Verdict, labelled_matrices_source, nastran_source
 from supple.body.model_check import LOWEST_FREQUENCIES
-from supple.cases import read_case
+from supple.cases import Case, read_case
+from supple.cases.notify import silent
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES
+from supple.intrinsic import IntrinsicBody
 from supple.terminal import console, words
 from supple.units import UNNAMED, UnitSystem, measured
 
@@ -54,6 +57,24 @@ def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Ta
     return table
 
 
+def _print_lines(case: Case) -> None:
+    """A line for each body that another program condensed; ModelError for one that is refused."""
+    hertz, factor = case.units.frequency_shown
+    for table in case.tables.body:
+        if not table.is_on_grids:
+            continue
+        body = table.build(None, case.folder, silent).body
+        assert isinstance(body, IntrinsicBody)
+        lowest = body.modes.omega[body.modes.n_rigid :][:6] / (2 * np.pi)
+        listed = ", ".join(f"{factor * frequency:.4g}" for frequency in lowest)
+        told = (
+            f"body '{body.name}': condensed on {body.line.n} stations, mass {body.mass:.5g}; rigid motion "
+            f"meets {body.line.rigid_force:.0e} of the forces that cancel; lowest frequencies on its support "
+            f"{measured(listed, hertz)}"
+        )
+        console.print(words(told))
+
+
 def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, UnitSystem]]:
     suffix = path.suffix.lower()
     if suffix in NASTRAN_SUFFIXES:
@@ -63,6 +84,7 @@ def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, U
         yield str(path), source.check(n_frequencies), UNNAMED
     elif suffix == ".toml":
         case = read_case(path)
+        _print_lines(case)
         for name, source in case.sources.items():
             yield f"body '{name}'", source.check(n_frequencies), case.units
     else:

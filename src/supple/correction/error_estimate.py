@@ -183,10 +183,7 @@ class ErrorEstimator:
             name: body_error(history, second[name], steps.outputs, fields[name][:, len(looked) :])
             for name, history in histories.items()
         }
-        missing = {
-            name: np.hstack([_leading_fields(history, len(both)), fields[name]])
-            for name, history in histories.items()
-        }
+        missing = {name: _missing(history, second[name], fields[name]) for name, history in histories.items()}
         corrected = equation.corrected(found, steps.outputs)
         # Of the corrections; that of the modes and that of the couplings, of each body.
         factorizations = max(own.factorizations for own in missed.values()) + 2 * len(fulls)
@@ -395,6 +392,17 @@ def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
     outside = fresh - Z @ (Z.T @ (full.body.mass @ fresh))
     moved = full.expand(outside.T)
     return float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max(initial=0.0))
+
+
+def _missing(history: ErrorHistory, second: float, corrections: np.ndarray) -> np.ndarray:
+    """Fields (n, m) that new columns are made of: the corrections, and the error where it is known.
+
+    Where the error's own march has not settled, its shapes are those of its instability: of the blade whose
+    walls buckle they take the place of columns that the corrections have found.
+    """
+    if second > FIRST_ORDER and not history.body.full.is_linear:
+        return corrections
+    return np.hstack([_leading_fields(history, corrections.shape[1]), corrections])
 
 
 def _leading_fields(history: ErrorHistory, number: int) -> np.ndarray:

@@ -4,6 +4,7 @@ from supple.intrinsic.condensation_error import accurate_condensation, condensat
 from supple.intrinsic.condense import condense
 from supple.intrinsic.condensed_line import CondensedLine, clamped_line, condensed_line
 from supple.intrinsic.engine import IntrinsicEngine, intrinsic_engine
+from supple.intrinsic.enough_modes import enough_modes
 from supple.intrinsic.imported_line import read_condensed_line
 from supple.intrinsic.intrinsic_body import IntrinsicBody, intrinsic_body
 from supple.intrinsic.intrinsic_modes import IntrinsicModes, intrinsic_modes
@@ -36,6 +37,7 @@ __all__ = [
     "condensation_error",
     "condense",
     "condensed_line",
+    "enough_modes",
     "hinged",
     "integrated_places",
     "intrinsic_body",

@@ -20,6 +20,7 @@ from supple.integrate import (
     Statistics,
     leg_size,
 )
+from supple.intrinsic.full_leg import full_leg
 from supple.intrinsic.joined_engine import ITERATED, JoinedEngine
 from supple.intrinsic.line_march import LineRule, MarchState, first_march_state, march_lines
 from supple.intrinsic.line_model import LineState
@@ -81,7 +82,9 @@ class IntrinsicEngine:
 
     def start(self, time: float) -> MarchState:
         """The bodies as they are placed; residual modes where they rest."""
-        return first_march_state(self._machine.lines, self.rule, time, self._machine.start)
+        begun = first_march_state(self._machine.lines, self.rule, time, self._machine.start)
+        # Of NumPy's types as all later states: JAX would compile once more for numbers of Python's.
+        return jax.tree.map(np.asarray, begun)
 
     def resumed(self, last: Solution) -> MarchState:
         """The state at the end of a recorded part, exact."""
@@ -101,12 +104,11 @@ class IntrinsicEngine:
     def march(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
         """To each of the output times, in one call of the compiled program."""
         began = clock.perf_counter()
-        # A short leg repeats its end, where steps have no length: all legs share one program.
-        padded = np.pad(times, (0, max(self._length - len(times), 0)), mode="edge")
+        # A short leg repeats its end, where steps have no length.
         reached = march_lines(
             self.lines,
             state,
-            jnp.asarray(padded),
+            full_leg(times, self._length),
             rule=self.rule,
             n_steps=self.n_steps,
             tolerance=self.tolerance,
@@ -173,7 +175,8 @@ class IntrinsicEngine:
         """The motion of a leg, and the forces of the joints from the balance of their bodies."""
         states: MarchState = leg.states
         times = np.asarray(states.time)
-        roots = np.asarray(reactions(self._machine.lines, jnp.asarray(times), states.states))
+        filled = full_leg((times, states.states), self._length)
+        roots = np.asarray(reactions(self._machine.lines, *filled))[: len(times)]
         last = leg.last
         kept = {
             f"{number} {name}": np.asarray(getattr(state, name))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -126,6 +126,15 @@ class IntrinsicBody:
     def nodal_basis(self) -> Array:
         """(N d, e) linear displacement of the nodal freedoms in elastic modes."""
         return self.expansion.modes.reshape(-1, self.n_coordinates)
+
+    def truncated(self, n_modes: int) -> IntrinsicBody:
+        """The same body with its lowest elastic modes alone; ModelError for more than there are."""
+        expansion = replace(
+            self.expansion,
+            modes=self.expansion.modes[..., :n_modes],
+            warping=self.expansion.warping[..., :n_modes],
+        )
+        return replace(self, modes=self.modes.truncated(n_modes + self.modes.n_rigid), expansion=expansion)
 
     def forces_of(self, coordinates: ArrayLike) -> Array:
         """Amplitudes q_2 (..., e) of the internal forces of elastic amplitudes (..., e)."""

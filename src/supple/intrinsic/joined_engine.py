@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time as clock
-from functools import partial
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.errors import ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
+from supple.intrinsic.full_leg import full_leg
 from supple.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
 from supple.intrinsic.joined_equations import Instant, Motion, all_velocities
 from supple.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine
@@ -52,7 +53,9 @@ class JoinedEngine:
 
     def start(self, time: float) -> JoinedState:
         """Velocities on the joints, consistent rates and joint forces."""
-        self._arrays, now = joined_start(self._machine, time)
+        self._arrays, begun = joined_start(self._machine, time)
+        # Of NumPy's types as all later instants: JAX would compile once more for numbers of Python's.
+        now = jax.tree.map(np.asarray, begun)
         _, rates, multipliers = self._outputs(jax.tree.map(lambda leaf: leaf[None], now))
         first, forces = jax.tree.map(lambda leaf: leaf[0], (rates, multipliers))
         return JoinedState(now, first, forces, jnp.zeros(()), jnp.zeros((), dtype=int))
@@ -71,13 +74,12 @@ class JoinedEngine:
     def march(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
         """To each of the output times, in one call of the compiled program."""
         began = clock.perf_counter()
-        # A short leg repeats its end, where steps have no length: all legs share one program.
-        padded = np.pad(times, (0, max(self._length - len(times), 0)), mode="edge")
+        # A short leg repeats its end, where steps have no length.
         tolerances = self._run.tolerances
         reached = _march(
             self._arrays,
             state,
-            jnp.asarray(padded),
+            full_leg(times, self._length),
             self._coefficients,
             ITERATED * tolerances.residual,
             self._n_steps,
@@ -112,12 +114,9 @@ class JoinedEngine:
         )
 
     def _outputs(self, now: Instant) -> tuple[Any, Motion, Any]:
-        """Velocities of the model's bodies, rates and multipliers at instants; of a leg's length, to share a
-        program."""
+        """Velocities of the model's bodies, rates and multipliers at instants."""
         n = len(now.time)
-        longer = max(self._length - n, 0)
-        filled = jax.tree.map(lambda leaf: jnp.concatenate([leaf, *[leaf[-1:]] * longer]), now)
-        return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, filled))
+        return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, full_leg(now, self._length)))
 
     def solution(self, leg: Leg[JoinedState]) -> Solution:
         """The motion of a leg; forces of joints and accelerations are those of its very instants."""
@@ -149,8 +148,7 @@ class JoinedEngine:
         )
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def _march(
+def _march_joined(
     arrays: JoinedArrays,
     start: JoinedState,
     times: jax.Array,
@@ -171,6 +169,9 @@ def _march(
     return jax.lax.scan(to_output, start, times)[1]
 
 
-@partial(jax.jit, compiler_options=STARTING)
-def _outputs(arrays: JoinedArrays, states: Instant) -> tuple[jax.Array, Motion, jax.Array]:
+def _rates_at(arrays: JoinedArrays, states: Instant) -> tuple[jax.Array, Motion, jax.Array]:
     return jax.vmap(lambda now: (all_velocities(arrays, now), *instant_rates(arrays, now)))(states)
+
+
+_march = KeptProgram(_march_joined, STARTING)
+_outputs = KeptProgram(_rates_at, STARTING)

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.errors import ModelError, StartWarning
 from supple.intrinsic.joined_equations import (
     Instant,
@@ -173,4 +174,4 @@ def instant_rates(arrays: JoinedArrays, now: Instant) -> tuple[Motion, jax.Array
     return Motion(moving, acceleration, now.velocity), multipliers
 
 
-_BEGUN = jax.jit(_begun, compiler_options=STARTING)
+_BEGUN = KeptProgram(_begun, STARTING)

@@ -19,10 +19,10 @@ from supple.intrinsic.line_system import LineSystem, States
 from supple.intrinsic.machine_loads import machine_loads
 from supple.intrinsic.root_drive import RootDrive
 from supple.intrinsic.strain_integration import rotation_of
-from supple.intrinsic.supported_root import HeldRoot, held_root
+from supple.intrinsic.supported_root import HeldRoot, held_root, is_joined
 from supple.machine import Placed, System
 
-__all__ = ["MachineOfLines", "line_motion", "line_start", "machine_of_lines"]
+__all__ = ["MachineOfLines", "check_held_by_ground", "line_motion", "line_start", "machine_of_lines"]
 
 Array = np.ndarray
 
@@ -79,6 +79,7 @@ class MachineOfLines:
 
 def machine_of_lines(system: System, time: float) -> MachineOfLines:
     """The lines, loads and first states of a machine; ModelError for what no intrinsic body takes part in."""
+    check_held_by_ground(system)
     roots = tuple(held_root(system, placed) for placed in system.bodies)
     lines = LineSystem(
         tuple(body_of(placed).model for placed in system.bodies),
@@ -89,6 +90,18 @@ def machine_of_lines(system: System, time: float) -> MachineOfLines:
         line_start(placed, root.drive, time) for placed, root in zip(system.bodies, roots, strict=True)
     )
     return MachineOfLines(system, lines, start, roots)
+
+
+def check_held_by_ground(system: System) -> None:
+    """ModelError for machines that are only marched: of other bodies, or with joints other than supports."""
+    for placed in system.bodies:
+        body_of(placed)
+    if is_joined(system):
+        raise ModelError(
+            "joints hold released bodies, or intrinsic bodies by each other: without a march only such are "
+            "looked at whose roots the ground alone holds, by the support of their modes. Simulate, with "
+            "damping where rest is wanted"
+        )
 
 
 def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineState:

@@ -90,15 +90,8 @@ def _freedom(support: RootSupport) -> str:
 
 def _support(placed: Placed, joint: Joint) -> tuple[RootSupport, RootDrive | None]:
     body = body_of(placed)
-    own, other = joint.first, joint.second
-    if other.body == body.name:
-        own, other = other, own
+    own = joint.first if joint.second == GROUND else joint.second
     where = f"intrinsic body '{body.name}', joint '{joint.name}'"
-    if other != GROUND:
-        raise ModelError(
-            f"{where}: it joins the body to '{other.body}', and only what the ground alone holds is looked "
-            "at without a march: simulate, with damping where rest is wanted"
-        )
     station = body.interface(own.interface)
     if station.number != 0:
         raise ModelError(

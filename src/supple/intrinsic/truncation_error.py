@@ -18,7 +18,7 @@ from supple.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.intrinsic.line_model import LineState
 from supple.intrinsic.line_system import LineSystem
-from supple.intrinsic.machine_of_lines import machine_of_lines
+from supple.intrinsic.machine_of_lines import check_held_by_ground, machine_of_lines
 from supple.intrinsic.residual_modes import slaved
 from supple.machine import System
 
@@ -61,9 +61,10 @@ def truncation_error(
     system, solution : a machine of intrinsic bodies that the ground holds, and its run
     whole : the same bodies with more modes, or all
 
-    Raises ModelError for another body, or one that has no more modes.
+    Raises ModelError for another body, one that has no more modes, and a machine that joints connect.
     Source: [Wang2015] (37), as an error estimate.
     """
+    check_held_by_ground(system)
     by_name = {body.name: body for body in whole}
     bodies, kept = [], []
     for placed in system.bodies:

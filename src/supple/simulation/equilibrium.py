@@ -111,7 +111,7 @@ def resting_state(
     if intrinsic := system.bodies_of(IntrinsicBody):
         raise ModelError(
             f"body '{next(iter(intrinsic))}' is intrinsic: find its rest with supple.intrinsic.line_rest, "
-            "which takes machines of such bodies alone"
+            "where all bodies are and the ground alone holds them, or by a run with damping"
         )
     if not np.isfinite(time):
         raise ModelError(f"the time of an equilibrium must be finite, got {time}")

@@ -78,18 +78,23 @@ class _SettledFile(io.RawIOBase):
         self._first = first
 
     def seekable(self) -> bool:
+        """Always."""
         return True
 
     def readable(self) -> bool:
+        """Always."""
         return True
 
     def seek(self, offset: int, whence: int = io.SEEK_SET, /) -> int:
+        """As of the file."""
         return self._file.seek(offset, whence)
 
     def tell(self) -> int:
+        """As of the file."""
         return self._file.tell()
 
     def readinto(self, buffer: Any, /) -> int:
+        """The file's bytes, but its first ones as they should be; OSError where it ends too early."""
         begin, wanted = self._file.tell(), len(buffer)
         content = self._file.read(wanted)
         if len(content) < wanted:

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from supple.cli.main import app
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.soak]
 
 CONTRACT = {
     "mesh": {"nodes", "triangles", "mass", "frequencies_hz"},

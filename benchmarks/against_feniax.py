@@ -1,0 +1,210 @@
+"""A slender box in its intrinsic modes, in supple and in FENIAX, in turns on one core.
+
+The box beam of [Wang2015] 5.1 in shells is condensed on 25 stations, clamped, and pushed by a follower force
+at its tip. Both codes get the same stiffness, mass and stations, keep the same number of modes and take the
+same steps of the classical Runge-Kutta rule. Told are the processor time of a step of the march (compiling,
+modes and recovery of positions are left out on both sides), the median of some turns, and how far apart the
+two tips come.
+
+FENIAX (GPL-3.0; github.com/ACea15/FENIAX) is not a dependency. It wants a JAX of its own, hence another
+environment:
+
+    git clone https://github.com/ACea15/FENIAX
+    python -m venv feniax-env && feniax-env/bin/pip install ./FENIAX
+    OMP_NUM_THREADS=1 python benchmarks/against_feniax.py --feniax-python feniax-env/bin/python
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from argparse import ArgumentParser
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+from measure import keep
+
+from supple.body import AveragingInterface, RigidInterface, flexible_body
+from supple.fem import HomogeneousSection, Isotropic, shell_model
+from supple.integrate import FixedStep, Run, RungeKutta4
+from supple.intrinsic import CondensedLine, IntrinsicBody, LoadPath, condense
+from supple.intrinsic.engine import IntrinsicEngine
+from supple.intrinsic.line_march import march_lines
+from supple.machine import Fixed, FollowerForce, Placed, System
+from supple.mesh import box_beam
+from supple.simulation import simulate
+
+N_STATIONS = 25
+FORCE = (0.0, 0.2, 0.5)
+"""Turns the tip by more than two radians within the run."""
+DURATION, N_STEPS, N_OUTPUTS = 4.0, 4000, 8
+
+
+def box(n_modes: int) -> IntrinsicBody:
+    """The box on its stations."""
+    mesh = box_beam(20.0, 1.0, 0.1, 48, 4, 1)
+    model = shell_model(mesh, HomogeneousSection(Isotropic(1e6, 0.3, 1.0), 0.01))
+    ends = [RigidInterface("root", "root"), AveragingInterface("tip", "tip")]
+    return condense(flexible_body("box", model, ends), LoadPath("root", "tip", N_STATIONS), n_modes=n_modes)
+
+
+class InSupple:
+    """The run in supple."""
+
+    def __init__(self, body: IntrinsicBody) -> None:
+        clamp = Fixed(first="ground", second="box.root")
+        push = FollowerForce(first="box.tip", force=FORCE)
+        system = System([Placed(body)], [clamp], [push])
+        run = Run(DURATION, DURATION / N_OUTPUTS, step=FixedStep(DURATION / N_STEPS), method=RungeKutta4())
+        solution = simulate(system, run)
+        rotations, positions = body.places(solution.bodies["box"])
+        self.tip, self.turned = positions[:, -1], rotations[:, -1]
+        self._engine = IntrinsicEngine(system, run)
+        self._start = self._engine.start(0.0)
+        self._cost()  # compiles
+        self.costs: list[tuple[float, float]] = []
+
+    def turn(self) -> None:
+        """March once more."""
+        self.costs.append(self._cost())
+
+    def _cost(self) -> tuple[float, float]:
+        began, began_wall = process_time(), perf_counter()
+        reached = march_lines(
+            self._engine.lines,
+            self._start,
+            np.array([DURATION]),
+            rule=self._engine.rule,
+            n_steps=N_STEPS,
+            tolerance=self._engine.tolerance,
+        )
+        reached.time.block_until_ready()
+        return process_time() - began, perf_counter() - began_wall
+
+
+class InFeniax:
+    """The run in FENIAX, in a process of its own that waits for its turns."""
+
+    def __init__(self, interpreter: Path, line: CondensedLine, n_modes: int) -> None:
+        self._folder = TemporaryDirectory()
+        folder = Path(self._folder.name)
+        export(line, folder)
+        case = {
+            "modes": n_modes,
+            "stations": line.n,
+            "force": FORCE,
+            "duration": DURATION,
+            "steps": N_STEPS,
+            "every": N_STEPS // N_OUTPUTS,
+        }
+        (folder / "case.json").write_text(json.dumps(case), encoding="utf-8")
+        script = Path(__file__).with_name("feniax_run.py").resolve()
+        with (folder / "log").open("w") as log:
+            self._process = subprocess.Popen(
+                [interpreter, script, folder],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log,
+                text=True,
+                cwd=folder,
+            )
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._asked, self._answers = self._process.stdin, self._process.stdout
+        told = self._told()
+        self.tip, self.versions = np.array(told["tip"]), told["versions"]
+        self.costs: list[tuple[float, float]] = []
+
+    def turn(self) -> None:
+        """March once more."""
+        print(file=self._asked, flush=True)
+        told = self._told()
+        self.costs.append((told["processor"], told["wall"]))
+
+    def _told(self) -> dict[str, Any]:
+        answer = self._answers.readline()
+        if not answer:
+            sys.exit("FENIAX stopped:\n" + Path(self._folder.name, "log").read_text()[-2000:])
+        return json.loads(answer)
+
+    def close(self) -> None:
+        """Let it end."""
+        self._asked.close()
+        self._process.wait()
+        self._folder.cleanup()
+
+
+def export(line: CondensedLine, folder: Path) -> None:
+    """The matrices of a chain without its clamped root, and its stations, as FENIAX reads them."""
+    np.save(folder / "Ka.npy", line.stiffness[6:, 6:])
+    np.save(folder / "Ma.npy", line.mass[6:, 6:])
+    rows = [
+        f"{x:.17g} {y:.17g} {z:.17g} {number - 1} line" for number, (x, y, z) in enumerate(line.tree.points)
+    ]
+    (folder / "structuralGrid").write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+def rows_of(interpreter: Path, n_modes: int, repetitions: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """What both codes cost, and how far apart their tips come; versions of FENIAX's environment."""
+    body = box(n_modes)
+    ours, theirs = InSupple(body), InFeniax(interpreter, body.line, n_modes)
+    for _ in range(repetitions):
+        ours.turn()
+        theirs.turn()
+    theirs.close()
+    apart = float(np.linalg.norm(ours.tip - theirs.tip, axis=1).max())
+    moved = float(np.linalg.norm(ours.tip - ours.tip[0], axis=1).max())
+    cosine = (np.trace(ours.turned, axis1=1, axis2=2) - 1) / 2
+    spent = {code: np.array(each.costs) for code, each in (("supple", ours), ("FENIAX", theirs))}
+    rows = [
+        {
+            "modes": n_modes,
+            "stations": N_STATIONS,
+            "steps": N_STEPS,
+            "code": code,
+            "us processor / step": microseconds(median(costs[:, 0])),
+            "us wall / step": microseconds(median(costs[:, 1])),
+            "of supple's": float(median(costs[:, 0]) / median(spent["supple"][:, 0])),
+            "the least, us": microseconds(costs[:, 0].min()),
+            "tips apart, m": apart,
+            "tip moved, m": moved,
+            "tip turned, rad": float(np.arccos(cosine.min())),
+        }
+        for code, costs in spent.items()
+    ]
+    return rows, theirs.versions
+
+
+def microseconds(seconds: float) -> float:
+    """Of a step."""
+    return 1e6 * float(seconds) / N_STEPS
+
+
+def main() -> None:
+    parser = ArgumentParser(description="supple and FENIAX beside each other")
+    parser.add_argument("--feniax-python", type=Path, help="interpreter of an environment with FENIAX")
+    parser.add_argument("--repetitions", type=int, default=5)
+    given = parser.parse_args()
+    if given.feniax_python is None:
+        sys.exit(
+            "this comparison needs FENIAX in an environment of its own; its interpreter is named by "
+            "--feniax-python:\n" + (__doc__ or "").split("environment:\n")[-1]
+        )
+    rows: list[dict[str, Any]] = []
+    versions: dict[str, Any] = {}
+    for n_modes in (50, 100):
+        found, versions = rows_of(given.feniax_python.absolute(), n_modes, given.repetitions)
+        rows += found
+    keep("against_feniax", rows, feniax=versions, one_core=True)
+
+
+if __name__ == "__main__":
+    if hasattr(os, "sched_setaffinity"):  # both codes, before either starts threads
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    main()

@@ -1,0 +1,108 @@
+"""A slender body from matrices of another program, which condensed it: its stations are their grids."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+
+from supple.body import Damping
+from supple.cases.body_kinds import Matrices, Superelement, kind_of
+from supple.cases.condense import Condense, is_condensed
+from supple.cases.interfaces import Interface
+from supple.importers.toml import KeyPath, Mistakes, Raw, table, tables
+from supple.intrinsic import IntrinsicBody, read_condensed_line
+
+_ON_ELEMENTS = ("tip", "stations")
+_ON_GRIDS = ("paths", "root_mass")
+
+
+def line_on_grids(
+    name: str,
+    matrices: Matrices,
+    mesh: Path,
+    given: Condense,
+    interfaces: Sequence[Interface],
+    damping: Damping | None,
+) -> IntrinsicBody:
+    """The body in its intrinsic modes.
+
+    mesh : file of the grids; the files of the matrices lie beside it
+
+    Raises ImportFormatError, ModelError as `read_condensed_line`.
+    """
+    assert given.paths is not None  # a rule of the case file
+    line = read_condensed_line(
+        name,
+        nodes=mesh,
+        stiffness=mesh.parent / matrices.stiffness,
+        mass=mesh.parent / matrices.mass,
+        paths=given.paths,
+        stiffness_name=matrices.stiffness_name,
+        mass_name=matrices.mass_name,
+        root_mass=None if given.root_mass is None else np.array(given.root_mass),
+    )
+    return given.on_line(line, _stations(given.paths, interfaces), damping)
+
+
+def is_on_grids(body: Raw) -> bool:
+    """True of a condensed body of matrices."""
+    return is_condensed(body) and kind_of(body) is Matrices
+
+
+def _stations(paths: Sequence[Sequence[int]], interfaces: Sequence[Interface]) -> Mapping[str, int]:
+    """Numbers of the stations at interfaces: grids in the order in which the paths reach them."""
+    number = {grid: i for i, grid in enumerate(dict.fromkeys(chain(*paths)))}
+    return {each.name: number[grid] for each in interfaces for grid in each.node_indices or ()}
+
+
+def _keys_suit_the_kind(path: KeyPath, body: Raw) -> Mistakes:
+    if not is_condensed(body):
+        return
+    if kind_of(body) is Superelement:
+        message = (
+            "a superelement does not name its freedoms: give a matrices body, condensed on the grids of its "
+            "stations, or elements"
+        )
+        yield (*path, "condense"), message
+        return
+    given, on_grids = table(body, "condense"), is_on_grids(body)
+    wanted, needless = (("paths",), _ON_ELEMENTS) if on_grids else (_ON_ELEMENTS, _ON_GRIDS)
+    made_of = "matrices, condensed already," if on_grids else "elements"
+    for key in wanted:
+        if key not in given:
+            shown = "paths = [[GRID, GRID, ..]]" if on_grids else key
+            yield (*path, "condense"), f"a body of {made_of} needs {shown} here"
+    for key in (each for each in needless if each in given):
+        yield (*path, "condense", key), f"a body of {made_of} takes no {key}; remove the key"
+    if on_grids and "rigid_tolerance" in table(body, "matrices"):
+        message = "the forces of a condensed body against rigid motion are cleaned away; remove the key"
+        yield (*path, "matrices", "rigid_tolerance"), message
+
+
+def _interfaces_are_stations(path: KeyPath, body: Raw) -> Mistakes:
+    if not is_on_grids(body):
+        return
+    given = table(body, "condense")
+    paths = given.get("paths")
+    if not isinstance(paths, list) or not all(isinstance(each, list) and each for each in paths):
+        return  # a mistake of its own
+    grids = list(chain(*paths))
+    for place, interface in tables(body, "interface", path):
+        for key in (each for each in ("nodes", "connection", "kind", "position") if each in interface):
+            yield (*place, key), f"an interface here is a station: give node_indices = [GRID] and no {key}"
+        own = interface.get("node_indices")
+        if own is None:
+            continue
+        at = (*place, "node_indices")
+        if not isinstance(own, list) or len(own) != 1:
+            yield at, "an interface here is one station: node_indices = [GRID]"
+        elif own[0] not in grids:
+            yield at, f"grid {own[0]} is on no load path: add it to paths, or name a grid that is there"
+        elif interface.get("name") == given.get("root") and own[0] != grids[0]:
+            yield at, f"the root is where paths begin, grid {grids[0]}, and not grid {own[0]}"
+
+
+RULES_OF_BODY = (_keys_suit_the_kind, _interfaces_are_stations)

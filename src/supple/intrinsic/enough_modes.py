@@ -1,0 +1,75 @@
+"""As many modes as a run needs: doubled until what they leave out is small enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+from supple.errors import ModelError
+from supple.integrate import Solution
+from supple.intrinsic.intrinsic_body import body_of
+from supple.intrinsic.machine_of_lines import check_held_by_ground
+from supple.intrinsic.truncation_error import TruncationError, truncation_error
+from supple.machine import Placed, System
+
+__all__ = ["EnoughModes", "enough_modes"]
+
+FEWEST = 6
+
+
+class EnoughModes(NamedTuple):
+    """A machine whose bodies have modes enough, its run, and the error that it has.
+
+    errors : by body name; empty where all modes are kept, which leave nothing out
+    """
+
+    system: System
+    solution: Solution
+    errors: Mapping[str, TruncationError]
+
+
+def enough_modes(
+    system: System, run: Callable[[System], Solution], *, tolerance: float, first: int = FEWEST
+) -> EnoughModes:
+    """The machine with as many modes as bring the truncation error of its run within a tolerance.
+
+    Their number doubles, in all bodies alike, until `truncation_error` allows it or all are kept.
+
+    Parameters
+    ----------
+    system : intrinsic bodies that the ground holds, with all the modes that may be kept
+    run : its simulation, such as `lambda system: simulate(system, Run(..))`
+    tolerance : of the amplitudes left out over the largest of all
+    first : elastic modes to begin with
+
+    Raises ModelError as `truncation_error`, and for a tolerance or a number that cannot be.
+    """
+    if not 0 < tolerance < 1:
+        raise ModelError(f"a tolerance of modes left out lies between 0 and 1, not {tolerance}")
+    if first < 1:
+        raise ModelError(f"a search for modes begins with one at least, not {first}")
+    check_held_by_ground(system)
+    whole = [body_of(placed) for placed in system.bodies]
+    number = first
+    while number < max(body.n_coordinates for body in whole):
+        bodies = [_with_modes(placed, number) for placed in system.bodies]
+        fewer = replace(system, bodies=bodies)
+        solution = run(fewer)
+        errors = truncation_error(fewer, solution, whole)
+        if max(error.largest for error in errors.values()) <= tolerance:
+            return EnoughModes(fewer, solution, errors)
+        number *= 2
+    return EnoughModes(system, run(system), {})
+
+
+def _with_modes(placed: Placed, number: int) -> Placed:
+    """A body with its lowest elastic modes; one is left out at least, for something to look at."""
+    body = body_of(placed)
+    n = min(number, body.n_coordinates - 1)
+    return replace(
+        placed,
+        body=body.truncated(n),
+        coordinates=placed.coordinates[:n],
+        coordinate_rates=placed.coordinate_rates[:n],
+    )
