@@ -89,7 +89,7 @@ def test_a_ball_that_slides_comes_to_roll():
     )
     ball = m.Placed(lump("ball"), position=[0, 0, radius - depth], velocity=[speed, 0, 0])
     motion = run(m.System([ball], loads=[floor], gravity=(0, 0, -G)), 0.4, 1e-3).bodies["ball"]
-    lever = radius - depth
+    lever = radius  # friction acts at the lowest point of the sphere
     rolling = speed * MASS * lever**2 / (MASS * lever**2 + INERTIA)
     np.testing.assert_allclose(motion.velocity[-1], [rolling, 0, 0], atol=1e-6)
     np.testing.assert_allclose(motion.angular_velocity[-1], [0, rolling / lever, 0], atol=1e-5)
