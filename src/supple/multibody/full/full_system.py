@@ -216,12 +216,11 @@ class FullSystem:
     @cached_property
     def border_scale(self) -> np.ndarray:
         """As `position_scale`, of the border: translations and rotations of interfaces."""
-        length = self.model.length
-        parts = []
-        for index, part in enumerate(self.model.slices):
-            own = np.tile([length] * 3 + [1.0] * 3, (part.stop - part.start) // 6)
-            seen = index in self.interior_of
-            parts.append(own if seen else self.position_scale[self.slices[index]])
+        of_frame = [self.model.length] * 3 + [1.0] * 3
+        parts = [self.position_scale[part] for part in self.slices]
+        for index in self.interior_of:
+            part = self.model.slices[index]
+            parts[index] = np.tile(of_frame, (part.stop - part.start) // 6)
         return np.concatenate(parts)
 
     def under(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
