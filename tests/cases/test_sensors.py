@@ -33,6 +33,12 @@ measure = "xx"
 [[sensor]]
 name = "energy"
 kind = "energy"
+
+[[sensor]]
+name = "cut"
+kind = "section-force"
+at = "strip.AXIS"
+normal = [1, 0, 0]
 """
 
 
@@ -59,6 +65,8 @@ def test_a_run_writes_what_its_sensors_read(case, tmp_path):
     assert told["smallest"] == table["tip.z (m)"].min() < 0
     assert report["tracked"]["strip.TIP"]["last deflection"][2] == pytest.approx(told["last"])
     assert table["fibre.top xx (Pa)"][-1] > 0 > table["fibre.bottom xx (Pa)"][-1]
+    assert heads[-6:] == [*(f"cut.F{axis} (N)" for axis in "xyz"), *(f"cut.M{axis} (N m)" for axis in "xyz")]
+    assert table["cut.Fz (N)"][-1] < 0 < table["cut.My (N m)"][-1], "what hangs on it pulls down"
     assert (out / "sensors.h5").exists()
     assert (out / "sensors.png").stat().st_size > 5_000
 
@@ -74,6 +82,7 @@ def test_a_run_writes_what_its_sensors_read(case, tmp_path):
         ('kind = "joint-force"', 'kind = "joint-force"\nseen_from = "strip.root"', "seen_from"),
         ('at = "strip.ROOT"', 'at = "strip.root"', "no node set of a body with elements"),
         ('measure = "xx"', 'measure = "xxx"', "measure"),
+        ("normal = [1, 0, 0]", "", "normal"),
     ],
 )
 def test_a_mistake_is_named(case, before, after, cause):

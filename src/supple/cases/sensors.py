@@ -12,7 +12,7 @@ from supple import sensors
 from supple.cases.shared_rules import usable_names
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
-from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, tables, unknown
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, tables, unknown
 from supple.machine import At, ForceElement, as_end
 
 
@@ -93,6 +93,23 @@ class TensorSensor(CheckedTable):
         return made(self.name, body, model, node, measure)
 
 
+class SectionSensor(CheckedTable):
+    """Force and moment across a section, of what lies beyond it on what lies before it."""
+
+    kind: Literal["section-force"]
+    name: str = Field(description="its columns are NAME.Fx, ..., NAME.Mz")
+    at: str = Field(
+        description="BODY.INTERFACE or BODY.NODE_SET: the place, or the mean, the section goes through"
+    )
+    normal: Vector = Field(description="across the section, towards what lies beyond, axes of the mesh")
+
+    def build(self, case: SensedCase) -> sensors.Sensor:
+        """The sensor."""
+        body, where = case.place(self.at)
+        at = sensors.Place(body, where if isinstance(where, str) else tuple(np.asarray(where).tolist()))
+        return sensors.SectionForceSensor(self.name, at, self.normal, case.elements.get(body))
+
+
 class SpringSensor(CheckedTable):
     """What a spring and damper, or another element, carries, or has stored."""
 
@@ -119,7 +136,8 @@ class EnergyTable(CheckedTable):
 
 
 SensorTable = Annotated[
-    PlaceSensor | JointSensor | SpringSensor | TensorSensor | EnergyTable, Field(discriminator="kind")
+    PlaceSensor | JointSensor | SectionSensor | SpringSensor | TensorSensor | EnergyTable,
+    Field(discriminator="kind"),
 ]
 
 

@@ -85,6 +85,20 @@ def internal_force(block: QuadraticStrain, q: Array) -> Array:
     return _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
 
 
+def internal_forces(block: QuadraticStrain, Q: FloatArray, stretching: FloatArray) -> FloatArray:
+    """Internal forces (E, n, t) at t sets of element freedoms Q (E, n, t).
+
+        f = sum_g w A^T D [B (q + z) + 1/2 N(Gq, Gq)],   A = B + N(Gq)G
+
+    stretching : z (E, n, t)    motion of which the linear strain counts alone, as of what a body condenses
+    """
+    a = _directions(block.G, Q)
+    stress = block.weighted_D @ (_directions(block.B, Q + stretching) + _half_square(block.N, a))
+    form = "sde" if block.N.ndim == 3 else "Egsde"
+    turned = np.einsum(f"Egst,{form},Eget->Egdt", stress, block.N, a, optimize=True)
+    return _gather_directions(block.B, stress) + _gather_directions(block.G, turned)
+
+
 def strain_rate_force(block: QuadraticStrain, q: Array, rates: Array) -> Array:
     """Force (E, n) of stresses D eps_dot: K_mat(q) q_dot = sum_g w A^T D A q_dot, A = B + N(Gq)G.
 

@@ -13,6 +13,7 @@ from supple.sensors.place_sensors import (
     VelocitySensor,
 )
 from supple.sensors.reading import Reading, as_dataset, write_readings, write_readings_hdf5
+from supple.sensors.section_sensor import SectionForceSensor
 from supple.sensors.sensor import Channel, Quantity, Sensor, read_sensors
 from supple.sensors.stress_sensor import (
     Component,
@@ -38,6 +39,7 @@ __all__ = [
     "Principal",
     "Quantity",
     "Reading",
+    "SectionForceSensor",
     "Sensor",
     "SpringForceSensor",
     "StrainSensor",

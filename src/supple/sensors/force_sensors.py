@@ -20,12 +20,13 @@ from supple.sensors.end_motion import both_ends
 from supple.sensors.joint_motion_sensor import joint_named
 from supple.sensors.reading import Channel, Quantity
 
-__all__ = ["JointForceSensor", "SpringForceSensor"]
+__all__ = ["JointForceSensor", "SpringForceSensor", "six_channels"]
 
 Array = NDArray[np.float64]
 
 
-def _six(axes: str) -> tuple[Channel, ...]:
+def six_channels(axes: str) -> tuple[Channel, ...]:
+    """Of a force and a moment."""
     parts = (("F", Quantity.FORCE), ("M", Quantity.MOMENT))
     return tuple(Channel(f"{letter}{axis}", quantity, axes) for letter, quantity in parts for axis in "xyz")
 
@@ -43,7 +44,7 @@ class JointForceSensor:
     def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
         joint_named(system, self.joint, self.name)
-        return _six(JOINT_AXES)
+        return six_channels(JOINT_AXES)
 
     def values(self, system: System, solution: Solution) -> Array:
         """(t, 6)."""
@@ -63,7 +64,7 @@ class SpringForceSensor:
 
     def channels(self, _: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
-        return _six("global")
+        return six_channels("global")
 
     def values(self, system: System, solution: Solution) -> Array:
         """(t, 6)."""

@@ -1,0 +1,221 @@
+"""Force and moment across a section of an elastic body, from the forces of the elements along it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from supple.arguments import check_fields
+from supple.body import FullBody
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel, QuadraticStrain
+from supple.fem.quadratic_strain import internal_forces
+from supple.integrate.motion import FloatingMotion
+from supple.intrinsic import IntrinsicBody, IntrinsicMotion
+from supple.reduction import ReducedBody
+
+__all__ = ["CuttingPlane", "line_section_loads", "section_loads"]
+
+Array = NDArray[np.float64]
+
+ROUNDING = 1e-9
+"""Of the size of the body: what lies nearer to the plane lies on it."""
+
+ROOM = 2**22
+"""Numbers of forces held at a time."""
+
+
+@dataclass(frozen=True)
+class CuttingPlane:
+    """A plane across an undeformed body, in the axes of its mesh.
+
+    point : (3,)     on it, m; moments are about this point of the section
+    normal : (3,)    towards what lies beyond; of any length
+    """
+
+    point: tuple[float, float, float]
+    normal: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not (np.isfinite([*self.point, *self.normal]).all() and np.linalg.norm(self.normal) > 0):
+            raise ModelError(
+                f"a plane needs a finite point and a normal that is not zero, got {self.point} and "
+                f"{self.normal}"
+            )
+
+    def heights(self, places: Array) -> Array:
+        """Of places (..., 3) over the plane, towards the normal; zero where rounding alone parts them."""
+        heights = (places - self.point) @ (np.asarray(self.normal) / np.linalg.norm(self.normal))
+        size = np.ptp(places.reshape(-1, 3), axis=0).max(initial=0.0)
+        return np.where(abs(heights) <= ROUNDING * size, 0.0, heights)
+
+
+class _Layer(NamedTuple):
+    """The elements that touch a section."""
+
+    freedoms: NDArray[np.int64]
+    """(m,) nodal freedoms of the body that they have"""
+    blocks: tuple[QuadraticStrain, ...]
+    """in numbers of these"""
+    shares: tuple[Array, ...]
+    """(E,) of each block: a half before the section, minus a half beyond it"""
+    cut: NDArray[np.int64]
+    """(k, d) where the freedoms of the nodes of the section stand among them"""
+    places: Array
+    """(k, 3) of these nodes, undeformed"""
+
+
+def section_loads(
+    body: ReducedBody | FullBody, model: FiniteElementModel, motion: FloatingMotion, plane: CuttingPlane
+) -> Array:
+    """Force and moment (t, 6) of what lies beyond a plane on what lies before it, in the body's axes.
+
+        F = sum_n f_n,   M = sum_n (x_n + u_n - p) x f_n + m_n
+
+    over the nodes n that elements on both sides share, where f, m are the internal forces of the elements
+    before the plane, and those beyond with the other sign: their mean, which differs by the loads on these
+    very nodes. So the balance of either part is met however coarse the mesh, and loads spread over the body
+    cost an error of second order. An element is where the mean of its nodes is. `p` is the point of the
+    plane, moved by the mean displacement of the nodes.
+
+    Parameters
+    ----------
+    model : the one the body was made of
+
+    Raises
+    ------
+    ModelError   a model of other nodes; a plane that cuts nothing, or cuts beside a rigid interface
+    """
+    if len(model.mesh.nodes) != len(body.nodes) or not np.array_equal(model.mesh.nodes, body.nodes):
+        raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")
+    layer = _layer(body, model, plane)
+    coordinates = np.asarray(motion.coordinates)
+    elements = sum(block.B[..., 0].size + block.G[..., 0].size for block in layer.blocks)
+    rows = max(1, ROOM // max(1, elements))
+    found = np.empty((len(coordinates), 6))
+    for first in range(0, len(coordinates), rows):
+        part = slice(first, first + rows)
+        found[part] = _resultants(layer, plane, *_displacements(body, layer.freedoms, coordinates[part]))
+    return found
+
+
+def line_section_loads(body: IntrinsicBody, motion: IntrinsicMotion, plane: CuttingPlane) -> Array:
+    """Force and moment (t, 6) of what lies beyond a plane on what lies before it, along material axes.
+
+    The section forces of the segment that the plane cuts, their moment taken from its middle to the point of
+    the plane; at a station the mean of the segments before and beyond it.
+
+    Raises
+    ------
+    ModelError   a plane that cuts no segment, or several
+    """
+    tree = body.line.tree
+    heights = plane.heights(tree.points)
+    found = [
+        _of_segment(body, motion, plane, outside)
+        for outside in (heights >= 0, heights > 0)
+        if (outside[1:] != outside[tree.inner]).any()
+    ]
+    if not found:
+        raise ModelError(
+            f"body '{body.name}': the plane through {plane.point} across {plane.normal} cuts no segment of "
+            "its line; move it, or turn its normal along the line"
+        )
+    return np.mean(found, axis=0)
+
+
+def _of_segment(
+    body: IntrinsicBody, motion: IntrinsicMotion, plane: CuttingPlane, outside: NDArray[np.bool_]
+) -> Array:
+    tree = body.line.tree
+    segments = np.flatnonzero(outside[1:] != outside[tree.inner])
+    if len(segments) > 1:
+        raise ModelError(
+            f"body '{body.name}': a section cuts one segment of its line, and the plane through "
+            f"{plane.point} across {plane.normal} cuts {len(segments)}; turn its normal along the line"
+        )
+    (segment,) = segments
+    loads = body.section_loads(motion)[:, segment] * (1.0 if outside[segment + 1] else -1.0)
+    arm = tree.middles[segment] - plane.point
+    return np.hstack([loads[:, :3], loads[:, 3:] + np.cross(arm, loads[:, :3])])
+
+
+def _layer(body: ReducedBody | FullBody, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
+    d, nodes = model.dofs_per_node, model.mesh.nodes
+    cells = [block.dofs[:, ::d] // d for block in model.blocks]
+    beyond = [plane.heights(nodes[each].mean(axis=1)) >= 0 for each in cells]
+    inner, outer = np.zeros(len(nodes), dtype=bool), np.zeros(len(nodes), dtype=bool)
+    for each, outside in zip(cells, beyond, strict=True):
+        outer[each[outside]] = True
+        inner[each[~outside]] = True
+    shared = inner & outer
+    if not shared.any():
+        raise ModelError(
+            f"body '{body.name}': the plane through {plane.point} across {plane.normal} has no elements that "
+            "share nodes on both of its sides; move it into the body"
+        )
+    chosen = [np.flatnonzero(shared[each].any(axis=1)) for each in cells]
+    around = np.unique(np.concatenate([each[some].ravel() for each, some in zip(cells, chosen, strict=True)]))
+    _refuse_tied(body, around)
+    freedoms = (around[:, None] * d + np.arange(d)).ravel()
+    cut = np.flatnonzero(shared[around])
+    return _Layer(
+        freedoms,
+        tuple(
+            _renumbered(block.of(some), freedoms, linear=body.is_linear)
+            for block, some in zip(model.blocks, chosen, strict=True)
+        ),
+        tuple(np.where(outside[some], -0.5, 0.5) for outside, some in zip(beyond, chosen, strict=True)),
+        cut[:, None] * d + np.arange(d),
+        nodes[around[cut]],
+    )
+
+
+def _refuse_tied(body: ReducedBody | FullBody, around: NDArray[np.int64]) -> None:
+    for interface in body.interfaces:
+        if np.isin(interface.tied_nodes, around).any():
+            raise ModelError(
+                f"body '{body.name}': the section lies beside interface '{interface.name}', whose nodes move "
+                "as one. Move it by an element, or read the force of the joint there"
+            )
+
+
+def _renumbered(block: QuadraticStrain, freedoms: NDArray[np.int64], *, linear: bool) -> QuadraticStrain:
+    form = np.zeros_like(block.N) if linear else block.N
+    own = np.searchsorted(freedoms, block.dofs)
+    return QuadraticStrain(own, block.B, block.G, form, block.D, block.w)
+
+
+def _displacements(
+    body: ReducedBody | FullBody, freedoms: NDArray[np.int64], coordinates: Array
+) -> tuple[Array, Array]:
+    """Of some freedoms (m, t): of the coordinates, and of the motion that is condensed."""
+    if isinstance(body, FullBody):
+        moved = body.body.expansion.tocsr()[freedoms] @ coordinates.T
+        return moved, np.zeros_like(moved)
+    moved = body.nodal_basis[freedoms] @ coordinates.T
+    if body.condensed is None:
+        return moved, np.zeros_like(moved)
+    return moved, body.condensed.fields[freedoms] @ body.condensed.amplitudes_at(coordinates).T
+
+
+def _resultants(layer: _Layer, plane: CuttingPlane, moved: Array, condensed: Array) -> Array:
+    """(t, 6) of displacements (m, t)."""
+    forces = np.zeros_like(moved)
+    for block, shares in zip(layer.blocks, layer.shares, strict=True):
+        own = internal_forces(block, moved[block.dofs], condensed[block.dofs])
+        places, rows = block.dofs.ravel(), np.arange(block.dofs.size)
+        gather = csr_array((np.repeat(shares, block.dofs.shape[1]), (places, rows)), (len(moved), len(rows)))
+        forces += gather @ own.reshape(len(rows), -1)
+    carried = forces[layer.cut].transpose(2, 0, 1)
+    shifts = moved[layer.cut[:, :3]].transpose(2, 0, 1)
+    arms = layer.places - plane.point + shifts - shifts.mean(axis=1, keepdims=True)
+    moments = np.cross(arms, carried[..., :3])
+    if carried.shape[-1] == 6:
+        moments = moments + carried[..., 3:]
+    return np.hstack([carried[..., :3].sum(axis=1), moments.sum(axis=1)])

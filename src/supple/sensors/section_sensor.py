@@ -1,0 +1,69 @@
+"""Force and moment across a section of an elastic body."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import FullBody
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel
+from supple.integrate import Solution
+from supple.intrinsic import IntrinsicBody
+from supple.machine import System
+from supple.reduction import ReducedBody
+from supple.results.section_loads import CuttingPlane, line_section_loads, section_loads
+from supple.sensors.end_motion import body_named, floating_motion
+from supple.sensors.force_sensors import six_channels
+from supple.sensors.place_sensors import Place
+from supple.sensors.reading import Channel
+
+__all__ = ["SectionForceSensor"]
+
+
+@dataclass(frozen=True, eq=False)
+class SectionForceSensor:
+    """Force and moment that what lies beyond a section exerts on what lies before it, (t, 6).
+
+    The section is the plane through a place, undeformed, across a normal in the axes of the mesh. It cuts the
+    whole body. Moments are about the place. Components are along the body's axes; of an intrinsic body
+    along those that turn with the section.
+
+    place : Place       an interface, or the mean of some nodes
+    normal : (3,)       towards what lies beyond
+    model : FiniteElementModel | None    the body's elements; an intrinsic body needs none
+    """
+
+    name: str
+    place: Place
+    normal: tuple[float, float, float]
+    model: FiniteElementModel | None = None
+
+    def channels(self, system: System) -> Sequence[Channel]:
+        """Fx, Fy, Fz, Mx, My, Mz."""
+        body = body_named(system, self.place.body, self.name)
+        owner = "the section of " if isinstance(body, IntrinsicBody) else ""
+        return six_channels(f"axes of {owner}{self.place.body}")
+
+    def values(self, system: System, solution: Solution) -> NDArray[np.float64]:
+        """(t, 6)."""
+        body, at = body_named(system, self.place.body, self.name), self.place.at
+        if not isinstance(body, IntrinsicBody | ReducedBody | FullBody):
+            raise ModelError(
+                f"sensor '{self.name}': body '{body.name}' is {body.kind}, which has no section forces; read "
+                "the force of a joint, or split the body there"
+            )
+        point = body.interface(at).position if isinstance(at, str) else body.nodes[list(at)].mean(axis=0)
+        x, y, z = point.tolist()
+        plane = CuttingPlane((x, y, z), self.normal)
+        if isinstance(body, IntrinsicBody):
+            return line_section_loads(body, solution.bodies[body.name], plane)
+        if self.model is None:
+            raise ModelError(
+                f"sensor '{self.name}': the elements of body '{body.name}' are not known, and section forces "
+                "are theirs; give its model, or read the force of a joint or a spring"
+            )
+        return section_loads(body, self.model, floating_motion(solution, body.name, self.name), plane)
