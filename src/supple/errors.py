@@ -85,6 +85,10 @@ class LoadSpectrumWarning(SuppleWarning):
     """Loads that excite modes which a reduced body lacks."""
 
 
+class ControlWarning(SuppleWarning):
+    """A machine that is looked at without the controllers that its case names."""
+
+
 class UnitsWarning(SuppleWarning):
     """Numbers that are implausible in the units said of them."""
 

@@ -10,9 +10,10 @@ import pytest
 from typer.testing import CliRunner
 
 from supple import machine as m
-from supple.cases import read_case
+from supple.cases import modes_case, read_case
+from supple.cases.static_case import starting_system
 from supple.cli.main import app
-from supple.errors import CaseError
+from supple.errors import CaseError, ControlWarning
 
 CASE = """\
 title = "wheel"
@@ -63,6 +64,16 @@ def controllers(system):
         law=law,
         every=0.02,
         memory={"total": 0.0},
+    )
+
+
+def held(system):
+    return m.Controller(
+        reads={"hinge": m.JointReading("hinge")},
+        drives={"motor": m.TorqueBetween(first="ground", second="wheel.axle", axis=(0, 0, 1))},
+        outputs=lambda t, reads, z: {"motor": z[0] - 30 * reads["hinge"].angle - 2 * reads["hinge"].rate},
+        rates=lambda t, reads, z: (9.0 - z) / 0.1,
+        initial=[0.0],
     )
 
 
@@ -174,6 +185,25 @@ def test_what_a_function_must_give(tmp_path, function, message):
     case = read_case(written(tmp_path, control=f'control = "controller.py:{function}"'))
     with pytest.raises(CaseError, match=message):
         case.controlled(case.system, allow_code=True)
+
+
+def test_a_controller_acts_at_rest_where_its_code_may_run(tmp_path):
+    """Its state rests at 9 N m, and turns the wheel by 9 / 30."""
+    (tmp_path / "controller.py").write_text(CONTROLLER)
+    path = written(tmp_path, control='control = "controller.py:held"')
+    path.write_text(path.read_text().replace("[simulation]", '[simulation]\nstart = "equilibrium"'))
+    case = read_case(path)
+    started = starting_system(case, allow_code=True)
+    rotation = started.bodies[0].rotation
+    assert np.arctan2(rotation[1, 0], rotation[0, 0]) == pytest.approx(0.3, abs=1e-9)
+    assert started.controllers[0].initial == pytest.approx([9.0], rel=1e-9)
+    modes, _ = modes_case(case, tmp_path, allow_code=True)
+    loop = np.roots([0.5, 2.0, 30.0])
+    expected = [loop[loop.imag > 0][0], -10.0]
+    assert modes.eigenvalues == pytest.approx(expected, rel=1e-7)
+    with pytest.warns(ControlWarning, match="give --allow-code to close its loops"):
+        modes, _ = modes_case(case, tmp_path)
+    assert modes.eigenvalues == pytest.approx([0.0])
 
 
 def test_control_names_a_file_and_a_function(tmp_path):

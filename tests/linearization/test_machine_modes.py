@@ -222,13 +222,18 @@ def test_a_rotor_whirls_forward_and_backward(rotor):
 
 @pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
 def test_modes_are_followed_over_speed(rotor):
-    machine, *_ = rotor
+    """Laval's rotor: its centre whirls at `sqrt(k/m)` in space, seen lower and higher by the rate."""
+    machine, mass, _, _, lateral, _ = rotor
     rates = np.linspace(0.0, 60.0, 4)
     diagram = campbell_diagram(machine, [Spin(rate, (1, 0, 0)) for rate in rates], n_modes=5)
     assert diagram.eigenvalues.shape == (4, 5)
     assert diagram.likeness.shape == (3, 5)
     steps = abs(np.diff(diagram.frequencies, axis=0))
     assert steps.max() < 2.5 * rates[1]
+    centre = np.sqrt(lateral / mass)
+    for rate, found in zip(rates, diagram.frequencies, strict=True):
+        for expected in (centre - rate, centre + rate):
+            assert np.min(abs(found - expected)) < 1e-4 * centre
 
 
 def test_what_has_no_constant_equations_is_refused(flat_strip):

@@ -7,8 +7,8 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import ConvergenceError
-from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.integrate import FixedStep, Run
+from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
+from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import (
     GROUND,
     At,
@@ -16,13 +16,15 @@ from supple.machine import (
     DeadForce,
     Fixed,
     Placed,
+    PrescribedRotation,
     Ramp,
     Revolute,
     Scaled,
+    Spin,
     System,
     TorsionSpringDamper,
 )
-from supple.mesh import strip
+from supple.mesh import CellType, block, strip
 from supple.multibody import StaticSearch
 from supple.reduction import CraigBampton, NoDerivatives, reduce
 from supple.simulation import equilibrium, simulate
@@ -90,6 +92,42 @@ def test_a_spinning_spring_balances_a_weight():
     phi = np.arctan2(-z, x)
     assert 20.0 * phi == pytest.approx(2.0 * 9.81 * 0.5 * np.cos(phi), rel=1e-8)
     assert np.hypot(x, z) == pytest.approx(0.5, rel=1e-12)
+
+
+@pytest.mark.slow
+def test_a_damped_swing_ends_in_the_equilibrium():
+    """A rod on a hinge with a spring and a damper: twelve seconds leave 1e-9 of the swing."""
+    rod = RigidBody("rod", 2.0, [0.5, 0, 0], 0.1 * np.eye(3), {"root": (0, 0, 0)})
+    hinge = Revolute(name="hinge", first=GROUND, second=At("rod", "root"), axis=(0, 1, 0))
+    spring = TorsionSpringDamper(
+        first=GROUND, second=At("rod", "root"), axis=(0, 1, 0), stiffness=20.0, damping=2.4
+    )
+    system = System((Placed(rod),), (hinge,), (spring,), gravity=(0.0, 0.0, -9.81))
+    rest = equilibrium(system).system.bodies[0]
+    run = Run(duration=12.0, output_step=12.0, step=FixedStep(0.02), tolerances=Tolerances(residual=1e-11))
+    assert np.allclose(simulate(system, run).bodies["rod"].rotation[-1], rest.rotation, atol=1e-8)
+    assert abs(rest.rotation[2, 0]) > 0.1
+
+
+@pytest.mark.parametrize("form", ["full", "complete"])
+def test_a_bar_that_turns_is_stretched(form):
+    """`E u'' + rho w^2 (x + u) = 0`, u(0) = 0, u'(L) = 0: `u(L) = tan(k L)/k - L`, `k^2 = rho w^2 / E`."""
+    length, modulus, density, rate = 1.0, 1e7, 1000.0, 6.0
+    model = solid_model(block(length, 0.1, 0.1, 8, 1, 1, CellType.HEXA8), Isotropic(modulus, 0.0, density))
+    bar = flexible_body(
+        "bar", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
+    ).linearized()
+    frame = NodalFixedFrame("root")
+    body = (
+        FullBody(bar, frame)
+        if form == "full"
+        else reduce(bar, frame, CraigBampton(bar.n - 12), derivatives=NoDerivatives())
+    )
+    clamp = PrescribedRotation(name="hub", first=GROUND, second=At("bar", "root"), axis=(0, 0, 1), angle=0.0)
+    spin = Spin(rate, (0, 0, 1))
+    found = tip(equilibrium(System((Placed(body),), (clamp,)), spin=spin)) - [length, 0.0, 0.0]
+    k = np.sqrt(density * rate**2 / modulus)
+    assert found == pytest.approx([np.tan(k * length) / k - length, 0.0, 0.0], rel=5e-3, abs=1e-8)
 
 
 @pytest.mark.parametrize("frame", [NodalFixedFrame("root"), MeanAxisFrame()], ids=["fixed", "mean"])

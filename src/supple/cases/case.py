@@ -214,7 +214,7 @@ class Case:
     def system(self) -> System:
         """The bodies, reduced if their reduction has a fixed size, with joints, loads, springs and elements.
 
-        Without controllers, which `controlled` adds: they run code, and act in runs alone.
+        Without controllers, which `controlled` adds: they run code.
 
         Raises
         ------

@@ -12,7 +12,7 @@ import numpy as np
 from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import Progress, silent
-from supple.cases.static_case import check_fixed_sizes, spin_of
+from supple.cases.static_case import check_fixed_sizes, looked_at, spin_of
 from supple.errors import CaseError
 from supple.linearization import (
     CampbellDiagram,
@@ -35,9 +35,17 @@ AMPLITUDE = 0.1
 
 
 def modes_case(
-    case: Case, folder: Path, *, n_modes: int = 6, time: float = 0.0, progress: Progress = silent
+    case: Case,
+    folder: Path,
+    *,
+    n_modes: int = 6,
+    time: float = 0.0,
+    allow_code: bool = False,
+    progress: Progress = silent,
 ) -> tuple[MachineModes, dict[str, Any]]:
     """Modes of a case's machine; writes `CASE-modes.json`, and pictures and animations of the shapes.
+
+    allow_code : whether the controllers that the case names, a program, act
 
     Raises
     ------
@@ -48,7 +56,8 @@ def modes_case(
     warn_of_units(case)
     check_fixed_sizes(case, "modes")
     progress("linearising", 0.0)
-    modes = machine_modes(linearize(case.system, time=time, spin=spin_of(case)), n_modes)
+    system = looked_at(case, allow_code=allow_code)
+    modes = machine_modes(linearize(system, time=time, spin=spin_of(case)), n_modes)
     progress("linearising", 1.0)
     numbers = {"title": case.title, "time": time, **_numbers(case, modes)}
     with file_errors("make the folder", folder):
@@ -60,7 +69,13 @@ def modes_case(
 
 
 def campbell_case(
-    case: Case, folder: Path, rates: Sequence[float], *, n_modes: int = 6, progress: Progress = silent
+    case: Case,
+    folder: Path,
+    rates: Sequence[float],
+    *,
+    n_modes: int = 6,
+    allow_code: bool = False,
+    progress: Progress = silent,
 ) -> CampbellDiagram:
     """Modes over the rate of the case's spin; writes `CASE-campbell.json` and a picture.
 
@@ -72,8 +87,9 @@ def campbell_case(
     if spin is None:
         raise CaseError(f"{case.path}: a Campbell diagram needs a spin; add [spin] with rate and axis")
     spins = [Spin(float(rate), spin.axis, spin.point, spin.bodies) for rate in rates]
+    system = looked_at(case, allow_code=allow_code)
     diagram = campbell_diagram(
-        case.system, spins, n_modes=n_modes, progress=lambda share: progress("linearising", share)
+        system, spins, n_modes=n_modes, progress=lambda share: progress("linearising", share)
     )
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)

@@ -190,7 +190,7 @@ def _simulated(
     progress: Progress,
 ) -> tuple[System, Solution]:
     """The motion, and the system it is of; rounds of a self-correction are added as they are finished."""
-    machine = case.controlled(starting_system(case), allow_code=allow_code)
+    machine = starting_system(case, allow_code=allow_code)
     given = (machine, replace(case.run, validity=validity))
     path = result_path(case.path, folder)
     if case.starts:

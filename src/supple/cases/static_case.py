@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +13,14 @@ import numpy as np
 from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import Progress, silent
-from supple.errors import CaseError
-from supple.machine import Spin, System
+from supple.errors import CaseError, ControlWarning
+from supple.machine import Controller, Spin, System
 from supple.results import TrackedMotion, summarize, tracked_places
 from supple.simulation import AssembledMachine, Equilibrium, assemble, equilibrium
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
 
-__all__ = ["StaticResult", "check_fixed_sizes", "spin_of", "starting_system", "static_case"]
+__all__ = ["StaticResult", "check_fixed_sizes", "looked_at", "spin_of", "starting_system", "static_case"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,12 +45,33 @@ def spin_of(case: Case) -> Spin | None:
     return Spin(made.rate, made.axis, made.point, wanted)
 
 
-def starting_system(case: Case) -> System:
-    """The machine as its run starts: as it is placed, assembled if the case says so, or in its equilibrium.
+def looked_at(case: Case, *, allow_code: bool) -> System:
+    """The machine whose rest or modes are looked at: with its controllers where their code may run.
+
+    Warns ControlWarning where it may not; raises CaseError for code that fails.
+    """
+    control = case.tables.control
+    if control is not None and not allow_code:
+        warnings.warn(
+            f'the machine is looked at without its controllers, control = "{control}": read that program, '
+            "and give --allow-code to close its loops",
+            ControlWarning,
+            stacklevel=2,
+        )
+        return case.system
+    return case.controlled(case.system, allow_code=allow_code)
+
+
+def starting_system(case: Case, *, allow_code: bool = False) -> System:
+    """The machine as its run starts: as it is placed, assembled if the case says so, or at rest.
+
+    Its controllers are made of the machine as it is placed. Traced ones act in the equilibrium; sampled ones
+    are called for the first time as the run begins.
 
     Raises
     ------
-    CaseError           an equilibrium, or a kinematic run, of a body whose size only a run can tell
+    CaseError           an equilibrium, or a kinematic run, of a body whose size only a run can tell; code
+        that is not allowed to run, or that fails
     ConvergenceError    no equilibrium; joints that do not fit
     """
     wanted, system = case.tables.simulation, case.system
@@ -59,11 +81,17 @@ def starting_system(case: Case) -> System:
         found = assemble(system, time=case.run.start)
         case.notify(_said(found))
         system = found.system
+    system = case.controlled(system, allow_code=allow_code)
     if wanted.start == "placed":
         return system
     check_fixed_sizes(case, 'run with start = "equilibrium"')
     case.notify("searching the equilibrium")
-    return equilibrium(system, time=case.run.start, spin=spin_of(case)).system
+    traced = tuple(each for each in system.controllers if isinstance(each, Controller))
+    acting = replace(system, controllers=traced)
+    found = equilibrium(acting, time=case.run.start, spin=spin_of(case)).system
+    resting = iter(found.controllers)
+    controllers = tuple(next(resting) if isinstance(own, Controller) else own for own in system.controllers)
+    return replace(found, controllers=controllers)
 
 
 def _said(found: AssembledMachine) -> str:
@@ -85,26 +113,30 @@ def check_fixed_sizes(case: Case, command: str) -> None:
         )
 
 
-def static_case(case: Case, folder: Path, *, time: float = 0.0, progress: Progress = silent) -> StaticResult:
+def static_case(
+    case: Case, folder: Path, *, time: float = 0.0, allow_code: bool = False, progress: Progress = silent
+) -> StaticResult:
     """Find the equilibrium of a case, write its numbers (`CASE-static.json`) and a picture.
 
     folder : made if it is not there
     time : at which loads and laws are taken
+    allow_code : whether the controllers that the case names, a program, act
 
     Raises
     ------
-    CaseError           a body whose size only a run can tell
+    CaseError           a body whose size only a run can tell; code that fails
     ConvergenceError    no equilibrium
     """
     warn_of_units(case)
     check_fixed_sizes(case, "static")
+    system = looked_at(case, allow_code=allow_code)
 
     def searching(_: int, residual: float) -> None:
         # Newton's method doubles the digits at the end: the bar shows how many are found.
         progress("searching the equilibrium", float(np.clip(-np.log10(residual + 1e-300) / 9, 0.0, 1.0)))
 
     searching(0, 1.0)
-    found = equilibrium(case.system, time=time, spin=spin_of(case), progress=searching)
+    found = equilibrium(system, time=time, spin=spin_of(case), progress=searching)
     progress("searching the equilibrium", 1.0)
     places = {name: case.place(name) for name in case.parts.output.track}
     tracked = tracked_places(found.system, found.solution, places)

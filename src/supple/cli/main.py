@@ -24,6 +24,13 @@ app.add_typer(
     no_args_is_help=True,
 )
 
+AllowCode = Annotated[
+    bool,
+    typer.Option(
+        "--allow-code",
+        help="Run the Python file that `control` of the case names; read it first: it may do anything.",
+    ),
+]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback of an error.")]
 
 
@@ -66,13 +73,7 @@ def run(
     no_errors: Annotated[
         bool, typer.Option("--no-errors", help="Leave out how wrong the run is, which takes two more runs.")
     ] = False,
-    allow_code: Annotated[
-        bool,
-        typer.Option(
-            "--allow-code",
-            help="Run the Python file that `control` of the case names; read it first: it may do anything.",
-        ),
-    ] = False,
+    allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
     """Simulate a case file; write results (HDF5, JSON), pictures (PNG) and an animation (GIF)."""
@@ -115,6 +116,7 @@ def static(
         Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
     ] = None,
     time: Annotated[float, typer.Option(help="Instant of loads and laws, in the case's unit of time.")] = 0.0,
+    allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
     """Find where the machine of a case file rests, or how it turns steadily if the file has a [spin]."""
@@ -123,7 +125,7 @@ def static(
 
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
-        static_case(case, output or Path("results") / case.stem, time=time)
+        static_case(case, output or Path("results") / case.stem, time=time, allow_code=allow_code)
 
 
 @app.command()
@@ -138,6 +140,7 @@ def modes(
         str | None,
         typer.Option(help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's [spin], rad/s."),
     ] = None,
+    allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
     """Find the modes of the machine of a case file about its equilibrium; draw and animate them."""
@@ -147,7 +150,7 @@ def modes(
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
         folder = output or Path("results") / case.stem
-        modes_case(case, folder, n_modes=number, time=time, rates=rates)
+        modes_case(case, folder, n_modes=number, time=time, rates=rates, allow_code=allow_code)
 
 
 @app.command()

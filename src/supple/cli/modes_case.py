@@ -13,7 +13,9 @@ from supple.terminal import Steps, print_table, progress_bars, say
 from supple.units import headed
 
 
-def modes_case(path: Path, folder: Path, *, n_modes: int, time: float, rates: str | None) -> None:
+def modes_case(
+    path: Path, folder: Path, *, n_modes: int, time: float, rates: str | None, allow_code: bool
+) -> None:
     """Print the modes of the case at `path`, or its frequencies over speed.
 
     rates : "FROM:TO:NUMBER" of a Campbell diagram, rad per unit of time; modes at the case's own when None
@@ -26,13 +28,20 @@ def modes_case(path: Path, folder: Path, *, n_modes: int, time: float, rates: st
     say(case.title, "bold")
     if speeds is None:
         with bars:
-            _, numbers = cases.modes_case(case, folder, n_modes=n_modes, time=time, progress=steps.share)
+            _, numbers = cases.modes_case(
+                case, folder, n_modes=n_modes, time=time, allow_code=allow_code, progress=steps.share
+            )
             steps.finish()
         print_table(*_mode_table(numbers))
     else:
         with bars:
             diagram = cases.campbell_case(
-                case, folder, speeds.tolist(), n_modes=n_modes, progress=steps.share
+                case,
+                folder,
+                speeds.tolist(),
+                n_modes=n_modes,
+                allow_code=allow_code,
+                progress=steps.share,
             )
             steps.finish()
         unit, factor = case.units.frequency_shown

@@ -9,14 +9,14 @@ from supple.results.run_tables import motion_tables
 from supple.terminal import Steps, print_table, progress_bars, say
 
 
-def static_case(path: Path, folder: Path, *, time: float) -> None:
+def static_case(path: Path, folder: Path, *, time: float, allow_code: bool) -> None:
     """Print the equilibrium of the case at `path`; parameters and errors as for `cases.static_case`."""
     bars = progress_bars()
     steps = Steps(bars)
     case = cases.read_case(path, steps.show)
     say(case.title, "bold")
     with bars:
-        result = cases.static_case(case, folder, time=time, progress=steps.share)
+        result = cases.static_case(case, folder, time=time, allow_code=allow_code, progress=steps.share)
         steps.finish()
     numbers = result.numbers
     for table in motion_tables(numbers):

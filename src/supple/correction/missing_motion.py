@@ -24,7 +24,8 @@ import numpy as np
 
 from supple.errors import AccuracyError
 from supple.integrate import StepFactors
-from supple.multibody.full.full_system import Evaluation, FullState, FullSystem
+from supple.multibody.full.full_state import Evaluation, FullState
+from supple.multibody.full.full_system import FullSystem
 from supple.multibody.full.kept_tangent import KeptTangent, kept_tangent, serves
 
 __all__ = ["MissingMotion", "MissingMotionSearch"]

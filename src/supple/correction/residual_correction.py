@@ -36,7 +36,8 @@ from supple.integrate.motion import FloatingMotion
 from supple.machine.system import System
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.equations.configuration import Configuration
-from supple.multibody.full.full_system import FullState, FullSystem
+from supple.multibody.full.full_state import FullState
+from supple.multibody.full.full_system import FullSystem
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 
 __all__ = [

@@ -46,7 +46,10 @@ class CampbellDiagram:
 
 
 def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
-    """`|a^H b|^2 / (|a|^2 |b|^2)` of the shapes of two sets of modes, in the mass norm, (n1, n2)."""
+    """`|a^H b|^2 / (|a|^2 |b|^2)` of the shapes of two sets of modes, in the mass norm, (n1, n2).
+
+    Zero for a mode in which controllers alone change.
+    """
     if len(first.shapes) != len(second.shapes):
         raise ModelError("modal assurance compares modes of the same machine")
     # Frames and coordinates have different units: the mass norm of the first machine weighs them.
@@ -55,7 +58,8 @@ def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
     product = abs(a.conj().T @ weighted) ** 2
     sizes = np.real(np.einsum("ij,ij->j", a.conj(), first.machine.mass @ a))
     others = np.real(np.einsum("ij,ij->j", b.conj(), weighted))
-    return product / np.outer(sizes, others)
+    both = np.outer(sizes, others)
+    return product / np.where(both > 0, both, 1.0)
 
 
 def campbell_diagram(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from supple.machine import Spin, System
+from supple.multibody.equations.control_linearization import LinearControl
 
 __all__ = ["LinearMachine"]
 
@@ -17,11 +18,13 @@ Array = np.ndarray
 class LinearMachine:
     """Small motions `y` of a machine at rest, or turning steadily.
 
-        M y'' + C y' + K y = N^T f,        p = N y,        G N = 0
+        M y'' + C y' + K y = N^T f + H z,        p = N y,        G N = 0
+        z' = E_p y + E_v y' + E_z z
 
     `p` holds per body the translation and the rotation of its frame, in the frame's own axes, and its
     deformation coordinates; `N` spans the motions that the joints leave free, so that no constraint is left.
-    Of a machine that turns, the axes turn along: C has the gyroscopic, K the centrifugal terms.
+    Of a machine that turns, the axes turn along: C has the gyroscopic, K the centrifugal terms. `z` holds the
+    states of the controllers, one after the other.
 
     system    : System          in its equilibrium
     spin      : Spin | None
@@ -29,6 +32,7 @@ class LinearMachine:
     mass, damping, stiffness : (k, k)
     basis     : N, (n, k)
     full_mass : (n, n)          of `p`, the joints' constraints not considered
+    control   : LinearControl   H (k, c), E_p (c, k), E_v (c, k), E_z (c, c)
     """
 
     system: System
@@ -39,6 +43,7 @@ class LinearMachine:
     stiffness: Array
     basis: Array
     full_mass: Array
+    control: LinearControl
 
     @property
     def size(self) -> int:

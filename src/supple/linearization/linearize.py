@@ -21,6 +21,7 @@ from supple.multibody.compiled.statics import balanced
 from supple.multibody.compiled.time_step import position_scale
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.consistent_start import placed_configuration
+from supple.multibody.equations.control_linearization import LinearControl, control_at_rest, unrest
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.static_search import StaticState
 from supple.multibody.equations.steady_motion import (
@@ -51,6 +52,8 @@ def linearize(
     """Small motions of a machine about the equilibrium that is downhill from where its bodies are placed.
 
         M p'' + C p' + K p + G^T l = 0,     G p = 0     ->     M_y y'' + C_y y' + K_y y = 0,     p = N y
+
+    The loops of controllers are closed, and their states stand beside the motion (`LinearMachine`).
 
     Full bodies leave it sparse, `A p = 0` with the conditions of their frames: a `SparseMachine`, of which
     `machine_modes` finds the slowest modes.
@@ -94,6 +97,7 @@ def linearize(
         stiffness=projected.stiffness,
         basis=basis,
         full_mass=equations.mass,
+        control=projected.control,
     )
 
 
@@ -112,10 +116,10 @@ def _sparse(found: RestingState, time: float, spin: Spin | None) -> SparseMachin
         # The motions that are slow are those in which a change would be seen.
         basis = machine.slow.motions
         parts = replace(machine, equations=later).along(basis)
-        again = _Projected(parts.mass, parts.damping, parts.stiffness)
+        again = _Projected(parts.mass, parts.damping, parts.stiffness, parts.control)
         parts = machine.along(basis)
         _check_constant(
-            _Projected(parts.mass, parts.damping, parts.stiffness),
+            _Projected(parts.mass, parts.damping, parts.stiffness, parts.control),
             again,
             later.constraint,
             later.mass.diagonal(),
@@ -128,7 +132,7 @@ def _sparse(found: RestingState, time: float, spin: Spin | None) -> SparseMachin
 
 def _equations(found: RestingState, time: float) -> LinearEquations:
     model, turning, state = found.model, found.turning, found.state
-    motion = steady_motion(model, turning, time, state.configuration, state.multipliers)
+    motion = steady_motion(model, turning, time, state.configuration, state.multipliers, state.control)
     return linear_equations(model, turning, motion, balanced(model, motion))
 
 
@@ -136,7 +140,8 @@ def _carried(system: System, found: RestingState, time: float) -> tuple[RestingS
     """A system where it is placed, its joints carrying what is unbalanced; and what part they cannot."""
     model = build_model(system, found.model.active)
     configuration, none = placed_configuration(system), np.zeros(len(found.model.active))
-    terms = balanced(model, steady_motion(model, found.turning, time, configuration, none))
+    motion = steady_motion(model, found.turning, time, configuration, none, found.state.control)
+    terms = balanced(model, motion)
     rows = np.asarray(constraint_rows(model, terms.linearization.joints))
     weights = np.asarray(position_scale(model))
     unbalanced = weights * np.asarray(terms.residual)
@@ -145,8 +150,15 @@ def _carried(system: System, found: RestingState, time: float) -> tuple[RestingS
     largest = max(
         float(np.linalg.norm(weights * part)) for part in (terms.inertia, terms.internal, terms.applied)
     )
+    # What is in balance may vanish, as the torque on a rotor that turns freely does: rounding is left then.
+    rate = float(np.max(np.linalg.norm(found.turning.angular_velocities, axis=1)))
+    largest = max(largest, _CONSTANT * float(model.mass) * (rate * float(model.length)) ** 2)
     left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / (largest or 1.0)
-    return found._replace(model=model, state=StaticState(configuration, multipliers)), left
+    rest = unrest(
+        system, control_at_rest(model, motion), position_scale(model), motion.velocity, found.state.control
+    )
+    state = StaticState(configuration, multipliers, control=found.state.control)
+    return found._replace(model=model, state=state), max(left, *rest.values(), 0.0)
 
 
 class _Projected(NamedTuple):
@@ -155,12 +167,14 @@ class _Projected(NamedTuple):
     mass: Array
     damping: Array
     stiffness: Array
+    control: LinearControl
 
     @classmethod
     def of(cls, equations: LinearEquations, basis: Array) -> _Projected:
         """`N^T M N` and the like of dense equations, N (n, k)."""
         parts = equations.mass, equations.damping, equations.stiffness
-        return cls(*(basis.T @ part @ basis for part in parts))
+        mass, damping, stiffness = (basis.T @ part @ basis for part in parts)
+        return cls(mass, damping, stiffness, equations.control.along(basis))
 
 
 def _free_motions(equations: LinearEquations) -> Array:
@@ -215,6 +229,7 @@ def _check_constant(
         "stiffness": again.stiffness - projected.stiffness,
     }
     largest = {what: float(np.max(abs(change) / np.outer(size, size))) for what, change in changes.items()}
+    largest["control"] = _changed(projected.control, again.control, size, spin.rate)
     opened = float(np.max(abs(jacobian @ basis) @ np.ones(basis.shape[1]), initial=0.0))
     # Where no motion of the basis is seen by a joint, rounding is compared with one of unit kinetic energy.
     reach = abs(basis).sum(axis=1) + 1 / np.sqrt(masses)
@@ -226,5 +241,20 @@ def _check_constant(
             f"the linear equations change as the machine turns by {_TURNED_ON:g} rad (the {what} by "
             f"{largest[what]:.2g} of its size), so that it has no eigenvalues: gravity or loads across the "
             "axis, and joints or springs between turning and standing parts that are not alike in all "
-            "directions, must be left out; or name the bodies that turn, Spin(bodies=..)"
+            "directions, must be left out, as must controllers that see the angle of the turn; or name the "
+            "bodies that turn, Spin(bodies=..)"
         )
+
+
+def _changed(control: LinearControl, again: LinearControl, size: Array, rate: float) -> float:
+    """Largest change of what controllers read and push, over the size of each row and column."""
+
+    def parts(own: LinearControl) -> tuple[Array, Array]:
+        read = np.hstack([own.by_position / size, own.by_velocity * abs(rate) / size])
+        return read, (own.forces / size[:, None]).T
+
+    changes = [float(np.max(abs(again.by_state - control.by_state), initial=0.0)) / abs(rate)]
+    for before, after in zip(parts(control), parts(again), strict=True):
+        largest = np.max(abs(before), axis=1, initial=1e-300)
+        changes.append(float(np.max(np.max(abs(after - before), axis=1, initial=0.0) / largest, initial=0.0)))
+    return max(changes)

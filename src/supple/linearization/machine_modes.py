@@ -9,27 +9,35 @@ import numpy as np
 import scipy.linalg
 
 from supple.errors import ModelError
-from supple.linearization.linear_machine import LinearMachine
+from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.slowest_motions import slowest_motions
 from supple.linearization.sparse_machine import SparseMachine
 
 __all__ = ["MachineModes", "machine_modes"]
+
+_MOTIONLESS = 1e-12
+"""Part of a mode that is motion, below which controllers alone change in it."""
 
 
 @dataclass(frozen=True, eq=False)
 class MachineModes:
     """Free motions `p(t) = Re( shape exp(eigenvalue t) )` of a linearised machine, slowest first.
 
+    With controllers they are those of the closed loop, and `z(t) = Re( states exp(eigenvalue t) )`; a mode in
+    which controllers alone change has a shape of zeros.
+
     eigenvalues : complex (k,)      1/s, of a conjugate pair the one above the real axis, of both zeros of a
         free rigid motion one; others that are real, alone
     shapes : complex (n, k)         of frames and deformation coordinates, in the frames' own axes, of unit
         kinetic energy norm `shape^H M shape = 1`, the largest independent coordinate real
     independent : complex (m, k)    the same in the coordinates of the `LinearMachine`
+    states : complex (c, k)         of the controllers
     """
 
     machine: LinearMachine
     eigenvalues: Any
     independent: Any
+    states: Any
 
     @property
     def shapes(self) -> np.ndarray:
@@ -49,13 +57,17 @@ class MachineModes:
 
     @property
     def kinetic_shares(self) -> np.ndarray:
-        """Each body's part of the kinetic energy, in axes that turn along, (nb, k); columns add up to 1."""
+        """Each body's part of the kinetic energy, in axes that turn along, (nb, k); columns add up to 1.
+
+        Of a mode without motion they are zero.
+        """
         machine, shapes = self.machine, self.shapes
         weighted = np.real(shapes.conj() * (machine.full_mass @ shapes))
         sizes = [6 + placed.body.n_coordinates for placed in machine.system.bodies]
         starts = np.cumsum([0, *sizes[:-1]])
         energies = np.add.reduceat(weighted, starts, axis=0)
-        return energies / energies.sum(axis=0)
+        whole = energies.sum(axis=0)
+        return energies / np.where(whole > 0, whole, 1.0)
 
     @property
     def unstable(self) -> np.ndarray:
@@ -69,10 +81,10 @@ class MachineModes:
 def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = None) -> MachineModes:
     """The slowest modes of a linearised machine, all of them unless told how many.
 
-        ( s^2 M + s C + K ) y = 0
+        ( s^2 M + s C + K ) y = H z,        ( s - E_z ) z = ( E_p + s E_v ) y
 
-    Two poles of a machine that moves freely lie at s = 0, exactly only to round-off: those within
-    `sqrt(1e-13)` of the largest are said to be 0.
+    Two poles of a machine that moves freely lie at s = 0, exactly only to round-off: those that rounding
+    cannot tell from 0 are said to be 0, with as many modes as there are shapes.
 
     Of a machine with full bodies the slowest are found by shift and invert (`slowest_motions`); with damping
     or gyroscopic terms these are the slowest of which iteration shows any.
@@ -87,33 +99,78 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     n_modes = None if n_modes is None else int(n_modes)
     if isinstance(machine, SparseMachine):
         machine = machine.along(slowest_motions(machine, n_modes, _pairs))
-    values, y = _pairs(machine)
-    values, y = values[:n_modes], y[:, :n_modes]
+    values, y, z = _pairs(machine)
+    values, y, z = values[:n_modes], y[:, :n_modes], z[:, :n_modes]
     largest = np.take_along_axis(y, np.argmax(abs(y), axis=0)[None], axis=0)[0]
-    return MachineModes(machine, values, y * (abs(largest) / largest))
+    turned = np.where(largest == 0, 1.0, abs(largest) / np.where(largest == 0, 1.0, largest))
+    return MachineModes(machine, values, y * turned, z * turned)
 
 
-def _pairs(machine: LinearMachine) -> tuple[Any, Any]:
-    """Eigenvalues and modes (k, ..) of unit kinetic energy norm, slowest first."""
+def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
+    """Eigenvalues, motions (k, ..) of unit kinetic energy norm and states of controllers, slowest first."""
     k = machine.size
     lower = np.linalg.cholesky(machine.mass)
+    state, unit = _state_matrix(machine, lower)
+    # States of controllers have units of their own: what is small can be told in balanced ones alone.
+    balanced, (scales, _) = scipy.linalg.matrix_balance(state, permute=False, separate=True)
+    values: Any
+    left: Any
+    right: Any
+    values, left, right = scipy.linalg.eig(balanced, left=True)  # pyright: ignore[reportAssignmentType]
+    values = np.where(_is_zero(values, left, right, unit / np.sqrt(k)), 0.0, values)
+    values, vectors = _one_of_each(values, right)
+    still = np.linalg.norm(vectors[: 2 * k], axis=0) < _MOTIONLESS
+    vectors = scales[:, None] * vectors
+    order = np.lexsort((values.real, abs(values)))
+    values, vectors, still = values[order], vectors[:, order], still[order]
+    y = scipy.linalg.solve_triangular(lower.T, np.where(still, 0.0, vectors[:k]))
+    sizes = np.sqrt(np.real(np.einsum("ij,ij->j", y.conj(), machine.mass @ y)))
+    sizes = np.where(still, np.linalg.norm(vectors[2 * k :], axis=0), sizes)
+    return values, y / sizes, vectors[2 * k :] / sizes
+
+
+def _state_matrix(machine: LinearMachine, lower: Any) -> tuple[Array, float]:
+    """Of `(u y, y', z)` with y in the mass norm, and the unit u: velocities in units of a typical frequency,
+    so that motions and velocities are of one size.
+    """
+    k, control = machine.size, machine.control
+
+    def from_right(part: Array) -> Array:
+        return scipy.linalg.solve_triangular(lower, part.T, lower=True).T
+
     damping, stiffness = (
-        scipy.linalg.solve_triangular(
-            lower, scipy.linalg.solve_triangular(lower, part.T, lower=True).T, lower=True
-        )
+        scipy.linalg.solve_triangular(lower, from_right(part), lower=True)
         for part in (machine.damping, machine.stiffness)
     )
-    # Velocities in units of a typical frequency, so that both halves of the state are of one size.
-    unit = np.sqrt(np.linalg.norm(stiffness)) or 1.0
-    state = np.block([[np.zeros((k, k)), unit * np.eye(k)], [-stiffness / unit, -damping]])
-    values: Any
-    values, vectors = np.linalg.eig(state)
-    values = np.where(abs(values) < 3e-7 * unit / np.sqrt(k), 0.0, values)
-    kept = values.imag >= 0
-    # Each free rigid motion has two poles at zero, its place and its rate: they count as one mode.
-    kept[np.flatnonzero(values == 0)[1::2]] = False
-    values, vectors = values[kept], vectors[:k, kept]
-    order = np.lexsort((values.real, abs(values)))
-    y = scipy.linalg.solve_triangular(lower.T, vectors[:, order])
-    sizes = np.sqrt(np.real(np.einsum("ij,ij->j", y.conj(), machine.mass @ y)))
-    return values[order], y / sizes
+    forces = scipy.linalg.solve_triangular(lower, control.forces, lower=True)
+    unit = float(np.sqrt(np.linalg.norm(stiffness))) or 1.0
+    rows = [
+        [np.zeros((k, k)), unit * np.eye(k), np.zeros((k, control.size))],
+        [-stiffness / unit, -damping, forces],
+        [from_right(control.by_position) / unit, from_right(control.by_velocity), control.by_state],
+    ]
+    return np.block(rows), unit
+
+
+def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
+    """Which eigenvalues rounding cannot tell from zero.
+
+    It moves an eigenvalue by its part over `|w^H v|` of the unit vectors on both sides, which are nearly
+    orthogonal for the two zeros of a free motion, but not for a slow pole that stands alone.
+    """
+    moved = abs(values) * abs(np.einsum("ij,ij->j", left.conj(), right))
+    return (abs(values) < 3e-7 * unit) & (moved < 1e-12 * unit)
+
+
+def _one_of_each(values: Any, vectors: Any) -> tuple[Any, Any]:
+    """Of a conjugate pair the one above the real axis; of zeros as many as they have vectors.
+
+    Each free rigid motion has two poles at zero, its place and its rate: they count as one mode.
+    """
+    zero = values == 0
+    kept = (values.imag >= 0) & ~zero
+    at_zero = np.hstack([vectors[:, zero].real, vectors[:, zero].imag])
+    directions, sizes, _ = np.linalg.svd(at_zero, full_matrices=False)
+    directions = directions[:, sizes > 1e-5 * max(sizes.max(initial=0.0), 1e-300)]
+    values = np.concatenate([np.zeros(directions.shape[1]), values[kept]])
+    return values, np.hstack([directions, vectors[:, kept]])

@@ -61,9 +61,9 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
     basis = _enlarged(machine, slow.motions, _unit(slow.factor.solve(mass @ fresh), mass))
     left = np.inf
     for _ in range(_ROUNDS):
-        values, independent = modes_of(machine.along(basis))
+        values, independent, states = modes_of(machine.along(basis))
         shapes = basis @ independent[:, :wanted]
-        answers = _left_over(machine, slow, values[:wanted], shapes)
+        answers = _left_over(machine, slow, values[:wanted], shapes, states[:, :wanted])
         parts = _sizes(answers, mass)
         before, left = left, float(parts[:n_modes].max())
         if len(values) >= wanted and (left <= _LEFT or (left <= _ALLOWED and left > before / 3)):
@@ -80,11 +80,14 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
     )
 
 
-def _left_over(machine: SparseMachine, slow: SlowMotions, values: Any, shapes: Any) -> Any:
-    """`t = x + K(z)^-1 ( (s^2 - z^2) M + (s - z) C ) x`, complex (n, k), of shapes of unit size."""
+def _left_over(machine: SparseMachine, slow: SlowMotions, values: Any, shapes: Any, states: Any) -> Any:
+    """`t = x + K(z)^-1 ( ( (s^2 - z^2) M + (s - z) C ) x - H c )`, complex (n, k), of shapes of unit size.
+
+    states : c, of the controllers
+    """
     equations, shift = machine.equations, slow.shift
     loads = (equations.mass @ shapes) * (values**2 - shift**2)
-    loads = loads + equations.damped(shapes) * (values - shift)
+    loads = loads + equations.damped(shapes) * (values - shift) - equations.control.forces @ states
     answers = slow.factor.solve(np.hstack([loads.real, loads.imag]))
     real, imaginary = np.split(answers, 2, axis=1)
     return shapes + real + 1j * imaginary

@@ -93,6 +93,7 @@ class SparseMachine:
             stiffness=basis.T @ (equations.stiffness @ basis),
             basis=basis,
             full_mass=equations.mass,
+            control=equations.control.along(basis),
         )
 
 

@@ -15,6 +15,7 @@ from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.ports import Port
 from supple.linearization.sparse_machine import SparseMachine
+from supple.multibody.equations.control_linearization import LinearControl
 
 __all__ = ["Acceleration", "StateSpace", "Velocity", "state_space"]
 
@@ -45,9 +46,9 @@ class Acceleration:
 
 @dataclass(frozen=True, eq=False)
 class StateSpace:
-    """`x' = A x + B u`, `z = C x + D u`, with `x = (y, y')` of the `LinearMachine`.
+    """`x' = A x + B u`, `w = C x + D u`, with `x = (y, y', z)` of the `LinearMachine`, z of its controllers.
 
-    a : (2k, 2k)    b : (2k, ni)    c : (no, 2k)    d : (no, ni)
+    a : (m, m)    b : (m, ni)    c : (no, m)    d : (no, ni),    m = 2 k and the number of states z
     inputs, outputs : their names
     """
 
@@ -82,10 +83,12 @@ def state_space(
 ) -> StateSpace:
     """The linearised machine between forces at some ports and motions at others.
 
-        A = [[0, 1], [-M^-1 K, -M^-1 C]],    B = [[0], [M^-1 b^T]],    C, D by rows
+            [    0        1        0    ]        [    0    ]
+        A = [ -M^-1 K  -M^-1 C   M^-1 H ],   B = [ M^-1 b^T ],    C, D by rows
+            [   E_p      E_v      E_z   ]        [    0    ]
 
-    A port `c` gives the row `(c, 0)`, its velocity `(0, c)`, its acceleration `c (-M^-1 K, -M^-1 C)` and the
-    feedthrough `c M^-1 b^T`.
+    A port `c` gives the row `(c, 0, 0)`, its velocity `(0, c, 0)`, its acceleration c times the second row of
+    A and the feedthrough `c M^-1 b^T`. The loops of controllers are closed.
     Raises ModelError without an input or output, and for a machine with full bodies.
     """
     if isinstance(machine, SparseMachine):
@@ -97,18 +100,18 @@ def state_space(
         check_sequence(f"state_space, {name}", ports, "a list of ports, also of a single one")
         if not ports:
             raise ModelError(f"a state space needs {name}: name at least one port")
-    k = machine.size
+    k, control = machine.size, machine.control
     pushed = np.array([port.row(machine) for port in inputs]).T
-    solved = np.linalg.solve(machine.mass, np.column_stack([machine.stiffness, machine.damping, pushed]))
-    acceleration, by_force = -solved[:, : 2 * k], solved[:, 2 * k :]
+    loads = np.column_stack([-machine.stiffness, -machine.damping, control.forces, pushed])
+    acceleration, by_force = np.split(np.linalg.solve(machine.mass, loads), [2 * k + control.size], axis=1)
     rows, through = [], []
     for output in outputs:
         row, feed = _row(machine, output, acceleration, by_force)
         rows.append(row)
         through.append(feed)
     return StateSpace(
-        a=np.vstack([np.eye(k, 2 * k, k), acceleration]),
-        b=np.vstack([np.zeros_like(by_force), by_force]),
+        a=np.vstack([np.eye(k, 2 * k + control.size, k), acceleration, _rates(control)]),
+        b=np.vstack([np.zeros_like(by_force), by_force, np.zeros((control.size, by_force.shape[1]))]),
         c=np.array(rows),
         d=np.array(through),
         inputs=tuple(port.label for port in inputs),
@@ -116,12 +119,20 @@ def state_space(
     )
 
 
+def _rates(control: LinearControl) -> Array:
+    """Of the controllers' states, by all states."""
+    return np.hstack([control.by_position, control.by_velocity, control.by_state])
+
+
 def _row(machine: LinearMachine, output: Any, acceleration: Array, by_force: Array) -> tuple[Array, Array]:
-    """Rows of C (2k,) and D (ni,)."""
-    none, silent = np.zeros(machine.size), np.zeros(by_force.shape[1])
-    if isinstance(output, Velocity):
-        return np.concatenate([none, output.of.row(machine)]), silent
+    """Rows of C (m,) and D (ni,)."""
+    silent = np.zeros(by_force.shape[1])
     if isinstance(output, Acceleration):
         own = output.of.row(machine)
         return own @ acceleration, own @ by_force
-    return np.concatenate([output.row(machine), none]), silent
+    row, k = np.zeros(acceleration.shape[1]), machine.size
+    if isinstance(output, Velocity):
+        row[k : 2 * k] = output.of.row(machine)
+    else:
+        row[:k] = output.row(machine)
+    return row, silent

@@ -8,7 +8,7 @@ from typing import Any
 from supple.errors import ModelError
 from supple.integrate import Engine, Kinematic, Run
 from supple.intrinsic import intrinsic_engine
-from supple.machine import System
+from supple.machine import SampledController, System
 from supple.machine.forces import JointFriction
 from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
 
@@ -32,18 +32,13 @@ def register_engine(kind: str, factory: EngineFactory) -> None:
 def engine_for(system: System, run: Run) -> Engine[Any]:
     """The machine made ready for the method that its run names, or else the form of its bodies chooses.
 
-    Raises ModelError for a machine with controllers that needs another than the compiled engine.
+    Raises ModelError for controllers, or sampled ones, that the machine's engine does not take.
     """
     if isinstance(run.method, Kinematic):
         return KinematicEngine(system, run)
     kinds = {placed.body.kind for placed in system.bodies}
     factory = next((factory for kind, factory in _ENGINES.items() if kind in kinds), CompiledEngine)
-    if system.controllers and factory is not CompiledEngine:
-        other = next(placed.body for placed in system.bodies if placed.body.kind in _ENGINES)
-        raise ModelError(
-            f"controllers act in machines of rigid and reduced bodies, and body '{other.name}' is "
-            f"{other.kind}: reduce it, or leave out the controllers"
-        )
+    _check_controllers(system, factory)
     frictions = [load for load in system.loads if isinstance(load, JointFriction)]
     if frictions and factory is intrinsic_engine:
         raise ModelError(
@@ -51,6 +46,22 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
             "RevoluteFriction or PrismaticFriction"
         )
     return factory(system, run)
+
+
+def _check_controllers(system: System, factory: Any) -> None:
+    sampled = [own.name for own in system.controllers if isinstance(own, SampledController)]
+    if factory is CompiledEngine or not system.controllers or (factory is FullEngine and not sampled):
+        return
+    other = next(placed.body for placed in system.bodies if placed.body.kind in _ENGINES)
+    if factory is FullEngine:
+        raise ModelError(
+            f"controller '{sampled[0]}' is sampled, and body '{other.name}' is full, whose march makes no "
+            "stop between steps: reduce the body, or write the law as a Controller, in jax.numpy"
+        )
+    raise ModelError(
+        f"controllers act in machines of rigid, reduced and full bodies, and body '{other.name}' is "
+        f"{other.kind}: reduce it, or leave out the controllers"
+    )
 
 
 register_engine("intrinsic", intrinsic_engine)

@@ -13,11 +13,13 @@ from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
 from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed, Spin, System
+from supple.machine.control import Controller, SampledController
 from supple.multibody import CompiledStatics, FullStatics
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.consistent_start import consistent_start, placed_velocity
+from supple.multibody.equations.control_force import first_states, states_by_controller
 from supple.multibody.equations.floating_solution import floating_solution
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.static_search import StaticSearch, StaticState, search_equilibrium
@@ -70,13 +72,14 @@ def equilibrium(
     search : StaticSearch       accuracy and step
     progress : hears of each iteration and its largest relative residual
 
-    Controllers whose outputs follow the motion alone act as in a run.
+    Controllers act as in a run, and their states rest with the machine: `f(0, q, z) = 0`, from which those of
+    the equilibrium's system begin.
 
     Raises
     ------
     ModelError          whatever the start of a run would find wrong with the joints; an intrinsic body; a
-        controller that is sampled, or has states
-    ConvergenceError    no equilibrium was found
+        controller that is sampled
+    ConvergenceError    no equilibrium was found, or a controller's state has none
     Source: Kelley & Keyes (1998) for the search.
     """
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
@@ -112,6 +115,7 @@ def resting_state(
         )
     if not np.isfinite(time):
         raise ModelError(f"the time of an equilibrium must be finite, got {time}")
+    _refuse_sampled(system)
     search = StaticSearch() if search is None else search
     turning = Turning(np.zeros((len(system.bodies), 3)), np.zeros(3))
     if spin is not None:
@@ -126,9 +130,20 @@ def resting_state(
         compiled, configuration, *_ = consistent_start(CompiledMachine(still, build_model(still)), time)
         statics, model, frames = CompiledStatics(compiled, turning if spin else None), compiled.model, ()
         slices = compiled.slices
-    start = StaticState(configuration, np.zeros(len(model.active)), frames)
+    start = StaticState(configuration, np.zeros(len(model.active)), frames, first_states(model))
     state, iterations = search_equilibrium(statics, start, time, search, progress)
     return RestingState(still, model, slices, turning, state, iterations)
+
+
+def _refuse_sampled(system: System) -> None:
+    for controller in system.controllers:
+        if isinstance(controller, SampledController):
+            raise ModelError(
+                f"controller '{controller.name}' is sampled: plain Python that is called between steps has "
+                "neither a rest nor eigenvalues. Write its law as a Controller, in jax.numpy, with what it "
+                "remembers as states; leave it out, replace(system, controllers=()); or let a damped run "
+                "find its rest"
+            )
 
 
 def _one_instant(found: RestingState, time: float) -> Solution:
@@ -165,4 +180,13 @@ def placed_at_rest(found: RestingState) -> System:
             )
         )
         first = after
-    return replace(system, bodies=tuple(bodies))
+    return replace(system, bodies=tuple(bodies), controllers=_resting(system, found))
+
+
+def _resting(system: System, found: RestingState) -> tuple[Controller | SampledController, ...]:
+    """The controllers, beginning with the states at rest."""
+    states = states_by_controller(found.model, found.state.control)
+    return tuple(
+        replace(own, initial=state) if isinstance(own, Controller) else own
+        for own, state in zip(system.controllers, states, strict=True)
+    )

@@ -75,6 +75,26 @@ def test_balls_bounce_with_the_energy_that_their_law_says():
     assert motion["lossy"].velocity[-1, 2] < 0.6 * speed
 
 
+def test_a_ball_that_slides_comes_to_roll():
+    """Friction keeps the angular momentum about the line of contact: `v_1 = v_0 m r^2 / (m r^2 + I)`."""
+    radius, speed, stiffness = 0.3, 1.0, 1e5
+    depth = MASS * G / stiffness
+    floor = m.SphereOnPlane(
+        first="ball.eye",
+        axis=(0, 0, 1),
+        anchor=(0, 0, 0),
+        radius=radius,
+        penalty=m.Penalty(stiffness=stiffness),
+        friction=m.Coulomb(coefficient=0.5, width=1e-2),
+    )
+    ball = m.Placed(lump("ball"), position=[0, 0, radius - depth], velocity=[speed, 0, 0])
+    motion = run(m.System([ball], loads=[floor], gravity=(0, 0, -G)), 0.4, 1e-3).bodies["ball"]
+    lever = radius  # friction acts at the lowest point of the sphere
+    rolling = speed * MASS * lever**2 / (MASS * lever**2 + INERTIA)
+    np.testing.assert_allclose(motion.velocity[-1], [rolling, 0, 0], atol=1e-6)
+    np.testing.assert_allclose(motion.angular_velocity[-1], [0, rolling / lever, 0], atol=1e-5)
+
+
 def test_a_block_creeps_below_the_friction_angle_and_slides_above():
     """The incline is a plane whose normal is tilted; weights press on it as the penalty's spring says."""
     coefficient, width, stiffness = 0.4, 5e-3, 1e6

@@ -12,12 +12,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from supple import machine as m
-from supple.body import FullBody, MeanAxisFrame, RigidBody, RigidInterface, flexible_body
-from supple.errors import ModelError
-from supple.fem import HomogeneousSection, Isotropic, shell_model
+from supple.body import RigidBody
+from supple.errors import ConvergenceError, ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.linearization import linearize, machine_modes
-from supple.mesh import strip
 from supple.multibody import balances
 from supple.simulation import equilibrium, simulate, simulate_batch
 
@@ -354,9 +352,6 @@ def test_what_a_controller_cannot_do_is_refused():
         replace(arm(FOLLOWING), controllers=[FOLLOWING, SAMPLED])
     with pytest.raises(ModelError, match="leave it out, replace"):
         equilibrium(replace(arm(FOLLOWING), controllers=[SAMPLED]))
-    integrator = replace(FOLLOWING, rates=lambda _t, _reads, z: -z, initial=[0.0])
-    with pytest.raises(ModelError, match="leave it out, replace"):
-        equilibrium(arm(integrator))
 
 
 def holding(_time, reads, _states):
@@ -390,18 +385,6 @@ def test_an_arm_that_its_controller_holds_rests_and_vibrates_as_its_equations_sa
     np.testing.assert_allclose(ours, np.sort_complex(expected[expected.imag >= 0]), rtol=1e-6)
 
 
-def test_a_body_in_full_takes_no_controller():
-    mesh = strip(LENGTH, 0.1, 2, 2)
-    model = shell_model(mesh, HomogeneousSection(Isotropic(7e10, 0.3, 2700.0), 0.01))
-    flexible = flexible_body("upper", model, [RigidInterface("root", "root")])
-    full = FullBody(flexible, MeanAxisFrame())
-    clamp = m.Fixed(first="ground", second="upper.root")
-    drives = {"pull": m.ForceBetween(first="ground", second="upper.root", axis=AXIS)}
-    pull = m.Controller(reads={}, drives=drives, outputs=lambda *_: {"pull": 1.0})
-    with pytest.raises(ModelError, match="body 'upper' is full: reduce it, or leave out the controllers"):
-        simulate(m.System([full], [clamp], controllers=[pull]), Run(duration=0.1, output_step=0.1))
-
-
 def test_the_scripts_of_the_page_run():
     page = (Path(__file__).parents[3] / "docs" / "how-to" / "control_and_elements.md").read_text("utf-8")
     names: dict[str, object] = {}
@@ -409,6 +392,35 @@ def test_the_scripts_of_the_page_run():
         exec(compile(script, "control_and_elements.md", "exec"), names)
     assert isinstance(names["controller"], m.Controller)
     assert isinstance(names["sampled"], m.SampledController)
+
+
+@pytest.mark.parametrize(
+    ("outputs", "message"),
+    [
+        (lambda _t, reads, _z: {"motor": reads["hing"].angle}, r"asks for 'hing'; it reads \['hinge'\]"),
+        (
+            lambda _t, reads, _z: {"motor": 1.0 if reads["hinge"].angle > 0 else 2.0},
+            "write jnp.where instead of",
+        ),
+        (lambda _t, reads, _z: {"motor": np.sin(float(reads["hinge"].angle))}, "jax.numpy instead of math"),
+        (lambda *_: {"motor": jnp.ones(2)}, r"output 'motor' must have the shape \(\), got \(2,\)"),
+        (lambda *_: {"motor": 1.0 + 2.0j}, "output 'motor' must be real numbers"),
+        (lambda *_: {"moter": 1.0}, r"must be a dictionary for \['motor'\], got \['moter'\]"),
+    ],
+)
+def test_what_a_traced_law_must_give(outputs, message):
+    system = wheel([m.Controller(reads=HINGE, drives=MOTOR, outputs=outputs)])
+    with pytest.raises(ModelError, match=message):
+        simulate(system, Run(duration=0.1, output_step=0.1, **options(0.1)))
+
+
+def test_a_law_that_gives_no_number_ends_the_run_in_words():
+    def broken(time, _reads, _states):
+        return {"motor": jnp.where(time > 0.05, jnp.nan, 1.0)}
+
+    system = wheel([m.Controller(reads=HINGE, drives=MOTOR, outputs=broken)])
+    with pytest.raises(ConvergenceError, match=r"at t = 0.05 .* A controller, a law or a load of one's own"):
+        simulate(system, Run(duration=0.1, output_step=0.1, **options(0.01)))
 
 
 @pytest.mark.parametrize(

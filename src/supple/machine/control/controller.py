@@ -50,7 +50,10 @@ class Controller:
     def __post_init__(self) -> None:
         check_fields(self)
         _check_ends(self)
-        states = np.array(self.initial, dtype=float)
+        try:
+            states = np.array(self.initial, dtype=float)
+        except (TypeError, ValueError):
+            states = np.full(1, np.nan)
         if states.ndim != 1 or not np.isfinite(states).all():
             raise ModelError(f"controller '{self.name}': its initial states must be (k,) finite numbers")
         if (self.rates is None) != (states.size == 0):

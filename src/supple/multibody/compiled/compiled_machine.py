@@ -11,7 +11,6 @@ import numpy as np
 
 from supple.algebra.kept_programs import KeptProgram
 from supple.machine import System
-from supple.multibody.compiled.control_start import first_control
 from supple.multibody.equations.balance import balance
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.compiler_options import STARTING
@@ -23,6 +22,7 @@ from supple.multibody.equations.configuration import (
     advance,
 )
 from supple.multibody.equations.consistent_start import consistent_start
+from supple.multibody.equations.control_start import first_control
 from supple.multibody.equations.inertia import mass_matrix
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.settled_reactions import settled_reactions

@@ -13,12 +13,12 @@ from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.compiled.contraction import Contraction, untold
-from supple.multibody.compiled.control_start import kept_control, resumed_control
 from supple.multibody.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
 from supple.multibody.compiled.sampling import sampling_of
 from supple.multibody.compiled.time_step import Controls, State
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import SystemMotion
+from supple.multibody.equations.control_start import kept_control, resumed_control
 from supple.multibody.equations.floating_solution import (
     failure_message,
     floating_solution,
@@ -194,6 +194,6 @@ def as_solution(system: System, model: Model, states: State, statistics: Statist
             "auxiliary": states.auxiliary[-1],
             "step": states.step[-1],
             "contraction": np.array([own[-1] for own in states.contraction]),
-            **kept_control(states.control),
+            **kept_control(jax.tree.map(lambda leaf: leaf[-1], states.control)),
         },
     )

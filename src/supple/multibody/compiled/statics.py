@@ -14,6 +14,7 @@ from supple.multibody.compiled.time_step import position_scale
 from supple.multibody.equations.balance import Balance, balance
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import Configuration, SystemMotion
+from supple.multibody.equations.control_linearization import LinearControl, control_at_rest, unrest
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.static_search import (
@@ -43,39 +44,43 @@ class CompiledStatics:
 
     def unbalance(self, state: StaticState, time: float) -> Unbalance:
         """The residuals at rest."""
-        model = self.machine.model
-        terms = balanced(model, self._motion(state, time))
+        model, motion = self.machine.model, self._motion(state, time)
+        terms, control = balanced(model, motion), control_at_rest(model, motion)
         columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
         works = self.position_scale[:, None] * np.stack(columns, axis=1)
         norms = np.sqrt(kinds_of_rows(model) @ works**2)
         scale = norms[:, 1:].max(axis=1)
-        scale = np.maximum(scale, ROUND_OFF * scale.max())
+        scale = np.maximum(scale, ROUND_OFF * max(scale.max(), self._work_of_turning))
         relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
         gap = float(np.max(abs(np.asarray(terms.constraint_residual)), initial=0.0)) / float(model.length)
-        return Unbalance(relative, gap, terms)
+        left = unrest(self.machine.system, control, self.position_scale, motion.velocity, state.control)
+        return Unbalance(relative, gap, (terms, control), left)
 
     def correction(self, state: StaticState, time: float, unbalance: Unbalance, k: float) -> StaticCorrection:
         """One implicit step of length k."""
-        model, terms = self.machine.model, unbalance.terms
-        motion = self._motion(state, time)
+        model, (terms, control) = self.machine.model, unbalance.terms
+        motion, linear = self._motion(state, time), control.linear
         if self.turning is None:
             matrix = step_matrix(model, motion, terms, k, 0.0)
         else:
             steady = linear_equations(model, self.turning, motion, terms)
             axes = in_turning_axes(model, state.configuration)
             matrix = axes @ (steady.mass + k * steady.stiffness) @ axes.T
+            linear = steady.control.along(axes.T)
         rows = np.asarray(constraint_rows(model, terms.linearization.joints))
         n, m = len(matrix), len(rows)
         # Rows of one size: multipliers in parts of what the matrix holds.
         size = float(np.max(abs(np.diag(matrix))))
+        gap = (size / k * np.asarray(terms.constraint_residual))[:, None]
         bordered = np.block(
             [
                 [matrix, size * rows.T, np.asarray(terms.residual)[:, None]],
-                [size * rows, np.zeros((m, m)), (size / k * np.asarray(terms.constraint_residual))[:, None]],
+                [size * rows, np.zeros((m, m)), gap],
             ]
         )
+        bordered, states = _with_states(bordered, linear, control.rates, k, size)
         change = -np.asarray(_solved(bordered))
-        return StaticCorrection(k * change[:n], size * change[n:])
+        return StaticCorrection(k * change[:n], size * change[n : n + m], control=states * change[n + m :])
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment (n,)."""
@@ -86,10 +91,43 @@ class CompiledStatics:
         """What counts as a large change of each freedom, (n,)."""
         return np.asarray(position_scale(self.machine.model))
 
+    @property
+    def _work_of_turning(self) -> float:
+        """Of the inertia forces of a machine that turns, as if all its mass went round."""
+        if self.turning is None:
+            return 0.0
+        rate = np.max(np.linalg.norm(self.turning.angular_velocities, axis=1))
+        return float(self.machine.model.mass * (rate * self.machine.model.length) ** 2)
+
     def _motion(self, state: StaticState, time: float) -> SystemMotion:
         still = Turning(np.zeros((len(self.machine.model.sizes), 3)), np.zeros(3))
-        motion = self.turning or still, time, state.configuration, state.multipliers
+        motion = self.turning or still, time, state.configuration, state.multipliers, state.control
         return steady_motion(self.machine.model, *motion)
+
+
+def _with_states(
+    bordered: np.ndarray, control: LinearControl, rates: np.ndarray, k: float, size: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """An augmented matrix with the states of controllers behind its unknowns, and the scale of each.
+
+    Rows and columns are made as large as those of the matrix.
+    """
+    if not control.size:
+        return bordered, np.zeros(0)
+    n, known = len(control.forces), len(bordered)
+    own = np.eye(control.size) / np.sqrt(k) - control.by_state
+    by_motion = -k * control.by_position - np.sqrt(k) * control.by_velocity
+    pushing, keeping = np.max(abs(control.forces), axis=0), np.max(abs(own), axis=0)
+    scale = size / np.where(pushing > 0, pushing, np.where(keeping > 0, keeping, 1.0))
+    largest = np.max(abs(np.hstack([by_motion, own * scale])), axis=1)
+    rows = (size / np.where(largest > 0, largest, 1.0))[:, None]
+    whole = np.zeros((known + control.size, known + control.size + 1))
+    whole[:known, :known], whole[:known, -1] = bordered[:, :-1], bordered[:, -1]
+    whole[:n, known:-1] = -control.forces * scale
+    whole[known:, :n] = rows * by_motion
+    whole[known:, known:-1] = rows * own * scale
+    whole[known:, -1] = -rows[:, 0] * rates
+    return whole, scale
 
 
 def _balanced(model: Model, motion: SystemMotion) -> Balance:

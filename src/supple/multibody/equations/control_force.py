@@ -34,7 +34,23 @@ from supple.multibody.equations.marker import (
 from supple.multibody.equations.model import ControlLaw, Ends, Model
 from supple.multibody.equations.places import Block, Places
 
-__all__ = ["force", "readings_at", "resting_control", "stepped", "tangent"]
+__all__ = [
+    "all_markers",
+    "by_body",
+    "driven_ends",
+    "first_states",
+    "force",
+    "local_forces",
+    "moved_with",
+    "rates_of",
+    "readings_at",
+    "readings_of",
+    "resting_control",
+    "seen_ends",
+    "states_by_controller",
+    "stepped",
+    "tangent",
+]
 
 _ITERATIONS = 3
 """Of Newton, for the states of one step: one is exact where the rates are linear in the states."""
@@ -43,24 +59,24 @@ _ITERATIONS = 3
 def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Array]]:
     """Generalised forces on the bodies that controllers drive."""
     for number, law in enumerate(model.controllers):
-        still = jnp.zeros((len(_ends(law)), N_LOCAL))
-        local = _local_forces(law, number, motion)(still, still)
-        for rows in _by_body(_driven(law)).values():
-            places, carried = _carried(_driven(law), rows)
+        still = jnp.zeros((len(seen_ends(law)), N_LOCAL))
+        local = local_forces(law, number, motion)(still, still)
+        for rows in by_body(driven_ends(law)).values():
+            places, carried = moved_with(driven_ends(law), rows)
             yield places, (carried.T @ local[np.array(rows)].reshape(-1))[None]
 
 
 def tangent(model: Model, motion: SystemMotion, turns: jax.Array, factors: StepFactors) -> Iterator[Block]:
     """Change of these forces with the new accelerations."""
     for number, law in enumerate(model.controllers):
-        ends, driven = _ends(law), _driven(law)
+        ends, driven = seen_ends(law), driven_ends(law)
         still = jnp.zeros((len(ends), N_LOCAL))
-        by_place, by_rate = jax.jacfwd(_local_forces(law, number, motion), argnums=(0, 1))(still, still)
-        for rows in _by_body(driven).values():
-            row_places, on_bodies = _carried(driven, rows)
-            for body, columns in _by_body(ends).items():
-                column_places, by_velocities = _carried(ends, columns)
-                _, by_increments = _carried(ends, columns, turns[body])
+        by_place, by_rate = jax.jacfwd(local_forces(law, number, motion), argnums=(0, 1))(still, still)
+        for rows in by_body(driven).values():
+            row_places, on_bodies = moved_with(driven, rows)
+            for body, columns in by_body(ends).items():
+                column_places, by_velocities = moved_with(ends, columns)
+                _, by_increments = moved_with(ends, columns, turns[body])
                 of_places, of_rates = (
                     part[np.array(rows)][:, :, np.array(columns)].reshape(len(on_bodies), -1)
                     for part in (by_place, by_rate)
@@ -77,11 +93,11 @@ def stepped(model: Model, motion: SystemMotion) -> ControlState | None:
     step = _step(motion)
     states, rates = [], []
     for number, law in enumerate(model.controllers):
-        now = _readings(law, step.start.states[number], _poses(law, motion))
+        now = readings_of(law, step.start.states[number], _poses(law, motion))
         own = _new_states(law, number, motion, now)
         angles = [now[each.name].angle for each in law.readers if each.of_joint]
         states.append(jnp.concatenate([own, jnp.stack(angles)]) if angles else own)
-        rates.append(_rates(law, motion.time, now, own))
+        rates.append(rates_of(law, motion.time, now, own))
     return step.start._replace(states=tuple(states), rates=tuple(rates))
 
 
@@ -89,30 +105,32 @@ def readings_at(model: Model, motion: SystemMotion) -> tuple[dict[str, Any], ...
     """What each controller reads."""
     step = _step(motion)
     return tuple(
-        _readings(law, step.start.states[number], _poses(law, motion))
+        readings_of(law, step.start.states[number], _poses(law, motion))
         for number, law in enumerate(model.controllers)
     )
 
 
-def resting_control(model: Model) -> ControlStep | None:
-    """Of controllers whose outputs are functions of the motion alone; None without any.
+def first_states(model: Model) -> np.ndarray:
+    """States of all traced controllers as they begin, one controller after the other."""
+    return np.concatenate([np.zeros(0), *(np.asarray(law.initial) for law in model.controllers)])
 
-    Raises ModelError for one with states, or one that is sampled: at rest nothing says what they are.
-    """
+
+def resting_control(model: Model, states: Any) -> ControlStep | None:
+    """Of traced controllers whose states do not change; None without any controllers."""
     if not model.controllers:
         return None
-    states = []
-    for law in model.controllers:
-        if law.outputs is None or np.size(law.initial):
-            raise ModelError(
-                "an equilibrium and its modes take controllers whose outputs follow the motion alone, none "
-                "that is sampled or has states: leave it out, replace(system, "
-                "controllers=()), or let a damped run find its rest"
-            )
-        states.append(np.zeros(sum(reader.of_joint for reader in law.readers)))
-    none = tuple(np.zeros(0) for _ in states)
-    empty: tuple[dict[str, Any], ...] = tuple({} for _ in states)
-    return ControlStep(ControlState(tuple(states), none, empty, empty), np.zeros(()))
+    every = []
+    for law, own in zip(model.controllers, states_by_controller(model, states), strict=True):
+        every.append(np.concatenate([own, np.zeros(sum(reader.of_joint for reader in law.readers))]))
+    none = tuple(np.zeros(np.shape(law.initial)) for law in model.controllers)
+    empty: tuple[dict[str, Any], ...] = tuple({} for _ in every)
+    return ControlStep(ControlState(tuple(every), none, empty, empty), np.zeros(()))
+
+
+def states_by_controller(model: Model, states: Any) -> list[Any]:
+    """The states of each controller among those of all."""
+    sizes = [np.size(law.initial) for law in model.controllers]
+    return np.split(np.asarray(states), np.cumsum(sizes)[:-1]) if sizes else []
 
 
 def _step(motion: SystemMotion) -> ControlStep:
@@ -124,17 +142,18 @@ def _step(motion: SystemMotion) -> ControlStep:
     return motion.control
 
 
-def _ends(law: ControlLaw) -> list[Ends]:
+def seen_ends(law: ControlLaw) -> list[Ends]:
     """All that a controller sees and drives: readers first."""
     read = [end for each in law.readers for end in (each.first, each.second)]
-    return read + _driven(law)
+    return read + driven_ends(law)
 
 
-def _driven(law: ControlLaw) -> list[Ends]:
+def driven_ends(law: ControlLaw) -> list[Ends]:
+    """Both ends of every element that a controller drives."""
     return [end for each in law.actuators for end in (each.force.first, each.force.second)]
 
 
-def _by_body(ends: list[Ends]) -> dict[int, list[int]]:
+def by_body(ends: list[Ends]) -> dict[int, list[int]]:
     """Numbers of the ends on each body; the ground left out."""
     found: dict[int, list[int]] = {}
     for number, end in enumerate(ends):
@@ -143,7 +162,7 @@ def _by_body(ends: list[Ends]) -> dict[int, list[int]]:
     return found
 
 
-def _carried(ends: list[Ends], numbers: list[int], turn: Any = None) -> tuple[Places, jax.Array]:
+def moved_with(ends: list[Ends], numbers: list[int], turn: Any = None) -> tuple[Places, jax.Array]:
     """Where a body's velocities stand, and the local freedoms (k 12, 6 + r) of its ends that they give.
 
     With `turn` (3, 3), for increments of the frame's rotation vector instead of its turn.
@@ -155,22 +174,22 @@ def _carried(ends: list[Ends], numbers: list[int], turn: Any = None) -> tuple[Pl
     return places, jnp.concatenate(parts)
 
 
-def _still(law: ControlLaw, motion: SystemMotion) -> Marker:
+def all_markers(law: ControlLaw, motion: SystemMotion) -> Marker:
     """All ends as they are, stacked."""
-    every = [markers(end, motion.configuration, motion.velocity) for end in _ends(law)]
+    every = [markers(end, motion.configuration, motion.velocity) for end in seen_ends(law)]
     return jax.tree.map(lambda *leaves: jnp.concatenate([jnp.asarray(leaf) for leaf in leaves]), *every)
 
 
 def _poses(law: ControlLaw, motion: SystemMotion) -> Pose:
     """Of all ends, stacked."""
-    return jax.vmap(pose)(_still(law, motion))
+    return jax.vmap(pose)(all_markers(law, motion))
 
 
 def _one(stacked: Any, number: int) -> Any:
     return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], stacked)
 
 
-def _readings(law: ControlLaw, states: Any, seen: Pose) -> dict[str, Any]:
+def readings_of(law: ControlLaw, states: Any, seen: Pose) -> dict[str, Any]:
     """By name; angles near those of the states, which count the turns."""
     found: dict[str, Any] = {}
     counted = len(law.initial)
@@ -185,15 +204,40 @@ def _readings(law: ControlLaw, states: Any, seen: Pose) -> dict[str, Any]:
     return found
 
 
-def _rates(law: ControlLaw, time: Any, readings: Mapping[str, Any], states: jax.Array) -> jax.Array:
+def rates_of(law: ControlLaw, time: Any, readings: Mapping[str, Any], states: jax.Array) -> jax.Array:
+    """`f(t, y, z)`, (k,)."""
     if law.rates is None:
         return jnp.zeros(0)
-    rates = jnp.asarray(law.rates(time, readings, states), dtype=float)
+    rates = _real(_called(law.rates, time, readings, states), "the rates of a controller's states")
     if rates.shape != states.shape:
         raise ModelError(
             f"the rates of a controller's states have shape {rates.shape}, its states {states.shape}"
         )
     return rates
+
+
+def _called(function: Any, *arguments: Any) -> Any:
+    """What a function of the user's gives; ModelError where it cannot be traced, or asks for too much."""
+    name = getattr(function, "__qualname__", repr(function))
+    try:
+        return function(*arguments)
+    except (jax.errors.ConcretizationTypeError, jax.errors.TracerArrayConversionError) as error:
+        raise ModelError(
+            f"the controller's function {name} asks for the numbers of what is traced: write jnp.where "
+            "instead of if, and jax.numpy instead of math and numpy; or make it a SampledController, in "
+            "plain Python"
+        ) from error
+    except KeyError as error:
+        raise ModelError(
+            f"the controller's function {name} asks for {error}; it reads {sorted(arguments[1])}"
+        ) from error
+
+
+def _real(value: Any, what: str) -> jax.Array:
+    try:
+        return jnp.asarray(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ModelError(f"{what} must be real numbers, got {value}") from error
 
 
 def _new_states(law: ControlLaw, number: int, motion: SystemMotion, readings: Mapping[str, Any]) -> jax.Array:
@@ -205,7 +249,7 @@ def _new_states(law: ControlLaw, number: int, motion: SystemMotion, readings: Ma
     half = step.size / 2
 
     def left(states: jax.Array) -> jax.Array:
-        return states - old - half * (rates + _rates(law, motion.time, readings, states))
+        return states - old - half * (rates + rates_of(law, motion.time, readings, states))
 
     states = old + step.size * rates
     # Unrolled, so that derivatives pass: that of the last iteration is the exact one of the solution.
@@ -218,7 +262,8 @@ def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mappi
     """By name of the actuator."""
     if law.outputs is None:
         return _step(motion).start.held[number]
-    found = law.outputs(motion.time, readings, _new_states(law, number, motion, readings))
+    states = _new_states(law, number, motion, readings)
+    found = _called(law.outputs, motion.time, readings, states)
     names = {each.name for each in law.actuators}
     if not isinstance(found, Mapping) or set(found) != names:
         given = sorted(found) if isinstance(found, Mapping) else type(found).__name__
@@ -226,20 +271,25 @@ def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mappi
     return found
 
 
-def _local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
+def local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
     """Forces (a, 12) on the driven ends as a function of displacements and rates (e, 12) of all ends."""
-    still = _still(law, motion)
+    still = all_markers(law, motion)
     n_read = 2 * len(law.readers)
 
     def of(variations: jax.Array, rates: jax.Array) -> jax.Array:
         moved = jax.vmap(with_rates)(jax.vmap(displaced)(still, variations), rates)
         poses = jax.vmap(pose)(moved)
-        readings = _readings(law, _step(motion).start.states[number], poses)
+        readings = readings_of(law, _step(motion).start.states[number], poses)
         outputs = _outputs(law, number, motion, readings)
         loads: list[Wrench] = []
         for place, each in enumerate(law.actuators):
             own, parameters = _one((each.force.law, each.force.parameters), 0)
-            added = jnp.reshape(jnp.asarray(outputs[each.name], dtype=float), each.shape)
+            added = _real(outputs[each.name], f"a controller's output '{each.name}'")
+            if added.size != np.prod(each.shape):
+                raise ModelError(
+                    f"a controller's output '{each.name}' must have the shape {each.shape}, got {added.shape}"
+                )
+            added = jnp.reshape(added, each.shape)
             ends = _one(poses, n_read + 2 * place), _one(poses, n_read + 2 * place + 1)
             loads += each.force.wrenches(*ends, own(motion.time) + added, parameters)
         every = jax.tree.map(lambda *leaves: jnp.stack(leaves), *loads)

@@ -135,6 +135,12 @@ def failure_message(time: float, relative_residual: np.ndarray, *, undamped: boo
     """
     kinds = ("forces", "moments", "deformation", "constraints")
     worst = int(np.argmax(np.where(np.isfinite(relative_residual), relative_residual, np.inf)))
+    if not np.isfinite(relative_residual).all():
+        return (
+            f"no convergence at t = {time:.6g} with the smallest step allowed: the {kinds[worst]} are no "
+            "numbers. A controller, a law or a load of one's own that gives nan or infinity is the usual "
+            "cause; what was computed until then is kept"
+        )
     likely = (
         "The likely cause is the method: with rho_inf = 1, as with the trapezoidal rule, nothing damps the "
         "oscillations of joint forces, which grow; take GeneralizedAlpha(0.8), rho_inf = 0.8 in a case "

@@ -29,6 +29,7 @@ from supple.multibody.equations.balance import Balance, Linearization, tangent
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion
 from supple.multibody.equations.control_force import resting_control
+from supple.multibody.equations.control_linearization import LinearControl, control_at_rest
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
 
@@ -43,6 +44,10 @@ __all__ = [
 ]
 
 
+_LARGE = 2.0**300
+"""A power of two: by it nothing is rounded."""
+
+
 class Turning(NamedTuple):
     """How every body turns."""
 
@@ -53,7 +58,7 @@ class Turning(NamedTuple):
 
 
 class LinearEquations(NamedTuple):
-    """`M p'' + C p' + K p + G^T l = B u`, `G p = 0`, in axes that turn with the bodies."""
+    """`M p'' + C p' + K p + G^T l = H z`, `G p = 0`, in axes that turn with the bodies."""
 
     mass: AnyArray
     """(n, n)"""
@@ -63,16 +68,26 @@ class LinearEquations(NamedTuple):
     """(n, n), with the centrifugal terms and those of the forces that are carried"""
     jacobian: AnyArray
     """(m, n)"""
+    control: LinearControl
+    """States z of controllers: `z' = E_p p + E_v p' + E_z z`"""
 
 
 def steady_motion(
-    model: Model, turning: Turning, time: float, configuration: Configuration, multipliers: AnyArray
+    model: Model,
+    turning: Turning,
+    time: float,
+    configuration: Configuration,
+    multipliers: AnyArray,
+    states: AnyArray,
 ) -> SystemMotion:
-    """The motion of bodies that turn without any other change of what they see."""
+    """The motion of bodies that turn without any other change of what they see.
+
+    states : of all controllers, one after the other
+    """
     velocity, acceleration = turning_velocities(
         turning, configuration, model.frames.starts, model.n_velocities
     )
-    control = resting_control(model)
+    control = resting_control(model, states)
     return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers, control)
 
 
@@ -96,16 +111,19 @@ def turning_velocities(
 def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms: Balance) -> LinearEquations:
     """The equations of motion, linearised about a steady motion, at which `terms` were evaluated."""
     mass = step_matrix(model, motion, terms, 0.0, 0.0)
-    damping = step_matrix(model, motion, terms, 0.0, 1.0) - mass
-    stiffness = step_matrix(model, motion, terms, 1.0, 0.0) - mass
+    # So large a factor that nothing is lost beside the mass, whatever the unit of time.
+    damping = (step_matrix(model, motion, terms, 0.0, _LARGE) - mass) / _LARGE
+    stiffness = (step_matrix(model, motion, terms, _LARGE, 0.0) - mass) / _LARGE
     axes = in_turning_axes(model, motion.configuration)
     mass, damping, stiffness = (axes.T @ each @ axes for each in (mass, damping, stiffness))
     frames, translations = _spins(model, turning, motion.configuration)
+    control = control_at_rest(model, motion).linear.along(axes)
     return LinearEquations(
         mass=mass,
         damping=damping + mass @ (frames + translations),
         stiffness=stiffness + damping @ frames + mass @ translations @ frames,
         jacobian=np.asarray(constraint_rows(model, terms.linearization.joints)) @ axes,
+        control=control._replace(by_position=control.by_position + control.by_velocity @ frames),
     )
 
 

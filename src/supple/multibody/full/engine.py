@@ -15,6 +15,7 @@ from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.consistent_start import consistent_start
+from supple.multibody.equations.control_start import kept_control, resumed_control
 from supple.multibody.equations.floating_solution import (
     failure_message,
     floating_solution,
@@ -22,7 +23,8 @@ from supple.multibody.equations.floating_solution import (
 )
 from supple.multibody.equations.step_size import next_step
 from supple.multibody.equations.stops import Stops, stepping_instants
-from supple.multibody.full.full_system import FullState, FullSystem
+from supple.multibody.full.full_state import FullState
+from supple.multibody.full.full_system import FullSystem
 from supple.multibody.full.implicit_step import ImplicitStep
 from supple.multibody.full.kept_tangent import KeptTangent, numbers_of, tangent_of
 from supple.multibody.full.newton import NewtonIteration, modified_newton
@@ -69,7 +71,8 @@ class FullEngine:
         self._machine, configuration, velocity, change = consistent_start(self._every, time)
         report_start(change, self._run.validity)
         self._machine.check_frames(configuration)
-        state = self._machine.accelerated(self._machine.state_at(time, configuration, velocity))
+        begun = self._machine.ended(self._machine.state_at(time, configuration, velocity))
+        state = self._machine.accelerated(begun)
         return March(state, self._run.step_control.first)
 
     def resumed(self, last: Solution) -> March:
@@ -87,11 +90,13 @@ class FullEngine:
             self._machine, *_ = consistent_start(machine, self._run.start)
             machine = self._machine
         fresh = machine.state_at(instant.time, instant.configuration, instant.velocity)
+        control = resumed_control(machine.system, known)
         state = fresh._replace(
             acceleration=instant.acceleration,
             auxiliary=known.get("auxiliary", instant.acceleration),
             multipliers=instant.multipliers[list(machine.model.active)],
             frame_multipliers=tuple(known.get("frame_multipliers", fresh.frame_multipliers)),
+            control=fresh.control and fresh.control._replace(start=control),
         )
         return March(
             state,
@@ -155,6 +160,7 @@ class FullEngine:
             if converged and error <= control.tolerance:
                 if h >= remaining * (1 - 1e-9):
                     new = new._replace(time=end)
+                new = self._machine.ended(new)
                 march = march._replace(
                     earlier=Earlier(unknowns_of(march.state), h),
                     state=new,
@@ -191,7 +197,7 @@ class FullEngine:
                 for name in Configuration._fields
             )
         )
-        active = machine.model.active
+        active, control = machine.model.active, states[-1].control
         motion = SystemMotion(
             np.array([state.time for state in states]),
             configuration,
@@ -212,5 +218,6 @@ class FullEngine:
                 "frame_multipliers": np.array(states[-1].frame_multipliers),
                 "earlier": earlier_numbers(machine, last.earlier),
                 "kept_tangent": numbers_of(machine, last.kept),
+                **kept_control(control.start if control else None),
             },
         )

@@ -19,7 +19,6 @@ from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -33,7 +32,8 @@ from supple.machine import NodalLoad, System
 from supple.multibody.equations.balance import Balance, Linearization, balance, tangent
 from supple.multibody.equations.build_model import build_model, is_on_full_nodes
 from supple.multibody.equations.compiler_options import STARTING
-from supple.multibody.equations.configuration import Configuration, SystemMotion
+from supple.multibody.equations.configuration import Configuration, ControlStep, SystemMotion
+from supple.multibody.equations.control_start import control_after, fresh_control
 from supple.multibody.equations.inertia import mass_matrix
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
@@ -48,21 +48,10 @@ from supple.multibody.full.full_interior import (
     prepare_interior,
     tangent_point,
 )
+from supple.multibody.full.full_state import Evaluation, FullState, Targets
 from supple.multibody.full.full_tangent import Factored, FullTangent, TangentPoint
 
-__all__ = ["Evaluation", "FullState", "FullSystem"]
-
-
-class FullState(NamedTuple):
-    """State of the system; velocities and accelerations per body are `(frame (6,), coordinates)`, joined."""
-
-    time: float
-    configuration: Configuration
-    velocity: np.ndarray
-    acceleration: np.ndarray
-    auxiliary: np.ndarray
-    multipliers: np.ndarray
-    frame_multipliers: tuple[np.ndarray, ...]
+__all__ = ["FullSystem"]
 
 
 _border_terms = jax.jit(balance)
@@ -81,30 +70,6 @@ def _border_matrices(
         constraint_rows(model, linearization.joints),
         constraint_rows(model, linearization.joints, increments),
     )
-
-
-Targets = tuple[np.ndarray, tuple[np.ndarray, ...]]
-"""Of the constraint rows, and of the frame conditions of each full body"""
-
-
-class Evaluation(NamedTuple):
-    """Residuals at one iterate."""
-
-    border_motion: SystemMotion
-    border: Balance
-    constraint_residual: np.ndarray
-    interior_states: tuple[InteriorState, ...]
-    interior_residuals: tuple[np.ndarray, ...]
-    """(6 + n,) of each full body, its interface forces included in the last n."""
-    frame_residuals: tuple[np.ndarray, ...]
-    relative_residual: np.ndarray
-    largest_terms: np.ndarray
-    """Of forces, moments and deformation, (3,): what the first residuals are compared with"""
-
-    def closing(self, by_position: float) -> Targets:
-        """What constraint rows and frame conditions must become, in accelerations, to close what is open."""
-        frames = tuple(-residual / by_position for residual in self.frame_residuals)
-        return -self.constraint_residual / by_position, frames
 
 
 class FullSystem:
@@ -171,16 +136,27 @@ class FullSystem:
             + np.concatenate([increment[part.start + 6 : part.stop] for part in self.slices]),
         )
 
-    def evaluate(self, state: FullState, by_position: float) -> Evaluation:
-        """All residuals at a state; `by_position`, of the step, scales those of the constraints."""
-        configuration = self.border_configuration(state.configuration)
-        motion = SystemMotion(
+    def border_motion(self, state: FullState) -> SystemMotion:
+        """The motion of the compiled part."""
+        return SystemMotion(
             np.float64(state.time),
-            configuration,
+            self.border_configuration(state.configuration),
             self.to_border(state.velocity),
             self.to_border(state.acceleration),
             np.asarray(state.multipliers),
+            state.control,
         )
+
+    def ended(self, state: FullState) -> FullState:
+        """The state at the end of a step, its controllers at the start of the next one."""
+        if state.control is None:
+            return state
+        control = control_after(self.model, self.border_motion(state))
+        return state._replace(control=ControlStep(control, np.zeros(())))
+
+    def evaluate(self, state: FullState, by_position: float) -> Evaluation:
+        """All residuals at a state; `by_position`, of the step, scales those of the constraints."""
+        motion = self.border_motion(state)
         terms = jax.tree.map(np.asarray, _border_terms(self.model, motion))
         states, residuals, gaps = [], [], []
         # Squared norms by term (inertia, internal, applied, joint) and kind (force, moment, deformation).
@@ -236,6 +212,25 @@ class FullSystem:
             scale = length if index in self.interior_of else length * np.sqrt(placed.body.mass)
             parts += [np.full(3, length), np.ones(3), np.full(r, scale)]
         return np.concatenate(parts)
+
+    @cached_property
+    def border_scale(self) -> np.ndarray:
+        """As `position_scale`, of the border: translations and rotations of interfaces."""
+        of_frame = [self.model.length] * 3 + [1.0] * 3
+        parts = [self.position_scale[part] for part in self.slices]
+        for index in self.interior_of:
+            part = self.model.slices[index]
+            parts[index] = np.tile(of_frame, (part.stop - part.start) // 6)
+        return np.concatenate(parts)
+
+    def under(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
+        """As if other forces (n of the border) than those evaluated were unbalanced."""
+        border = _zero_residual(evaluation.border)._replace(applied=-forces)
+        interiors = []
+        for interior in self.interiors:
+            own = -forces[self.model.slices[interior.index]]
+            interiors.append(np.concatenate([own[:6], interior.interface_rows.T @ own[6:]]))
+        return evaluation._replace(border=border, interior_residuals=tuple(interiors))
 
     def _interior_state(self, interior: FullInterior, state: FullState) -> InteriorState:
         part = self.slices[interior.index]
@@ -401,8 +396,9 @@ class FullSystem:
                 )
 
     def state_at(self, time: float, configuration: Configuration, velocity: np.ndarray) -> FullState:
-        """A state without accelerations and multipliers."""
+        """A state without accelerations and multipliers, its controllers as they begin."""
         none = np.zeros(self.n)
+        control = fresh_control(self.system)
         return FullState(
             float(time),
             configuration,
@@ -411,6 +407,7 @@ class FullSystem:
             none,
             np.zeros(len(self.model.active)),
             tuple(np.zeros(6) for _ in self.interiors),
+            None if control is None else ControlStep(control, np.zeros(())),
         )
 
     def accelerated(self, state: FullState) -> FullState:

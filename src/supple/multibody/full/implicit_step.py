@@ -8,7 +8,8 @@ import numpy as np
 
 from supple.integrate import StepRule, Tolerances
 from supple.multibody.equations.step_size import position_rounding
-from supple.multibody.full.full_system import Evaluation, FullState, FullSystem
+from supple.multibody.full.full_state import Evaluation, FullState
+from supple.multibody.full.full_system import FullSystem
 from supple.multibody.full.full_tangent import FullTangent
 from supple.multibody.full.kept_tangent import KeptTangent, kept_tangent
 from supple.multibody.full.predictor import Unknowns
@@ -74,6 +75,7 @@ class ImplicitStep(NamedTuple):
             auxiliary,
             unknowns.multipliers,
             unknowns.frame_multipliers,
+            start.control and start.control._replace(size=np.asarray(self.h)),
         )
         evaluation = machine.evaluate(state, rule.factors.by_position)
         relative = evaluation.relative_residual

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.sparse import block_diag, csr_array, eye_array, hstack, vstack
 
 from supple.algebra.cross import cross_matrix
+from supple.multibody.equations.control_linearization import LinearControl
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.static_search import StaticState
 from supple.multibody.equations.steady_motion import Turning, linear_equations
@@ -24,7 +25,7 @@ __all__ = ["SparseEquations", "carried_state", "full_linear_equations"]
 
 
 class SparseEquations(NamedTuple):
-    """`M p'' + (C + W W^T) p' + K p + A^T l = 0`, `A p = 0`, in axes that turn with the bodies."""
+    """`M p'' + (C + W W^T) p' + K p + A^T l = H z`, `A p = 0`, in axes that turn with the bodies."""
 
     mass: Any
     """Sparse (n, n), regular on the motions that the constraints leave free"""
@@ -38,6 +39,8 @@ class SparseEquations(NamedTuple):
     """Sparse (m, n): of the joints, and of the frames of full bodies"""
     interior: np.ndarray
     """Numbers of the freedoms of full bodies against their frames"""
+    control: LinearControl
+    """States z of controllers"""
 
     def damped(self, motions: np.ndarray) -> np.ndarray:
         """`(C + W W^T) p` of motions (n, k)."""
@@ -48,7 +51,7 @@ def full_linear_equations(
     machine: FullSystem, turning: Turning, time: float, state: StaticState
 ) -> SparseEquations:
     """The equations of motion, linearised about a state in which every body turns steadily."""
-    terms = FullStatics(machine, turning).unbalance(state, time).terms
+    terms, _ = FullStatics(machine, turning).unbalance(state, time).terms
     border = linear_equations(machine.model, turning, terms.border_motion, terms.border)
     seen = _to_border(machine)
     states = dict(zip((each.index for each in machine.interiors), terms.interior_states, strict=True))
@@ -66,6 +69,7 @@ def full_linear_equations(
         stiffness=stiffness,
         constraint=csr_array(vstack([csr_array(border.jacobian) @ seen, _frame_conditions(machine)])),
         interior=np.concatenate([np.arange(*_coordinates(machine, each)) for each in machine.interiors]),
+        control=border.control.along(seen),
     )
 
 
@@ -77,7 +81,8 @@ def carried_state(
         multipliers=np.zeros(len(machine.model.active)),
         frame_multipliers=tuple(np.zeros(6) for _ in machine.interiors),
     )
-    terms = FullStatics(machine, turning).unbalance(none, time).terms
+    found = FullStatics(machine, turning).unbalance(none, time)
+    terms, _ = found.terms
     parts = [terms.border.residual[part] for part in machine.model.slices]
     for interior, own in zip(machine.interiors, terms.interior_residuals, strict=True):
         parts[interior.index] = own
@@ -93,6 +98,7 @@ def carried_state(
     left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / size
     of_joints, of_frames = np.split(multipliers, [joints.shape[0]])
     frames = tuple(of_frames.reshape(-1, 6))
+    left = max(left, *found.unrest.values(), 0.0)
     return none._replace(multipliers=of_joints, frame_multipliers=frames), left
 
 

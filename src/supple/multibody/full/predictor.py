@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.multibody.full.full_system import FullState, FullSystem
+from supple.multibody.full.full_state import FullState
+from supple.multibody.full.full_system import FullSystem
 
 __all__ = ["Earlier", "Unknowns", "earlier_numbers", "earlier_of", "predicted", "unknowns_of"]
 

@@ -8,9 +8,13 @@ import numpy as np
 
 from supple.integrate import StepFactors
 from supple.multibody.equations.configuration import Configuration
+from supple.multibody.equations.control_force import resting_control
+from supple.multibody.equations.control_linearization import control_at_rest, unrest
 from supple.multibody.equations.static_search import ROUND_OFF, StaticCorrection, StaticState, Unbalance
 from supple.multibody.equations.steady_motion import Turning, turning_velocities
-from supple.multibody.full.full_system import FullState, FullSystem
+from supple.multibody.full.full_state import Evaluation, FullState, Targets
+from supple.multibody.full.full_system import FullSystem
+from supple.multibody.full.full_tangent import FullTangent
 
 __all__ = ["FullStatics"]
 
@@ -35,7 +39,12 @@ class FullStatics:
         length = float(self.machine.model.length)
         largest = terms.largest_terms * np.array([length, 1.0, length])
         left = terms.relative_residual[:3] * largest
-        return Unbalance(left / np.maximum(largest, ROUND_OFF * largest.max()), gap, terms)
+        relative = left / np.maximum(largest, ROUND_OFF * largest.max())
+        model, motion = self.machine.model, terms.border_motion
+        control = control_at_rest(model, motion)
+        scale = self.machine.border_scale
+        restless = unrest(self.machine.system, control, scale, motion.velocity, state.control)
+        return Unbalance(relative, gap, (terms, control), restless)
 
     def correction(
         self,
@@ -45,11 +54,30 @@ class FullStatics:
         k: float,
     ) -> StaticCorrection:
         """One implicit step of length k."""
-        terms = unbalance.terms
-        change, multipliers, frame_multipliers = self.machine.correction(
-            terms, terms.closing(k), np.zeros(self.machine.n), StepFactors(k, 0.0)
+        machine, (terms, control) = self.machine, unbalance.terms
+        still, factors = np.zeros(machine.n), StepFactors(k, 0.0)
+        eliminations = machine.eliminated(
+            terms.interior_states, machine.turns(still), factors, FullTangent.serving
         )
-        return StaticCorrection(k * change, multipliers, frame_multipliers)
+
+        def answered(to: Evaluation, targets: Targets) -> tuple[np.ndarray, ...]:
+            change, multipliers, frames = machine.correction_behind(eliminations, to, targets, still, factors)
+            return change, multipliers, np.ravel(frames)
+
+        found = answered(terms, terms.closing(k))
+        linear, moved = control.linear, np.zeros(0)
+        if linear.size:
+            # What the machine answers to each state closes the equations of the states.
+            closed = np.zeros(len(machine.model.active)), tuple(np.zeros(6) for _ in machine.interiors)
+            answers = [answered(machine.under(terms, own), closed) for own in linear.forces.T]
+            by_motion = k * linear.by_position + np.sqrt(k) * linear.by_velocity
+            motions = np.column_stack([machine.to_border(own[0]) for own in answers])
+            left = control.rates + by_motion @ machine.to_border(found[0])
+            own = np.eye(linear.size) / np.sqrt(k) - linear.by_state - by_motion @ motions
+            moved = np.linalg.solve(own, left)
+            found = tuple(part + moved @ np.array(more) for part, *more in zip(found, *answers, strict=True))
+        change, multipliers, frames = found
+        return StaticCorrection(k * change, multipliers, tuple(frames.reshape(-1, 6)), moved)
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment (n,)."""
@@ -68,4 +96,7 @@ class FullStatics:
                 self.turning, state.configuration, starts, self.machine.n
             )
         multipliers = state.multipliers, state.frame_multipliers
-        return FullState(time, state.configuration, velocity, acceleration, acceleration, *multipliers)
+        control = resting_control(self.machine.model, state.control)
+        return FullState(
+            time, state.configuration, velocity, acceleration, acceleration, *multipliers, control
+        )

@@ -17,7 +17,7 @@ from supple.multibody.equations.configuration import ControlState, ControlStep, 
 from supple.multibody.equations.control_force import stepped
 from supple.multibody.equations.model import Model
 
-__all__ = ["first_control", "fresh_control", "kept_control", "resumed_control"]
+__all__ = ["control_after", "first_control", "fresh_control", "kept_control", "resumed_control"]
 
 
 def fresh_control(system: System) -> ControlState | None:
@@ -42,8 +42,12 @@ def first_control(system: System, model: Model, instant: SystemMotion) -> Contro
     fresh = fresh_control(system)
     if fresh is None:
         return None
-    begun = _stepped(model, instant._replace(control=ControlStep(fresh, np.zeros(()))))
-    return jax.tree.map(np.asarray, begun)
+    return control_after(model, instant._replace(control=ControlStep(fresh, np.zeros(()))))
+
+
+def control_after(model: Model, motion: SystemMotion) -> ControlState:
+    """At the end of the step that has led to a motion with controllers."""
+    return jax.tree.map(np.asarray, _stepped(model, motion))
 
 
 def _stepped_at(model: Model, motion: SystemMotion) -> Any:
@@ -54,10 +58,10 @@ _stepped = KeptProgram(_stepped_at, STARTING)
 
 
 def kept_control(control: ControlState | None) -> dict[str, np.ndarray]:
-    """Of stacked states the last one, by name, for result files."""
+    """By name, for result files."""
     if control is None:
         return {}
-    return {name: np.asarray(leaf)[-1] for name, leaf in _named(control)}
+    return {name: np.asarray(leaf) for name, leaf in _named(control)}
 
 
 def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | None:
