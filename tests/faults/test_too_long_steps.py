@@ -18,7 +18,16 @@ from supple.integrate import (
     Tolerances,
     Validity,
 )
-from supple.machine import GROUND, At, Placed, PrescribedTranslation, Prismatic, SpringDamper, System
+from supple.machine import (
+    GROUND,
+    At,
+    Placed,
+    PrescribedTranslation,
+    Prismatic,
+    Revolute,
+    SpringDamper,
+    System,
+)
 from supple.multibody.checks.output_rate import hidden_vibration
 from supple.multibody.equations.build_model import system_length
 from supple.results.run_summary import cost_numbers
@@ -126,15 +135,23 @@ def test_outputs_too_sparse_are_named_with_the_frequency_and_the_step_needed():
 
 @pytest.mark.parametrize("method", [GeneralizedAlpha(1.0), Newmark(), GeneralizedAlpha(0.8)])
 def test_a_failure_names_the_method_that_damps_no_joint_force(method):
-    """A drive that stops being a number fails under any method; with joints, one is the likely cause."""
-    ball = RigidBody("ball", MASS, [0, 0, 0], np.eye(3), {"centre": [0.1, 0, 0]})
-    drive = PrescribedTranslation(
-        first=GROUND, second=At("ball", "centre"), axis=(1, 0, 0), displacement=stops, name="drive"
-    )
-    run = Run(1.0, 0.1, method=method)
-    system = System((Placed(ball),), (drive,))
+    """One iteration fails under any method; with joints, a method that damps none is the likely cause."""
+    ball = RigidBody("ball", MASS, [0, 0, 0], np.eye(3), {"hinge": [0.1, 0, 0]})
+    hinge = Revolute(first=GROUND, second=At("ball", "hinge"), axis=(0, 1, 0), name="hinge")
+    run = Run(1.0, 0.1, method=method, tolerances=Tolerances(residual=1e-12, max_iterations=1))
+    system = System((Placed(ball, position=[-0.1, 0, 0]),), (hinge,), gravity=np.array([0.0, 0.0, -9.81]))
     with pytest.raises(ConvergenceError) as failed:
         simulate(system, run)
     damps = method == GeneralizedAlpha(0.8)
     assert ("with rho_inf = 1" in str(failed.value)) == (not damps)
     assert ("GeneralizedAlpha(0.8)" in str(failed.value)) == (not damps)
+
+
+def test_a_law_that_stops_being_a_number_is_told_as_such():
+    drive = PrescribedTranslation(
+        first=GROUND, second=At("ball", "centre"), axis=(1, 0, 0), displacement=stops, name="drive"
+    )
+    ball = RigidBody("ball", MASS, [0, 0, 0], np.eye(3), {"centre": [0.1, 0, 0]})
+    with pytest.raises(ConvergenceError, match=r"no numbers.*nan or infinity") as failed:
+        simulate(System((Placed(ball),), (drive,)), Run(1.0, 0.1, method=GeneralizedAlpha(1.0)))
+    assert "rho_inf" not in str(failed.value)

@@ -2,9 +2,11 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from supple_benchmarks.intrinsic.perform import perform
+from supple_benchmarks.intrinsic.slender_box import LENGTH, slender_mode
 
 
 @pytest.fixture(scope="module")
@@ -44,11 +46,28 @@ def test_the_box_has_the_low_frequencies_of_its_shells(report):
     assert len(report["box_beam"]["tip"]["t"]) == len(report["box_beam"]["tip"]["u"])
 
 
+def test_the_box_moves_in_the_modes_of_a_slender_beam_but_for_its_walls(report):
+    study = report["box_beam"]["modes"]
+    first = study["modes"][0]
+    s = LENGTH * np.array(study["s"])
+    velocity, _, _ = slender_mode(first["kind"], first["rank"], s)
+    moment = slender_mode(first["kind"], first["rank"], 0.5 * (s[1:] + s[:-1]))[1]
+    sign = np.sign(velocity[-1])
+    assert first["velocity"] == pytest.approx(sign * velocity, abs=0.01 * np.abs(velocity).max())
+    assert first["moment"] == pytest.approx(sign * moment, abs=0.01 * np.abs(moment).max())
+
+
 def test_a_body_that_flies_moves_its_centre_as_newton_says_and_residual_modes_help(report):
     flying = report["u_beam"]
     assert flying["order"] == pytest.approx(2, abs=0.3)
     for row in flying["residualised"]:
         assert row["residualised_error"] < row["truncated_error"] / 3
+    steps = {row["kept"]: row["dt_max"] for row in flying["stable_steps"]}
+    assert list(steps.values()) == sorted(steps.values(), reverse=True)
+    assert flying["residualised"][0]["dt_max"] == pytest.approx(steps[24])
+    places = {key: np.array(flight["tip"]) for key, flight in flying["flight"].items()}
+    apart = np.linalg.norm(places["stations"] - places["beam_elements"], axis=1)
+    assert apart[:10].max() < 0.05 * np.linalg.norm(np.ptp(places["stations"], axis=0))
 
 
 def test_intrinsic_modes_agree_with_the_elastica_where_one_frame_does_not(report):

@@ -138,6 +138,8 @@ class ErrorEquation:
         none = np.zeros_like(position)
         return ErrorState(position, none, none, none, np.zeros_like(self.point.motion.multipliers))
 
+    # Where differences grow out of bounds, the result says so by not being finite.
+    @np.errstate(over="ignore", invalid="ignore")
     def again(self, found: ErrorState, tangents: TangentMotion | None = None) -> ErrorState:
         """The differences once more, from the equation about the corrected motion; tangents as for `first`.
 

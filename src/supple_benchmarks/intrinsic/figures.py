@@ -1,4 +1,4 @@
-"""The figure of which method when: error and cost of a strip against the rotation of its tip."""
+"""The figures of the intrinsic benchmark: which method when, the box beam and the U of [Wang2015]."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from supple.viz.style import Stroke, draw_curve, new_figure, save_figure, textbook_style
+from supple_benchmarks.intrinsic.box_figures import draw_box
+from supple_benchmarks.intrinsic.u_figures import draw_u
 
 __all__ = ["draw_figures"]
 
@@ -17,8 +19,17 @@ _POINTS = Stroke(marker="o")
 
 
 def draw_figures(report: Mapping[str, Any], folder: Path) -> list[Path]:
-    """Draw both panels; the path of the picture."""
+    """All figures; their paths."""
     folder.mkdir(parents=True, exist_ok=True)
+    return [
+        _which_method_when(report, folder),
+        *draw_box(report["box_beam"], folder),
+        *draw_u(report["u_beam"], folder),
+    ]
+
+
+def _which_method_when(report: Mapping[str, Any], folder: Path) -> Path:
+    """Error and cost of a strip against the rotation of its tip."""
     rows = [row for row in report["agreement"] if row["body"] == "strip"]
     with textbook_style():
         figure = new_figure(2.6)
@@ -28,7 +39,7 @@ def draw_figures(report: Mapping[str, Any], folder: Path) -> list[Path]:
         _draw(right, rows, "seconds")
         right.set_ylabel("processor time, s")
         right.legend()
-        return [save_figure(figure, folder / "which_method_when.png")]
+        return save_figure(figure, folder / "which_method_when.png")
 
 
 def _draw(axes: Axes, rows: list[dict[str, Any]], what: str) -> None:

@@ -1,66 +1,29 @@
-"""A flexible U that flies: solid elements on stations, its centre of mass, truncated and residual modes.
+"""A flexible U that flies: its centre of mass, truncated and residual modes, snapshots.
 
-The U-beam of [Wang2015] 5.2: three legs of 5 m of a solid section, free. The load history is lost in
-the text that we have. Chosen: legs as wide and high as the cells of the mesh, E = 3e5, density 10, and on one
-tip a dead force of 60 along z and 30 along x, a triangle over 4 s, in consistent units.
+The load history of [Wang2015] 5.2 is lost in our text. Chosen: on one tip a dead force of 60 along z
+and 30 along x, a triangle over 4 s, in consistent units.
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 
-from supple.body import AveragingInterface, FlexibleBody, flexible_body
-from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, ResidualRungeKutta4, Run, RungeKutta4
-from supple.intrinsic import FREE, IntrinsicBody, LoadPath, LoadPaths, condense
+from supple.intrinsic import IntrinsicBody
 from supple.intrinsic.stable_step import largest_stable_step
 from supple.machine import DeadForce, Placed, System
-from supple.mesh import CellType, Mesh
 from supple.simulation import simulate
+from supple_benchmarks.intrinsic.u_beam import of_beam_elements, on_stations, solid_u
+from supple_benchmarks.intrinsic.u_spectrum import eigenvalue_differences, stiffness_pattern
 
 __all__ = ["energy_drift", "flying_u"]
 
-LEG, MODULUS, DENSITY = 5.0, 3e5, 10.0
 FORCE = np.array([30.0, 0.0, 60.0])
 DURATION = 4.0
-
-
-def solid_u(n_leg: int) -> FlexibleBody:
-    """Three legs in the x-y plane: along x, along y, and back; n_leg cells of 20 nodes a leg."""
-    h = LEG / n_leg
-    # A grid of square cells of which those of the U are kept.
-    cells = [(i, 0) for i in range(n_leg + 1)]
-    cells += [(n_leg, j) for j in range(1, n_leg + 1)]
-    cells += [(i, n_leg) for i in range(n_leg - 1, -1, -1)]
-    square = [[0, 0], [1, 0], [1, 1], [0, 1]]
-    corners = np.array([[*corner, z] for z in (0, 1) for corner in square])
-    middle = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
-    local = np.vstack([2 * corners, [corners[a] + corners[b] for a, b in middle]])
-    numbers = 2 * np.array([(i, j, 0) for i, j in cells])[:, None] + local
-    unique, inverse = np.unique(numbers.reshape(-1, 3), axis=0, return_inverse=True)
-    nodes = unique / 2 * np.array([h, h, h])
-    mesh = Mesh(nodes, {CellType.HEXA20: inverse.reshape(len(cells), 20)})
-    return flexible_body("u", solid_model(mesh, Isotropic(MODULUS, 0.3, DENSITY)), _ends(nodes, h, n_leg))
-
-
-def _ends(nodes: np.ndarray, h: float, n_leg: int) -> list[AveragingInterface]:
-    x, y = nodes[:, 0] / h, nodes[:, 1] / h
-    first, last = (y <= 1 + 1e-9), (y >= n_leg - 1e-9)
-    near, far = x < 1e-9, x >= n_leg - 1e-9
-    sets = {"tip": near & first, "corner": far & first, "other corner": far & last, "other tip": near & last}
-    return [AveragingInterface(name, np.flatnonzero(inside)) for name, inside in sets.items()]
-
-
-def on_stations(body: FlexibleBody, n_stations: int, n_modes: int | None = None) -> IntrinsicBody:
-    """Free, with a third of the stations on each leg; n_stations = 3 k + 1."""
-    k = (n_stations - 1) // 3 + 1
-    names = ("tip", "corner", "other corner", "other tip")
-    legs = [LoadPath(a, b, k) for a, b in pairwise(names)]
-    return condense(body, LoadPaths(legs), support=FREE, n_modes=n_modes)
+N_OUTPUTS, N_SNAPSHOTS = 20, 5
 
 
 def pushed(body: IntrinsicBody) -> System:
@@ -73,23 +36,63 @@ def _load(time: Any) -> Any:
 
 
 def flying_u(quick: bool) -> dict[str, Any]:
-    """Error of the centre of mass by the number of stations; truncated beside residual modes."""
-    body = solid_u(8 if quick else 12)
-    stations = (7, 13) if quick else (7, 13, 19, 25, 31)
-    errors = {str(n): _centre_error(on_stations(body, n)) for n in stations}
-    segments = np.log([n - 1 for n in stations])
-    order = float(-np.polyfit(segments, np.log(list(errors.values())), 1)[0])
-    return {"com_error": errors, "order": order, "residualised": _residual_rows(on_stations(body, 13), quick)}
+    """Error of the centre of mass by the number of stations; truncated beside residual modes; snapshots.
+
+    Besides: stiffness and eigenvalues beside those of the solid and of beam elements.
+    """
+    n_leg = 8 if quick else 12
+    solid = solid_u(n_leg)
+    bodies = {n: on_stations(solid, n) for n in ((7, 13) if quick else (7, 13, 19, 25, 31))}
+    flights = {n: _flown(body, RungeKutta4()) for n, body in bodies.items()}
+    errors = {str(n): _centre_error(body, flights[n]) for n, body in bodies.items()}
+    order = float(-np.polyfit(np.log([n - 1 for n in bodies]), np.log(list(errors.values())), 1)[0])
+    finest = list(bodies)[-1]
+    beams = of_beam_elements(bodies[finest].line, n_leg)
+    return {
+        "com_error": errors,
+        "order": order,
+        "residualised": _residual_rows(bodies[13], quick),
+        "stable_steps": _stable_steps(bodies[13]),
+        "stiffness": {
+            "stations": stiffness_pattern(bodies[finest].line),
+            "beam_elements": stiffness_pattern(beams.line),
+        },
+        "eigenvalues": eigenvalue_differences(solid, bodies, beams),
+        "flight": {
+            "stations": _shown(flights[finest]),
+            "beam_elements": _shown(_flown(beams, RungeKutta4())),
+        },
+    }
 
 
-def _centre_error(body: IntrinsicBody) -> float:
+def _shown(flight: tuple[np.ndarray, Any]) -> dict[str, Any]:
+    """Places of the pushed tip (t, 3), and snapshots of all stations: times (k,), places (k, n, 3)."""
+    times, (_, places) = flight
+    shown = slice(None, None, N_OUTPUTS // N_SNAPSHOTS)
+    return {
+        "t": times.round(9).tolist(),
+        "tip": places[:, 0].round(4).tolist(),
+        "snapshot_t": times[shown].round(9).tolist(),
+        "snapshots": places[shown].round(3).tolist(),
+    }
+
+
+def _stable_steps(body: IntrinsicBody) -> list[dict[str, float]]:
+    """The longest step of Runge and Kutta by the number of modes kept, truncated or residual alike, s."""
+    omega = body.modes.omega
+    return [
+        {"kept": kept, "dt_max": largest_stable_step(omega[:kept], 0 * omega[:kept], 0.0)}
+        for kept in range(12, len(omega) + 1, 6)
+    ]
+
+
+def _centre_error(body: IntrinsicBody, flight: tuple[np.ndarray, Any]) -> float:
     """Root mean square over time, m: against twice the integrated force over the mass."""
-    times, positions = _flown(body, RungeKutta4())
+    times, (rotations, places) = flight
     masses = body.line.station_masses
     assert masses is not None
     # Stations carry their mass beside them: M = [[m, -m c~], [m c~, ..]].
     offsets = np.stack([masses[:, 2, 4], masses[:, 0, 5], masses[:, 1, 3]], axis=1) * [-1, -1, -1]
-    rotations, places = positions
     weighted = masses[:, 0, 0] @ places + np.einsum("tnij,nj->ti", rotations, offsets)
     centre = weighted / body.mass
     exact = centre[0] + _distance(times)[:, None] * FORCE / body.mass
@@ -108,7 +111,7 @@ def _distance(times: np.ndarray) -> np.ndarray:
 def _flown(body: IntrinsicBody, rule: Any, *, kept: int | None = None) -> tuple[np.ndarray, Any]:
     omega = body.modes.omega[: None if kept is None else kept]
     step = min(0.8 * largest_stable_step(omega, 0 * omega, 0.0), 0.02)
-    run = Run(DURATION, DURATION / 20, step=FixedStep(step), method=rule)
+    run = Run(DURATION, DURATION / N_OUTPUTS, step=FixedStep(step), method=rule)
     solution = simulate(pushed(body), run)
     return solution.times, body.places(solution.bodies["u"])
 

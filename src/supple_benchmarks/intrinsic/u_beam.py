@@ -1,0 +1,82 @@
+"""The U-beam of [Wang2015] 5.2: three legs of 5 m of a solid section, free.
+
+Chosen: legs as wide and high as the cells of the mesh, E = 3e5, density 10, in consistent units.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from supple.body import AveragingInterface, FlexibleBody, flexible_body
+from supple.fem import Isotropic, solid_model
+from supple.intrinsic import (
+    FREE,
+    CondensedLine,
+    IntrinsicBody,
+    LoadPath,
+    LoadPaths,
+    condense,
+    intrinsic_body,
+)
+from supple.mesh import CellType, Mesh
+from supple_benchmarks.intrinsic.beams import beam_line
+
+__all__ = ["of_beam_elements", "on_stations", "solid_u"]
+
+LEG, MODULUS, NU, DENSITY = 5.0, 3e5, 0.3, 10.0
+SQUARE_TORSION = 0.1406
+"""Torsion constant of a square over the fourth power of its side (Saint-Venant)."""
+
+
+def solid_u(n_leg: int) -> FlexibleBody:
+    """Three legs in the x-y plane: along x, along y, and back; n_leg cells of 20 nodes a leg."""
+    h = LEG / n_leg
+    # A grid of square cells of which those of the U are kept.
+    cells = [(i, 0) for i in range(n_leg + 1)]
+    cells += [(n_leg, j) for j in range(1, n_leg + 1)]
+    cells += [(i, n_leg) for i in range(n_leg - 1, -1, -1)]
+    square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    corners = np.array([[*corner, z] for z in (0, 1) for corner in square])
+    middle = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+    local = np.vstack([2 * corners, [corners[a] + corners[b] for a, b in middle]])
+    numbers = 2 * np.array([(i, j, 0) for i, j in cells])[:, None] + local
+    unique, inverse = np.unique(numbers.reshape(-1, 3), axis=0, return_inverse=True)
+    nodes = unique / 2 * np.array([h, h, h])
+    mesh = Mesh(nodes, {CellType.HEXA20: inverse.reshape(len(cells), 20)})
+    return flexible_body("u", solid_model(mesh, Isotropic(MODULUS, NU, DENSITY)), _ends(nodes, h, n_leg))
+
+
+def _ends(nodes: np.ndarray, h: float, n_leg: int) -> list[AveragingInterface]:
+    x, y = nodes[:, 0] / h, nodes[:, 1] / h
+    first, last = (y <= 1 + 1e-9), (y >= n_leg - 1e-9)
+    near, far = x < 1e-9, x >= n_leg - 1e-9
+    sets = {"tip": near & first, "corner": far & first, "other corner": far & last, "other tip": near & last}
+    return [AveragingInterface(name, np.flatnonzero(inside)) for name, inside in sets.items()]
+
+
+def on_stations(body: FlexibleBody, n_stations: int, n_modes: int | None = None) -> IntrinsicBody:
+    """Free, with a third of the stations on each leg; n_stations = 3 k + 1."""
+    k = (n_stations - 1) // 3 + 1
+    names = ("tip", "corner", "other corner", "other tip")
+    legs = [LoadPath(a, b, k) for a, b in pairwise(names)]
+    return condense(body, LoadPaths(legs), support=FREE, n_modes=n_modes)
+
+
+def of_beam_elements(line: CondensedLine, n_leg: int) -> IntrinsicBody:
+    """Free, of beam elements between the stations of a line; mass lumped on them.
+
+    n_leg : as for `solid_u`, which says how wide the section is
+    """
+    side = LEG / n_leg
+    beams = beam_line(
+        "u",
+        line.tree.points,
+        axial=MODULUS * side**2,
+        bending=MODULUS * side**4 / 12,
+        torsion=MODULUS / (2 * (1 + NU)) * SQUARE_TORSION * side**4,
+        mass=DENSITY * side**2,
+        radius=side / np.sqrt(6),
+    )
+    return intrinsic_body(beams, FREE, stations={"tip": 0})

@@ -1,0 +1,66 @@
+"""Stiffness pattern and elastic eigenvalues of the U, as in figures 12 and 13 of [Wang2015]."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from supple.algebra import lowest_modes
+from supple.body import FlexibleBody
+from supple.intrinsic import CondensedLine, IntrinsicBody
+
+__all__ = ["eigenvalue_differences", "stiffness_pattern"]
+
+N_EIGENVALUES = 40
+N_RIGID = 6
+ZERO = 1e-10
+"""Of the largest entry: less is round-off."""
+
+
+def eigenvalue_differences(
+    solid: FlexibleBody, bodies: Mapping[int, IntrinsicBody], beams: IntrinsicBody
+) -> dict[str, Any]:
+    """Elastic eigenvalues of the free U, in ascending order on either side, by their relative differences.
+
+    bodies : number of stations -> on stations;   beams : of beam elements between those of the last
+    solid : of all freedoms of the elements, rad^2/s^2
+    stations : by their number, lambda / lambda of the solid - 1
+    beam_elements : the same of the beam elements
+    beside_beam_elements : of the last condensed body against the beam elements, as the paper does
+    """
+    solid_ones = lowest_modes(solid.stiffness, solid.mass, N_EIGENVALUES + N_RIGID).values[N_RIGID:]
+    own = {str(n): _elastic(body) for n, body in bodies.items()}
+    of_beams = _elastic(beams)
+    last = list(own.values())[-1]
+    return {
+        "solid": _digits(solid_ones),
+        "stations": {n: _difference(values, solid_ones) for n, values in own.items()},
+        "beam_elements": _difference(of_beams, solid_ones),
+        "beside_beam_elements": _difference(last, of_beams),
+    }
+
+
+def stiffness_pattern(line: CondensedLine) -> list[list[float | None]]:
+    """Log10 of the largest entry between each two stations, over the largest of all; None for round-off.
+
+    Rotations are scaled by the mean segment, so that all entries are of one unit.
+    """
+    scale = np.tile(np.repeat([1.0, 1.0 / line.tree.lengths.mean()], 3), line.n)
+    scaled = np.abs(line.stiffness * np.outer(scale, scale)).reshape(line.n, 6, line.n, 6)
+    largest = scaled.max(axis=(1, 3)) / scaled.max()
+    return [[round(float(np.log10(x)), 2) if x > ZERO else None for x in row] for row in largest]
+
+
+def _elastic(body: IntrinsicBody) -> np.ndarray:
+    return body.modes.omega[N_RIGID : N_RIGID + N_EIGENVALUES] ** 2
+
+
+def _difference(values: np.ndarray, others: np.ndarray) -> list[float]:
+    n = min(len(values), len(others))
+    return _digits(values[:n] / others[:n] - 1)
+
+
+def _digits(values: np.ndarray) -> list[float]:
+    return [float(f"{value:.6g}") for value in values]
