@@ -30,15 +30,13 @@ from typing import Any
 import numpy as np
 from measure import keep
 
-from supple.body import AveragingInterface, RigidInterface, flexible_body
-from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, RungeKutta4
 from supple.intrinsic import CondensedLine, IntrinsicBody, LoadPath, condense
 from supple.intrinsic.engine import IntrinsicEngine
 from supple.intrinsic.line_march import march_lines
 from supple.machine import Fixed, FollowerForce, Placed, System
-from supple.mesh import box_beam
 from supple.simulation import simulate
+from supple_benchmarks.intrinsic.box_beam import meshed
 
 N_STATIONS = 25
 FORCE = (0.0, 0.2, 0.5)
@@ -48,10 +46,8 @@ DURATION, N_STEPS, N_OUTPUTS = 4.0, 4000, 8
 
 def box(n_modes: int) -> IntrinsicBody:
     """The box on its stations."""
-    mesh = box_beam(20.0, 1.0, 0.1, 48, 4, 1)
-    model = shell_model(mesh, HomogeneousSection(Isotropic(1e6, 0.3, 1.0), 0.01))
-    ends = [RigidInterface("root", "root"), AveragingInterface("tip", "tip")]
-    return condense(flexible_body("box", model, ends), LoadPath("root", "tip", N_STATIONS), n_modes=n_modes)
+    shells, _ = meshed(48, 1)
+    return condense(shells, LoadPath("root", "tip", N_STATIONS), n_modes=n_modes)
 
 
 class InSupple:

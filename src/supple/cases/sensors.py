@@ -28,6 +28,12 @@ class SensedCase(NamedTuple):
     """Those that have a name."""
 
 
+def _place(case: SensedCase, at: str) -> sensors.Place:
+    """The place that a sensor's `at` names."""
+    body, where = case.place(at)
+    return sensors.Place(body, where if isinstance(where, str) else tuple(np.asarray(where).tolist()))
+
+
 class PlaceSensor(CheckedTable):
     """Where a place is, how it moves, or how it is deflected."""
 
@@ -40,10 +46,9 @@ class PlaceSensor(CheckedTable):
 
     def build(self, case: SensedCase) -> sensors.Sensor:
         """The sensor."""
-        body, where = case.place(self.at)
-        at = sensors.Place(body, where if isinstance(where, str) else tuple(np.asarray(where).tolist()))
+        at = _place(case, self.at)
         if self.kind == "deflection":
-            base = case.bases.get(body) if self.seen_from is None else as_end(self.seen_from)
+            base = case.bases.get(at.body) if self.seen_from is None else as_end(self.seen_from)
             return sensors.DeflectionSensor(self.name, at, base)
         kinds = {
             "position": sensors.PositionSensor,
@@ -105,9 +110,8 @@ class SectionSensor(CheckedTable):
 
     def build(self, case: SensedCase) -> sensors.Sensor:
         """The sensor."""
-        body, where = case.place(self.at)
-        at = sensors.Place(body, where if isinstance(where, str) else tuple(np.asarray(where).tolist()))
-        return sensors.SectionForceSensor(self.name, at, self.normal, case.elements.get(body))
+        at = _place(case, self.at)
+        return sensors.SectionForceSensor(self.name, at, self.normal, case.elements.get(at.body))
 
 
 class SpringSensor(CheckedTable):

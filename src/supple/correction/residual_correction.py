@@ -22,7 +22,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -328,7 +328,11 @@ def static_answer(
 
     What is out of balance besides is left so.
     """
-    evaluation = _loaded(prepared, prepared.evaluate(state, 0.0), forces)
+    evaluation = prepared.evaluate(state, 0.0)
+    evaluation = evaluation.left_with(
+        np.zeros_like(evaluation.border.inertia),
+        tuple(np.concatenate([np.zeros(6), forces[interior.full.name]]) for interior in prepared.interiors),
+    )
     # Written for accelerations, of which a displacement is `position` times as large.
     step, _, _ = prepared.correction(
         evaluation,
@@ -337,20 +341,6 @@ def static_answer(
         StepFactors(by_position=position, by_velocity=0.0),
     )
     return position * step
-
-
-def _loaded(prepared: FullSystem, evaluation: Any, forces: Mapping[str, np.ndarray]) -> Any:
-    """The evaluation with nothing out of balance but forces on full bodies."""
-    none = np.zeros_like(evaluation.border.inertia)
-    border = evaluation.border._replace(inertia=none, internal=none, applied=none, joint=none)
-    return evaluation._replace(
-        border=border,
-        constraint_residual=np.zeros_like(evaluation.constraint_residual),
-        interior_residuals=tuple(
-            np.concatenate([np.zeros(6), forces[interior.full.name]]) for interior in prepared.interiors
-        ),
-        frame_residuals=tuple(np.zeros_like(each) for each in evaluation.frame_residuals),
-    )
 
 
 def _nodal_rms(

@@ -28,6 +28,7 @@ from supple.multibody.equations.steady_motion import (
     LinearEquations,
     linear_equations,
     steady_motion,
+    work_of_turning,
 )
 from supple.multibody.full.full_system import FullSystem
 from supple.multibody.full.linear_equations import carried_state, full_linear_equations
@@ -151,8 +152,7 @@ def _carried(system: System, found: RestingState, time: float) -> tuple[RestingS
         float(np.linalg.norm(weights * part)) for part in (terms.inertia, terms.internal, terms.applied)
     )
     # What is in balance may vanish, as the torque on a rotor that turns freely does: rounding is left then.
-    rate = float(np.max(np.linalg.norm(found.turning.angular_velocities, axis=1)))
-    largest = max(largest, _CONSTANT * float(model.mass) * (rate * float(model.length)) ** 2)
+    largest = max(largest, _CONSTANT * work_of_turning(model, found.turning))
     left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / (largest or 1.0)
     rest = unrest(
         system, control_at_rest(model, motion), position_scale(model), motion.velocity, found.state.control

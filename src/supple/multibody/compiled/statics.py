@@ -29,6 +29,7 @@ from supple.multibody.equations.steady_motion import (
     linear_equations,
     steady_motion,
     step_matrix,
+    work_of_turning,
 )
 
 __all__ = ["CompiledStatics", "balanced"]
@@ -50,7 +51,8 @@ class CompiledStatics:
         works = self.position_scale[:, None] * np.stack(columns, axis=1)
         norms = np.sqrt(kinds_of_rows(model) @ works**2)
         scale = norms[:, 1:].max(axis=1)
-        scale = np.maximum(scale, ROUND_OFF * max(scale.max(), self._work_of_turning))
+        of_turning = 0.0 if self.turning is None else work_of_turning(model, self.turning)
+        scale = np.maximum(scale, ROUND_OFF * max(scale.max(), of_turning))
         relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
         gap = float(np.max(abs(np.asarray(terms.constraint_residual)), initial=0.0)) / float(model.length)
         left = unrest(self.machine.system, control, self.position_scale, motion.velocity, state.control)
@@ -90,14 +92,6 @@ class CompiledStatics:
     def position_scale(self) -> np.ndarray:
         """What counts as a large change of each freedom, (n,)."""
         return np.asarray(position_scale(self.machine.model))
-
-    @property
-    def _work_of_turning(self) -> float:
-        """Of the inertia forces of a machine that turns, as if all its mass went round."""
-        if self.turning is None:
-            return 0.0
-        rate = np.max(np.linalg.norm(self.turning.angular_velocities, axis=1))
-        return float(self.machine.model.mass * (rate * self.machine.model.length) ** 2)
 
     def _motion(self, state: StaticState, time: float) -> SystemMotion:
         still = Turning(np.zeros((len(self.machine.model.sizes), 3)), np.zeros(3))

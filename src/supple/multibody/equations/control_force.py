@@ -10,7 +10,7 @@ tangent is theirs.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import jax
@@ -35,12 +35,12 @@ from supple.multibody.equations.model import ControlLaw, Ends, Model
 from supple.multibody.equations.places import Block, Places
 
 __all__ = [
-    "all_markers",
     "by_body",
     "driven_ends",
     "first_states",
     "force",
     "local_forces",
+    "moved_poses",
     "moved_with",
     "rates_of",
     "readings_at",
@@ -174,15 +174,25 @@ def moved_with(ends: list[Ends], numbers: list[int], turn: Any = None) -> tuple[
     return places, jnp.concatenate(parts)
 
 
-def all_markers(law: ControlLaw, motion: SystemMotion) -> Marker:
+def _all_markers(law: ControlLaw, motion: SystemMotion) -> Marker:
     """All ends as they are, stacked."""
     every = [markers(end, motion.configuration, motion.velocity) for end in seen_ends(law)]
     return jax.tree.map(lambda *leaves: jnp.concatenate([jnp.asarray(leaf) for leaf in leaves]), *every)
 
 
+def moved_poses(law: ControlLaw, motion: SystemMotion) -> Callable[[jax.Array, jax.Array], Pose]:
+    """Poses of all ends, stacked, as a function of their displacements and rates (e, 12)."""
+    still = _all_markers(law, motion)
+
+    def of(variations: jax.Array, rates: jax.Array) -> Pose:
+        return jax.vmap(pose)(jax.vmap(with_rates)(jax.vmap(displaced)(still, variations), rates))
+
+    return of
+
+
 def _poses(law: ControlLaw, motion: SystemMotion) -> Pose:
     """Of all ends, stacked."""
-    return jax.vmap(pose)(all_markers(law, motion))
+    return jax.vmap(pose)(_all_markers(law, motion))
 
 
 def _one(stacked: Any, number: int) -> Any:
@@ -273,12 +283,11 @@ def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mappi
 
 def local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
     """Forces (a, 12) on the driven ends as a function of displacements and rates (e, 12) of all ends."""
-    still = all_markers(law, motion)
+    moved = moved_poses(law, motion)
     n_read = 2 * len(law.readers)
 
     def of(variations: jax.Array, rates: jax.Array) -> jax.Array:
-        moved = jax.vmap(with_rates)(jax.vmap(displaced)(still, variations), rates)
-        poses = jax.vmap(pose)(moved)
+        poses = moved(variations, rates)
         readings = readings_of(law, _step(motion).start.states[number], poses)
         outputs = _outputs(law, number, motion, readings)
         loads: list[Wrench] = []

@@ -15,17 +15,17 @@ from supple.machine.control import Controller
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import AnyArray, SystemMotion
 from supple.multibody.equations.control_force import (
-    all_markers,
     by_body,
     driven_ends,
     first_states,
     local_forces,
+    moved_poses,
     moved_with,
     rates_of,
     readings_of,
     seen_ends,
 )
-from supple.multibody.equations.marker import N_LOCAL, displaced, pose, with_rates
+from supple.multibody.equations.marker import N_LOCAL
 from supple.multibody.equations.model import ControlLaw, Model
 from supple.multibody.equations.places import Block, Places, assembled_matrix
 
@@ -159,11 +159,10 @@ def _with_states(motion: SystemMotion, number: int, states: jax.Array) -> System
 
 def _local_rates(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
     """Rates (k,) as a function of displacements and velocities (e, 12) of all ends, and of the states."""
-    still = all_markers(law, motion)
+    moved = moved_poses(law, motion)
 
     def of(variations: jax.Array, velocities: jax.Array, states: jax.Array) -> jax.Array:
-        moved = jax.vmap(with_rates)(jax.vmap(displaced)(still, variations), velocities)
-        read = readings_of(law, _states(motion, number), jax.vmap(pose)(moved))
+        read = readings_of(law, _states(motion, number), moved(variations, velocities))
         return rates_of(law, motion.time, read, states)
 
     return of

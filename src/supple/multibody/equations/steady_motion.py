@@ -41,6 +41,7 @@ __all__ = [
     "steady_motion",
     "step_matrix",
     "turning_velocities",
+    "work_of_turning",
 ]
 
 
@@ -89,6 +90,12 @@ def steady_motion(
     )
     control = resting_control(model, states)
     return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers, control)
+
+
+def work_of_turning(model: Model, turning: Turning) -> float:
+    """Of the inertia forces of a machine that turns, as if all its mass went round."""
+    rate = np.max(np.linalg.norm(turning.angular_velocities, axis=1))
+    return float(model.mass * (rate * model.length) ** 2)
 
 
 def turning_velocities(

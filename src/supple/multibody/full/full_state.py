@@ -49,3 +49,13 @@ class Evaluation(NamedTuple):
         """What constraint rows and frame conditions must become, in accelerations, to close what is open."""
         frames = tuple(-residual / by_position for residual in self.frame_residuals)
         return -self.constraint_residual / by_position, frames
+
+    def left_with(self, border: np.ndarray, interiors: tuple[np.ndarray, ...]) -> Evaluation:
+        """As if nothing but these were left: (n,) of the border, and (6 + n,) of each full body."""
+        none = np.zeros_like(self.border.inertia)
+        return self._replace(
+            border=self.border._replace(inertia=none, internal=none, applied=border, joint=none),
+            constraint_residual=np.zeros_like(self.constraint_residual),
+            interior_residuals=interiors,
+            frame_residuals=tuple(np.zeros_like(each) for each in self.frame_residuals),
+        )

@@ -29,7 +29,7 @@ from supple.body import FullBody
 from supple.errors import ModelError
 from supple.integrate import StepFactors
 from supple.machine import NodalLoad, System
-from supple.multibody.equations.balance import Balance, Linearization, balance, tangent
+from supple.multibody.equations.balance import Linearization, balance, tangent
 from supple.multibody.equations.build_model import build_model, is_on_full_nodes
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import Configuration, ControlStep, SystemMotion
@@ -225,12 +225,11 @@ class FullSystem:
 
     def under(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
         """As if other forces (n of the border) than those evaluated were unbalanced."""
-        border = _zero_residual(evaluation.border)._replace(applied=-forces)
         interiors = []
         for interior in self.interiors:
             own = -forces[self.model.slices[interior.index]]
             interiors.append(np.concatenate([own[:6], interior.interface_rows.T @ own[6:]]))
-        return evaluation._replace(border=border, interior_residuals=tuple(interiors))
+        return evaluation.left_with(-forces, tuple(interiors))
 
     def _interior_state(self, interior: FullInterior, state: FullState) -> InteriorState:
         part = self.slices[interior.index]
@@ -368,9 +367,8 @@ class FullSystem:
         """`M x + G^T y + D^T z = 0`, `G x = - residual`, `D x = - D velocity` of every full body."""
         at_rest = self.state_at(0.0, configuration, np.zeros(self.n))
         still = self.evaluate(at_rest, 0.0)
-        balanced = still._replace(
-            border=_zero_residual(still.border),
-            interior_residuals=tuple(np.zeros_like(r) for r in still.interior_residuals),
+        balanced = still.left_with(
+            np.zeros_like(still.border.inertia), tuple(np.zeros_like(r) for r in still.interior_residuals)
         )
         drifts = tuple(
             -interior.frame_rows @ velocity[self._coordinates(interior)] for interior in self.interiors
@@ -439,11 +437,6 @@ _rotations_exp = jax.jit(jax.vmap(rotation_exp))
 def _slices(sizes: list[int]) -> tuple[slice, ...]:
     ends = np.cumsum([0, *sizes])
     return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
-
-
-def _zero_residual(terms: Balance) -> Balance:
-    nothing = np.zeros_like(terms.inertia)
-    return Balance(nothing, nothing, nothing, nothing, terms.constraint_residual, terms.linearization)
 
 
 def _squares_by_kind(row: np.ndarray) -> np.ndarray:

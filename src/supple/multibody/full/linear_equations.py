@@ -16,7 +16,7 @@ from supple.algebra.cross import cross_matrix
 from supple.multibody.equations.control_linearization import LinearControl
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.static_search import StaticState
-from supple.multibody.equations.steady_motion import Turning, linear_equations
+from supple.multibody.equations.steady_motion import Turning, linear_equations, work_of_turning
 from supple.multibody.full.full_interior import FullInterior, InteriorState
 from supple.multibody.full.full_system import FullSystem
 from supple.multibody.full.statics import FullStatics
@@ -92,9 +92,7 @@ def carried_state(
     rows = vstack([joints @ _to_border(machine), _frame_conditions(machine)])
     carried = weights[:, None] * rows.T.toarray()
     multipliers = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
-    rate = float(np.max(np.linalg.norm(turning.angular_velocities, axis=1)))
-    of_inertia = float(machine.model.mass) * (rate * float(machine.model.length)) ** 2
-    size = max(of_inertia, float(np.linalg.norm(unbalanced))) or 1.0
+    size = max(work_of_turning(machine.model, turning), float(np.linalg.norm(unbalanced))) or 1.0
     left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / size
     of_joints, of_frames = np.split(multipliers, [joints.shape[0]])
     frames = tuple(of_frames.reshape(-1, 6))
