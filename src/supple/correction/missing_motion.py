@@ -171,18 +171,20 @@ class MissingMotionSearch:
             by_position = min(by_position * float(np.clip(limit / size, 2.0, 100.0)), self._by_position)
         return None
 
-    def _evaluated(self, state: FullState, by: MissingMotion) -> Evaluation:
-        """The residuals of a state with missing motion added, and the accelerations of that."""
+    def moved(self, state: FullState, by: MissingMotion) -> FullState:
+        """A state with missing motion added, and the accelerations of that."""
         frame_multipliers = tuple(
             own + more for own, more in zip(state.frame_multipliers, by.frame_multipliers, strict=True)
         )
-        moved = state._replace(
+        return state._replace(
             configuration=self._machine.moved(state.configuration, by.displacement),
             acceleration=state.acceleration + by.displacement / self._by_position,
             multipliers=state.multipliers + by.multipliers,
             frame_multipliers=frame_multipliers,
         )
-        return self._machine.evaluate(moved, 0.0)
+
+    def _evaluated(self, state: FullState, by: MissingMotion) -> Evaluation:
+        return self._machine.evaluate(self.moved(state, by), 0.0)
 
     def _more(self, evaluation: Evaluation, tangent: KeptTangent) -> MissingMotion:
         """A correction of the missing motion."""
