@@ -28,13 +28,33 @@ from supple.correction import (
 )
 from supple.correction.integration_error import with_shorter_steps, with_tolerance
 from supple.correction.judged_quantity import quantity_distance
+from supple.correction.model_error import model_errors_by_limit
 from supple.correction.whole_correction import _needed
-from supple.errors import LockingWarning
+from supple.errors import LockingWarning, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import ErrorPart, ErrorStatement, FixedStep, Run, Tolerances
-from supple.machine import GROUND, At, DeadForce, Fixed, Placed, Ramp, System
+from supple.machine import (
+    GROUND,
+    At,
+    Controller,
+    DeadForce,
+    Fixed,
+    JointReading,
+    Placed,
+    Ramp,
+    Revolute,
+    System,
+    TorqueBetween,
+)
 from supple.mesh import strip
-from supple.reduction import CompressedDerivatives, CondensedQuartic, CraigBampton, PlainQuartic, reduce
+from supple.reduction import (
+    CompressedDerivatives,
+    CondensedQuartic,
+    CraigBampton,
+    NoDerivatives,
+    PlainQuartic,
+    reduce,
+)
 from supple.simulation import simulate
 
 DAMPING = RayleighDamping(alpha=0.5, beta=1e-3)
@@ -202,3 +222,53 @@ def test_the_model_costs_what_the_mean_axes_save(beam):
         parts[name] = told.errors["beam"].model.value
     assert 0.6 < parts["root"] / true < 1.6
     assert parts["mean"] < 0.2 * parts["root"]
+
+
+@pytest.mark.filterwarnings("ignore::supple.errors.SuppleWarning")
+def test_the_model_costs_the_same_in_a_basis_that_locks(beam):
+    """The kinematics are those of the elements: how well a basis follows them is another part.
+
+    Few columns with plain tensors cannot relax what bending stretches. Tangents at that run would answer the
+    same forces with more than twice the motion.
+    """
+    run = Run(0.9, 0.02, step=FixedStep(0.02))
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    study = ErrorStudy(basis=False, integration=False)
+    parts = []
+    for modes, derivatives in ((5, 25), (3, 4)):
+        body = reduce(
+            beam,
+            full.frame,
+            CraigBampton(modes),
+            derivatives=CompressedDerivatives(derivatives),
+            damping=DAMPING,
+            quartic=PlainQuartic(),
+        )
+        system = pushed(body, 4.0, 0.8)
+        told = state_errors(system, run, simulate(system, run), study, fulls=[full])
+        parts.append(told.errors["beam"].model.value)
+    assert parts[1] == pytest.approx(parts[0], rel=0.1)
+
+
+def test_beside_controllers_the_model_is_told_by_its_limit_and_no_basis_is(beam):
+    """Both are answers of the equations at an instant, of which controllers are no part."""
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", LockingWarning)
+        body = reduce(beam, full.frame, CraigBampton(1), derivatives=NoDerivatives(), damping=DAMPING)
+    hinge = Revolute(name="hinge", first=GROUND, second=At("beam", "root"), axis=(0, 1, 0))
+    motor = TorqueBetween(first=GROUND, second=At("beam", "root"), axis=(0, 1, 0), torque=0.0)
+    controller = Controller(
+        reads={"hinge": JointReading("hinge")},
+        drives={"motor": motor},
+        outputs=lambda _time, reads, _states: {"motor": 0.5 * (0.2 - reads["hinge"].angle)},
+    )
+    system = System((Placed(body),), (hinge,), controllers=[controller])
+    run = Run(0.1, 0.05, step=FixedStep(0.01))
+    solution = simulate(system, run)
+    told = state_errors(
+        system, run, solution, ErrorStudy(basis=False, integration=False), fulls=[full]
+    ).errors["beam"]
+    assert told.model.value == model_errors_by_limit(system, solution)["beam"]
+    with pytest.raises(ModelError, match="not told beside controllers"):
+        state_errors(system, run, solution, ErrorStudy(integration=False, model=False), fulls=[full])

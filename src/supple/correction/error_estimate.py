@@ -266,7 +266,13 @@ class ErrorEstimator:
 
 
 def check_linearised(system: System) -> None:
-    """ModelError for a machine with intrinsic bodies: its equations are not among those linearised here."""
+    """ModelError for a machine with intrinsic bodies or controllers, which are not linearised here."""
+    if system.controllers:
+        raise ModelError(
+            "error estimate: what a basis costs is not told beside controllers: give the bodies reductions of "
+            "fixed size and compare with richer ones, or leave the controllers out, "
+            "replace(system, controllers=())"
+        )
     if intrinsic := system.bodies_of(IntrinsicBody):
         raise ModelError(
             f"error estimate: beside the intrinsic body '{next(iter(intrinsic))}' what a basis costs is not "

@@ -40,7 +40,7 @@ __all__ = [
     "first_states",
     "force",
     "local_forces",
-    "moved_poses",
+    "moved_markers",
     "moved_with",
     "rates_of",
     "readings_at",
@@ -136,8 +136,8 @@ def states_by_controller(model: Model, states: Any) -> list[Any]:
 def _step(motion: SystemMotion) -> ControlStep:
     if motion.control is None:
         raise ModelError(
-            "controllers act in machines of rigid and reduced bodies: for full bodies or the error of a "
-            "basis leave them out, replace(system, controllers=())"
+            "controllers act along runs and at rest: for anything else leave them out, "
+            "replace(system, controllers=())"
         )
     return motion.control
 
@@ -180,12 +180,12 @@ def _all_markers(law: ControlLaw, motion: SystemMotion) -> Marker:
     return jax.tree.map(lambda *leaves: jnp.concatenate([jnp.asarray(leaf) for leaf in leaves]), *every)
 
 
-def moved_poses(law: ControlLaw, motion: SystemMotion) -> Callable[[jax.Array, jax.Array], Pose]:
-    """Poses of all ends, stacked, as a function of their displacements and rates (e, 12)."""
+def moved_markers(law: ControlLaw, motion: SystemMotion) -> Callable[[jax.Array, jax.Array], Marker]:
+    """All ends, stacked, as a function of their displacements and rates (e, 12)."""
     still = _all_markers(law, motion)
 
-    def of(variations: jax.Array, rates: jax.Array) -> Pose:
-        return jax.vmap(pose)(jax.vmap(with_rates)(jax.vmap(displaced)(still, variations), rates))
+    def of(variations: jax.Array, rates: jax.Array) -> Marker:
+        return jax.vmap(with_rates)(jax.vmap(displaced)(still, variations), rates)
 
     return of
 
@@ -283,11 +283,12 @@ def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mappi
 
 def local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
     """Forces (a, 12) on the driven ends as a function of displacements and rates (e, 12) of all ends."""
-    moved = moved_poses(law, motion)
+    at = moved_markers(law, motion)
     n_read = 2 * len(law.readers)
 
     def of(variations: jax.Array, rates: jax.Array) -> jax.Array:
-        poses = moved(variations, rates)
+        moved = at(variations, rates)
+        poses = jax.vmap(pose)(moved)
         readings = readings_of(law, _step(motion).start.states[number], poses)
         outputs = _outputs(law, number, motion, readings)
         loads: list[Wrench] = []

@@ -19,13 +19,13 @@ from supple.multibody.equations.control_force import (
     driven_ends,
     first_states,
     local_forces,
-    moved_poses,
+    moved_markers,
     moved_with,
     rates_of,
     readings_of,
     seen_ends,
 )
-from supple.multibody.equations.marker import N_LOCAL
+from supple.multibody.equations.marker import N_LOCAL, pose
 from supple.multibody.equations.model import ControlLaw, Model
 from supple.multibody.equations.places import Block, Places, assembled_matrix
 
@@ -159,10 +159,10 @@ def _with_states(motion: SystemMotion, number: int, states: jax.Array) -> System
 
 def _local_rates(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
     """Rates (k,) as a function of displacements and velocities (e, 12) of all ends, and of the states."""
-    moved = moved_poses(law, motion)
+    moved = moved_markers(law, motion)
 
     def of(variations: jax.Array, velocities: jax.Array, states: jax.Array) -> jax.Array:
-        read = readings_of(law, _states(motion, number), moved(variations, velocities))
+        read = readings_of(law, _states(motion, number), jax.vmap(pose)(moved(variations, velocities)))
         return rates_of(law, motion.time, read, states)
 
     return of
