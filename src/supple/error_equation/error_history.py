@@ -377,7 +377,7 @@ class ErrorEquation:
         gain = ElasticGain(
             start,
             stiffness=padded(tangents.material + tangents.geometric),
-            viscous=time * padded(tangents.material),
+            viscous=time * padded(tangents.material if time else tangents.material[:0]),
             viscous_stiffness=time * padded(rates.samples),
         )
         return gain, GainHistory(

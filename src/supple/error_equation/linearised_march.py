@@ -52,7 +52,7 @@ class ElasticGain:
     stiffness: Any
     """(m, k, k)"""
     viscous: Any
-    """(m, k, k): damping's; zero where it does not follow the strain rate"""
+    """(m, k, k): damping's; (0, k, k) where it does not follow the strain rate"""
     viscous_stiffness: Any
     """(n, k, k): of the stress of strain rates"""
 
@@ -121,7 +121,8 @@ def _weighted(body: ElasticGain, history: GainHistory) -> tuple[jax.Array, jax.A
     """Force, tangent and damping that a body gains at every step of a stretch."""
     gained = jnp.tensordot(history.weights, body.stiffness, axes=1)
     gained = gained + jnp.tensordot(history.rate_weights, body.viscous_stiffness, axes=1)
-    return history.force, gained, jnp.tensordot(history.weights, body.viscous, axes=1)
+    weights = history.weights[:, : body.viscous.shape[0]]
+    return history.force, gained, jnp.tensordot(weights, body.viscous, axes=1)
 
 
 def _on_rotations(model: Model, matrices: jax.Array, vector: jax.Array) -> jax.Array:
