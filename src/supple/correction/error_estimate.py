@@ -269,8 +269,8 @@ def check_linearised(system: System) -> None:
     """ModelError for a machine with intrinsic bodies or controllers, which are not linearised here."""
     if system.controllers:
         raise ModelError(
-            "error estimate: what a basis costs is not told beside controllers: give the bodies reductions of "
-            "fixed size and compare with richer ones, or leave the controllers out, "
+            "error estimate: what a basis costs is not told beside controllers: give the bodies reductions "
+            "of fixed size and compare with richer ones, or leave the controllers out, "
             "replace(system, controllers=())"
         )
     if intrinsic := system.bodies_of(IntrinsicBody):

@@ -9,12 +9,13 @@ system says by how much the motion would give way,
 
 joints and frames held as for the motion that a basis misses. q is the run's with what its basis misses at
 rest (`missing_motion`): the run itself may be compressed along its elements by what its basis cannot relax,
-and so slender that K_t is nearly singular there (a strip bent by a quarter of its length: delta of 5e-3
-of the length at the run, 1e-4 beside it, and 2e-4 true). Quasi-static: a stiffness that is off moves
-frequencies too, which a long vibration shows by its phase. What is not in it is the mesh.
+and K_t nearly singular there. Of a strip of 1 m, bent by a quarter, it made 5 mm of what is 0.1 mm at q.
+Quasi-static: a stiffness that is off moves frequencies too, which a long vibration shows by its phase. What
+is not in it is the mesh.
 
-A body whose elements are not at hand, or that a controller moves, is told by its limit: a deflection is off by some 2e-3 at
-its `rotation_limit` (strips of h/t = 10), by the third power of the turn; linear ones by 1 - cos.
+A body whose elements are not at hand, or any in a machine with controllers, is told by its limit: a
+deflection is off by some 2e-3 at its `rotation_limit` (strips of h/t = 10), by the third power of the turn;
+linear ones by 1 - cos.
 """
 
 from __future__ import annotations
