@@ -18,6 +18,9 @@ __all__ = ["Recorded", "chosen_steps", "march_to", "recorded"]
 DRIFT = 0.01
 """Of the energy that a run has had: what may get lost, or come from nothing."""
 
+HOPELESS = 10.0
+"""Times the loss at the interface that is allowed: where it has grown to this, a trial is not marched on."""
+
 
 class Recorded(NamedTuple):
     """What is kept of an output time.
@@ -107,10 +110,13 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
 
     def again(carry: tuple[Array, MarchState]) -> tuple[Array, MarchState]:
         bound = jnp.maximum(carry[0] // 2, 1)
-        return bound, _marched(model, methods, state._replace(ratio_bound=bound), fixed, end)
+        return bound, _marched(
+            model, methods, state._replace(ratio_bound=bound), fixed, end, HOPELESS * allowed
+        )
 
     first = ratio_of(state.ratio_bound)
-    ratio, new = lax.while_loop(too_much, again, (first, _marched(model, methods, state, fixed, end)))
+    tried = _marched(model, methods, state, fixed, end, HOPELESS * allowed)
+    ratio, new = lax.while_loop(too_much, again, (first, tried))
     repeated = ratio != first
     # After each repetition a larger ratio is tried only twice as much later: a trial costs the whole way.
     longer = (lost(new) < 0.1 * allowed) & (state.ratio_wait == 0) & ~repeated
@@ -128,12 +134,22 @@ def _size(state: MarchState) -> Array:
     return jnp.abs(state.initial) + jnp.abs(e.external) + e.plastic + jnp.abs(e.damping)
 
 
-def _marched(model: MarchModel, methods: Methods, state: MarchState, fixed: Array, end: Array) -> MarchState:
+def _marched(
+    model: MarchModel,
+    methods: Methods,
+    state: MarchState,
+    fixed: Array,
+    end: Array,
+    most: Array | float = float("inf"),
+) -> MarchState:
+    """On to an output time, or until more than `most` J has gone through the interface at a ratio above 1."""
     h, ratio, n = chosen_steps(model, methods, state, fixed, end - state.time)
+    before = state.energies.interface
 
     def going_on(carry: tuple[Array, MarchState]) -> Array:
         done, state = carry
-        return (done < n) & (state.smallest > 0) & jnp.isfinite(state.energies.internal)
+        bears = (ratio == 1) | (jnp.abs(state.energies.interface - before) <= most)
+        return (done < n) & (state.smallest > 0) & jnp.isfinite(state.energies.internal) & bears
 
     def go_on(carry: tuple[Array, MarchState]) -> tuple[Array, MarchState]:
         done, state = carry
