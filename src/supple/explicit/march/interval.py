@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from supple.explicit.elements import shell_von_mises, squashed, von_mises
+from supple.explicit.elements import layered_von_mises, shell_von_mises, squashed, von_mises
 from supple.explicit.march.march_step import kinetic, march_step
 from supple.explicit.march.model import MarchModel, MarchState, Methods
 
@@ -34,6 +34,8 @@ class Recorded(NamedTuple):
     plastic: tuple[Array, ...]
     alive: tuple[Array, ...]
     von_mises: tuple[Array, ...]
+    shell_plastic: tuple[Array, ...]
+    shell_alive: tuple[Array, ...]
     shell_stress: tuple[Array, ...]
     frames: tuple[tuple[Array, Array, Array, Array], ...]
     obstacles: tuple[tuple[Array, Array], ...]
@@ -195,13 +197,25 @@ def recorded(model: MarchModel, methods: Methods, state: MarchState, trouble: Ar
         strain = law.plastic_strain(own)
         plastic.append(jnp.zeros_like(live) if strain is None else strain.max(axis=0))
         stress.append(live * von_mises(law, block, state.x, own).max(axis=0))
+    bent, bent_stress = [], []
+    for law, shell, own, live in zip(
+        methods.shell_laws, model.shells, state.layers, state.shells_alive, strict=True
+    ):
+        if law is None or own is None:
+            bent.append(jnp.zeros_like(live))
+            bent_stress.append(shell_von_mises(shell, state.x, state.turning.triads))
+        else:
+            bent.append(own.strain.max(axis=(0, 1)))
+            bent_stress.append(live * layered_von_mises(law, shell, state.x, state.turning.triads, own))
     return Recorded(
         state.x,
         state.v,
         tuple(plastic),
         state.alive,
         tuple(stress),
-        tuple(shell_von_mises(shell, state.x, state.turning.triads) for shell in model.shells),
+        tuple(bent),
+        state.shells_alive,
+        tuple(bent_stress),
         tuple((frame.p, frame.y, frame.vp, frame.vy) for frame in state.frames),
         tuple((at.offset, at.velocity) for at in state.obstacles),
         jnp.stack(state.energies._replace(kinetic=kinetic(model, state))),
