@@ -161,6 +161,7 @@ def test_other_commands_say_whose_case_it_is(bar):
 
 
 PLATE = """
+title = "a plate"
 [[part]]
 name = "plate"
 mesh = "plate.inp"
