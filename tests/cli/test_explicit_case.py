@@ -158,3 +158,38 @@ def test_other_commands_say_whose_case_it_is(bar):
     with pytest.raises(CaseError, match="supple run"):
         read_case(path)
     assert "supple run" in CliRunner().invoke(app, ["reduce", str(path)]).output
+
+
+PLATE = """
+title = "a plate"
+[[part]]
+name = "plate"
+mesh = "plate.inp"
+shell = { youngs_modulus = 70e9, poissons_ratio = 0.3, density = 2700.0, thickness = 0.002 }
+explicit = { law = { kind = "j2", yield_stress = 100e6 }, layers = 7, deletion = 0.2 }
+
+[simulation]
+duration = 1e-4
+output_step = 1e-5
+"""
+
+
+def test_a_shell_yields_by_its_law_and_has_no_key_without_effect(bar, tmp_path):
+    nodes = ["1, 0, 0, 0", "2, 1, 0, 0", "3, 0, 1, 0"]
+    (tmp_path / "plate.inp").write_text(
+        "\n".join(["*NODE", *nodes, "*ELEMENT, TYPE=S3, ELSET=ALL", "1, 1, 2, 3", ""])
+    )
+    path = tmp_path / "plate.toml"
+    path.write_text(PLATE)
+    plate = read_explicit_case(path).system.part("plate").subdomain
+    assert (plate.law.hardening.initial, plate.layers, plate.deletion) == (100e6, 7, 0.2)
+    for old, new, told in (
+        ('law = { kind = "j2", yield_stress = 100e6 }, ', "", "an elastic shell has no deletion"),
+        ('kind = "j2", yield_stress = 100e6', 'kind = "neo-hookean"', "the law of a shell"),
+        ("layers = 7", "hourglass = 0.1", "hourglass modes are of hexahedra"),
+    ):
+        path.write_text(PLATE.replace(old, new))
+        with pytest.raises(CaseError, match=told):
+            read_explicit_case(path)
+    with pytest.raises(CaseError, match="layers are of shells"):
+        read_explicit_case(bar(("modulus = 300e6 }", "modulus = 300e6 }, layers = 3")))

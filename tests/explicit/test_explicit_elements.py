@@ -42,6 +42,8 @@ def forces(subdomain, x, dx=None):
         start.materials,
         start.alive,
         (),
+        (),
+        (),
         start.turning.triads,
     )
     return np.asarray(out.forces[:2])[:, :, numbers], out
@@ -98,11 +100,13 @@ def true_limit(part):
             own.start.materials,
             own.start.alive,
             (),
+            (),
+            (),
             own.start.turning.triads,
         )
         return -out.forces.sum(axis=0).ravel()
 
-    K = np.asarray(jax.jacobian(force)(own.start.x.ravel()))
+    K = np.asarray(jax.jit(jax.jacobian(force))(own.start.x.ravel()))
     root = np.sqrt(np.tile(np.asarray(own.model.mass), 3))
     return 2 / np.sqrt(np.linalg.eigvalsh(K / root[:, None] / root)[-1])
 

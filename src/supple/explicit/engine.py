@@ -160,14 +160,13 @@ class ExplicitEngine:
                 np.concatenate(rows.von_mises[span], axis=1),
             )
         for name, span in own.shells.items():
-            stress = np.concatenate(rows.shell_stress[span], axis=1)
             nodes = own.nodes[name]
             bodies[name] = NodalMotion(
                 np.asarray(rows.x)[:, :, nodes].swapaxes(1, 2),
                 np.asarray(rows.v)[:, :, nodes].swapaxes(1, 2),
-                np.zeros_like(stress),
-                np.ones_like(stress),
-                stress,
+                np.concatenate(rows.shell_plastic[span], axis=1),
+                np.concatenate(rows.shell_alive[span], axis=1),
+                np.concatenate(rows.shell_stress[span], axis=1),
             )
         for (name, frame), marched in zip(own.frames.items(), rows.frames, strict=True):
             p, y, vp, vy = (np.asarray(leaf) for leaf in marched)

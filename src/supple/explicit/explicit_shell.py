@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
 from supple.errors import ModelError
+from supple.explicit.materials import J2Plasticity
 from supple.fem import FiniteElementModel, HomogeneousSection, lumped_mass, stress_recovery
-from supple.fem.optimal_membrane import triangle_area
-from supple.fem.shell_triangle import element_axes, plane_coordinates
+from supple.fem.kirchhoff_bending import MIDSIDES
+from supple.fem.optimal_membrane import drilling_stiffness, triangle_area
+from supple.fem.shell_kinematics import DRILLING
+from supple.fem.shell_triangle import element_axes, plane_coordinates, resultant_strains
 from supple.mesh import CellType
 
 __all__ = ["ExplicitShell", "ShellElements", "explicit_shell"]
@@ -27,6 +30,9 @@ class ShellElements:
 
     nodes : int (E, 3);   corners : (E, 3, 3) m;   stiffness : (E, 18, 18);   to_stress : (E, l, 6, 18)
     inertia : (E,) of each corner, kg m^2;   mass : (E,) of each corner, kg
+    thickness : m;   area : (E,) m^2
+    membrane : (E, 3, 18), bending : (E, p, 3, 18)      strain and curvature, these at p points
+    drilling : (E, 18, 18) stiffness of the drilling rotations alone
     """
 
     nodes: NDArray[np.int64]
@@ -35,19 +41,30 @@ class ShellElements:
     to_stress: FloatArray
     mass: FloatArray
     inertia: FloatArray
+    thickness: float
+    area: FloatArray
+    membrane: FloatArray
+    bending: FloatArray
+    drilling: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class ExplicitShell:
-    """Elastic shells of small strain; build it with `explicit_shell`.
+    """Shells of small strain; build it with `explicit_shell`.
 
     name : str
     model : FiniteElementModel      of TRIANGLE3 cells with homogeneous sections
+    law : J2Plasticity | None       None: elastic
+    layers : int            Gauss points through the thickness where there is a law
+    deletion : float        plastic strain at which an element is deleted; infinite: never
     damping : LinearRayleighDamping | None      alpha alone
     """
 
     name: str
     model: FiniteElementModel = field(repr=False)
+    law: J2Plasticity | None = None
+    layers: int = 5
+    deletion: float = float("inf")
     damping: LinearRayleighDamping | None = None
 
     def __post_init__(self) -> None:
@@ -61,6 +78,17 @@ class ExplicitShell:
                     f"{type(section.property).__name__}; explicit shells are TRIANGLE3 cells of a "
                     "HomogeneousSection"
                 )
+            if self.law is not None and section.property.material != self.law.elastic:
+                raise ModelError(
+                    f"explicit shell '{self.name}': its law has other elastic constants, or another density, "
+                    "than its sections; make a part of each material"
+                )
+        if self.layers < 2:
+            raise ModelError(
+                f"explicit shell '{self.name}': {self.layers} layers do not bend; give at least 2"
+            )
+        if not self.deletion > 0:
+            raise ModelError(f"the plastic strain of deletion must be positive, got {self.deletion}")
         if self.damping is not None and self.damping.beta:
             raise ModelError(
                 f"explicit shell '{self.name}': damping by the rate of strain is of solids; give beta = 0"
@@ -99,8 +127,11 @@ class ExplicitShell:
             given = section.property
             assert isinstance(given, HomogeneousSection)
             corners = section.corners(self.model.mesh)
-            area = triangle_area(plane_coordinates(corners, element_axes(corners, given)))
+            xy = plane_coordinates(corners, element_axes(corners, given))
+            area = triangle_area(xy)
             B = block.B[:, 0]
+            membrane, bending = resultant_strains(xy, MIDSIDES)
+            drills = B[:, DRILLING]
             D = block.w[:, :1, None] * np.broadcast_to(block.D, (len(B), *block.D.shape[-2:]))
             mass = given.mass_per_area * area / 3
             of_strain = np.broadcast_to(stress.of_strain, (len(B), *stress.of_strain.shape[1:]))
@@ -112,6 +143,11 @@ class ExplicitShell:
                     of_strain @ B[:, None],
                     mass,
                     mass * (given.thickness**2 / 12 + area / 8),
+                    given.thickness,
+                    area,
+                    membrane @ B,
+                    bending @ B[:, None],
+                    drills.swapaxes(1, 2) @ drilling_stiffness(xy, given.membrane) @ drills,
                 )
             )
         return tuple(made)
@@ -132,12 +168,16 @@ def explicit_shell(
     model: FiniteElementModel,
     *,
     name: str = "shell",
+    law: J2Plasticity | None = None,
+    layers: int = 5,
+    deletion: float = float("inf"),
     damping: LinearRayleighDamping | None = None,
 ) -> ExplicitShell:
-    """Elastic shells for an explicit march: small strains, any rotation.
+    """Shells for an explicit march: small strains, any rotation; elastic, or yielding by a law.
 
     model : of TRIANGLE3 cells with HomogeneousSection(..)
-    name, damping : see `ExplicitShell`
-    Raises ModelError for other cells and sections, and for damping by the rate of strain.
+    name, law, layers, deletion, damping : see `ExplicitShell`
+    Raises ModelError for other cells and sections, a law of other constants, fewer than 2 layers, and damping
+    by the rate of strain.
     """
-    return ExplicitShell(name, model, damping)
+    return ExplicitShell(name, model, law, layers, deletion, damping)

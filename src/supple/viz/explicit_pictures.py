@@ -11,7 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.explicit import ENERGIES, OBSTACLES, Energies, ExplicitSubdomain, ExplicitSystem, part_positions
+from supple.explicit import (
+    ENERGIES,
+    OBSTACLES,
+    Energies,
+    ExplicitShell,
+    ExplicitSubdomain,
+    ExplicitSystem,
+    part_positions,
+)
 from supple.explicit.series_motion import series_of
 from supple.integrate import Solution
 from supple.results.explicit_fields import element_means, nodal_von_mises
@@ -49,7 +57,8 @@ def _stress_label(units: UnitSystem) -> tuple[str, float]:
 
 
 def _plastic_strain(subdomain: Any, motion: Any) -> FloatArray | None:
-    if not isinstance(subdomain, ExplicitSubdomain):
+    yields = isinstance(subdomain, ExplicitShell) and subdomain.law is not None
+    if not yields and not isinstance(subdomain, ExplicitSubdomain):
         return None
     return element_means(subdomain, motion.plastic_strain, motion.alive)
 

@@ -20,6 +20,7 @@ from supple.explicit import (
     STEPS,
     ExplicitShell,
     ExplicitSubdomain,
+    J2Plasticity,
     ModalSubdomain,
     Part,
     explicit_shell,
@@ -69,6 +70,7 @@ class ExplicitPart(CheckedTable):
     hourglass: float = Field(
         0.01, ge=0.0, le=1.0, description="stiffness of hourglass modes of hexahedra over that of stretching"
     )
+    layers: int = Field(5, ge=2, description="Gauss points through the thickness of shells that yield")
     deletion: Positive | None = Field(None, description="plastic strain at which an element is deleted")
 
 
@@ -120,7 +122,15 @@ class PartTable(CheckedTable):
         given = self.explicit
         assert given is not None  # a rule of the case file
         if self.shell is not None:
-            return explicit_shell(model, name=self.name, damping=damping)
+            law = given.law.build(material)
+            return explicit_shell(
+                model,
+                name=self.name,
+                law=law if isinstance(law, J2Plasticity) else None,
+                layers=given.layers,
+                deletion=np.inf if given.deletion is None else given.deletion,
+                damping=damping,
+            )
         return explicit_elements(
             model,
             given.law.build(material),
@@ -142,11 +152,22 @@ def _are_of_one_kind(path: KeyPath, part: Raw) -> Mistakes:
             yield path, f"a part needs exactly one {what}, {' or '.join(keys)}; this one has {seen}"
 
 
-def _shells_have_no_law(path: KeyPath, part: Raw) -> Mistakes:
-    """Explicit shells are elastic; what is said of solids beyond that would have no effect."""
+def _keys_have_an_effect(path: KeyPath, part: Raw) -> Mistakes:
+    """Explicit shells are elastic or yield; what else is said has no effect, nor layers of a solid."""
     given = table(part, "explicit")
-    for key in given if "shell" in part else ():
-        yield (*path, "explicit", key), "explicit shells are elastic and take no key here; give explicit = {}"
+    kind = table(given, "law").get("kind")
+    if "shell" not in part:
+        if "layers" in given:
+            yield (*path, "explicit", "layers"), "layers are of shells that yield; a solid has none"
+        return
+    if "hourglass" in given:
+        yield (*path, "explicit", "hourglass"), "hourglass modes are of hexahedra; a shell has none"
+    if "law" in given and kind != "j2":
+        message = f'the law of a shell is kind = "j2", or left out where it is elastic; got {kind!r}'
+        yield (*path, "explicit", "law"), message
+    for key in ("layers", "deletion") if "law" not in given else ():
+        if key in given:
+            yield (*path, "explicit", key), f'an elastic shell has no {key}; give it a law of kind "j2"'
 
 
 def _meshes_can_be_read(path: KeyPath, part: Raw) -> Mistakes:
@@ -165,5 +186,7 @@ def _names_are_free(raw: Raw) -> Mistakes:
 
 RULES = (
     _names_are_free,
-    on_each("part", _are_of_one_kind, _shells_have_no_law, _meshes_can_be_read, *material_laws.RULES_OF_PART),
+    on_each(
+        "part", _are_of_one_kind, _keys_have_an_effect, _meshes_can_be_read, *material_laws.RULES_OF_PART
+    ),
 )

@@ -5,7 +5,11 @@ from supple.explicit.elements.hourglass import hourglass_vectors
 from supple.explicit.elements.incidence import gathered, incidence
 from supple.explicit.elements.mean_gradient import SolidPoints, solid_points
 from supple.explicit.elements.shell_block import (
+    LayerArrays,
     ShellBlock,
+    layered_force,
+    layered_von_mises,
+    rest_layers,
     shell_block,
     shell_force,
     shell_von_mises,
@@ -15,6 +19,7 @@ from supple.explicit.elements.stable_step import element_limits, squashed
 
 __all__ = [
     "BlockForce",
+    "LayerArrays",
     "ShellBlock",
     "SolidBlock",
     "SolidPoints",
@@ -23,6 +28,9 @@ __all__ = [
     "gathered",
     "hourglass_vectors",
     "incidence",
+    "layered_force",
+    "layered_von_mises",
+    "rest_layers",
     "shell_block",
     "shell_force",
     "shell_von_mises",

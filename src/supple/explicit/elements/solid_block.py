@@ -6,12 +6,13 @@ from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
-from jax import Array, lax
+from jax import Array
 
 from supple.explicit.elements.incidence import gathered, incidence
 from supple.explicit.elements.mean_gradient import SolidPoints
 from supple.explicit.materials.law import Law, viscous_stress
 from supple.explicit.tensor3 import Tensor, as_array, tensor
+from supple.explicit.worked_out import worked_out
 from supple.fem import Isotropic
 
 __all__ = ["BlockForce", "SolidBlock", "block_force", "deformation", "hourglass_stiffness", "solid_block"]
@@ -98,40 +99,42 @@ def block_force(
     alive : (E,) 1, or 0 where an element has been deleted
     beta : stiffness damping, s; None leaves its operations out
     """
-    corners = lax.optimization_barrier(x[:, block.nodes])
-    moves = lax.optimization_barrier(dx[:, block.nodes])
+    g, gamma = block.gradients, block.gamma
     # Apart, so that an increment which the law does not read is not worked out.
-    F = lax.optimization_barrier(deformation(block, corners))
-    dF = lax.optimization_barrier(deformation(block, moves))
+    corners = worked_out(lambda of: of[:, block.nodes], x)
+    moves = worked_out(lambda of: of[:, block.nodes], dx)
+    F = worked_out(lambda of: deformation(block, of), corners)
+    dF = worked_out(lambda of: deformation(block, of), moves)
     P, state, dissipated, J = law.respond(F, dF, state)
     lost = jnp.zeros_like(J)
     if beta is not None:
         viscous, lost = viscous_stress(law.elastic, beta, F, dF, h)
         P = tensor(lambda i, j: P[i][j] + viscous[i][j])
     volumes = block.volumes * alive
-    stress = lax.optimization_barrier(
-        as_array(lax.optimization_barrier(tensor(lambda i, j: volumes * P[i][j])))
+    stress = worked_out(lambda of: as_array(tensor(lambda i, j: volumes * of[i][j])), P)
+    forces = worked_out(
+        lambda of: -_summed([of[:, None, j] * g[None, :, j] for j in range(3)]).sum(axis=2), stress
     )
-    g = block.gradients
-    forces = -sum(stress[:, None, j] * g[None, :, j] for j in range(3)).sum(axis=2)  # type: ignore[union-attr] - likewise
     against = jnp.zeros_like(x)
-    if len(block.gamma):
+    if len(gamma):
         kappa = block.hourglass * alive
-        # One array a component: a loop over elements alone is what the compiler makes vector code of.
-        amplitudes = lax.optimization_barrier(
-            [
-                [kappa * sum(corners[i, k] * gamma[k] for k in range(len(g))) for i in range(3)]
-                for gamma in block.gamma
-            ]
+        amplitudes = worked_out(
+            lambda of: kappa * _summed([of[None, :, k] * gamma[:, None, k] for k in range(len(g))]), corners
         )
-        stacked = lax.optimization_barrier(jnp.array(amplitudes))
-        corner = -sum(stacked[a][:, None] * block.gamma[None, a] for a in range(len(stacked)))
-        against = gathered(lax.optimization_barrier(corner), block.table)
+        corner = worked_out(
+            lambda of: -_summed([of[a][:, None] * gamma[None, a] for a in range(4)]), amplitudes
+        )
+        against = gathered(corner, block.table)
     return BlockForce(
-        gathered(lax.optimization_barrier(forces), block.table),
+        gathered(forces, block.table),
         against,
         state,
         jnp.sum(volumes * dissipated),
         jnp.sum(volumes * lost),
         jnp.min(jnp.where(alive > 0, J, 1.0)),
     )
+
+
+def _summed(terms: list[Array]) -> Array:
+    """Their sum written out, which compiles to one loop."""
+    return sum(terms[1:], terms[0])

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
+from supple.explicit.elements import rest_layers
 from supple.explicit.explicit_system import Contact, ExplicitSystem, Part, Tie
 from supple.explicit.frame_model import FrameModel, FrameState
 from supple.explicit.march.build_blocks import explicit_blocks
@@ -135,6 +136,8 @@ def built(
     methods = Methods(
         tuple(made.laws),
         tuple(made.deletions),
+        tuple(shells.laws),
+        tuple(shells.deletions),
         obstacles,
         tuple(obstacle_of),
         tuple(frame_obstacles),
@@ -182,6 +185,8 @@ def _start(
             law.initial(block.volumes.shape) for law, block in zip(methods.laws, model.blocks, strict=True)
         ),
         alive=tuple(jnp.ones(block.volumes.shape[1]) for block in model.blocks),
+        layers=tuple(None if shell.layers is None else rest_layers(shell) for shell in model.shells),
+        shells_alive=tuple(jnp.ones(shell.nodes.shape[1]) for shell in model.shells),
         frames=frames,
         obstacles=tuple(
             ObstacleState(jnp.zeros(3), jnp.asarray(obstacle.velocity, dtype=float))

@@ -9,10 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.explicit.elements import ShellBlock, shell_block
-from supple.explicit.explicit_shell import ExplicitShell
+from supple.explicit.elements import LayerArrays, ShellBlock, shell_block
+from supple.explicit.explicit_shell import ExplicitShell, ShellElements
 from supple.explicit.explicit_system import ExplicitSystem, Part, Support
 from supple.explicit.march.turning import Spins, Turning
+from supple.explicit.materials import J2Plasticity
 
 __all__ = ["Shells", "explicit_shells"]
 
@@ -27,6 +28,7 @@ class Shells:
     place : (N,)    number of the triad of each node of the march, -1 without
     inertia, turned : (r,) kg m^2, and alpha J;   triads : (3, 3, r), rates : (3, r) at the start
     mass, damped : (N,) kg, and alpha m;   spans : part to its blocks
+    laws, deletions : of each block;   law None: elastic
     """
 
     place: IntArray
@@ -39,6 +41,8 @@ class Shells:
     blocks: list[ShellBlock] = field(default_factory=list)
     spans: dict[str, slice] = field(default_factory=dict)
     limits: list[float] = field(default_factory=list)
+    laws: list[J2Plasticity | None] = field(default_factory=list)
+    deletions: list[float] = field(default_factory=list)
 
     @property
     def step_limit(self) -> float:
@@ -94,7 +98,25 @@ def explicit_shells(parts: Sequence[Part], numbers: Mapping[str, IntArray], n_no
         made.limits.append(body.step_limit)
         for each in body.elements:
             nodes = own[each.nodes]
+            layers = None if body.law is None else _layers(each, body.layers)
             made.blocks.append(
-                shell_block(nodes, place[nodes], each.corners, each.stiffness, each.to_stress, n_nodes, r)
+                shell_block(
+                    nodes, place[nodes], each.corners, each.stiffness, each.to_stress, n_nodes, r, layers
+                )
             )
+            made.laws.append(body.law)
+            made.deletions.append(body.deletion)
     return made
+
+
+def _layers(of: ShellElements, count: int) -> LayerArrays:
+    """Gauss points through the thickness: exact for what is linear in it, as elastic stress is."""
+    places, weights = np.polynomial.legendre.leggauss(count)
+    return LayerArrays(
+        jnp.asarray(of.membrane.transpose(1, 2, 0)),
+        jnp.asarray(of.bending.transpose(1, 2, 3, 0)),
+        jnp.asarray(of.drilling.transpose(1, 2, 0)),
+        jnp.asarray(of.area),
+        jnp.asarray(0.5 * of.thickness * places),
+        jnp.asarray(0.5 * of.thickness * weights),
+    )

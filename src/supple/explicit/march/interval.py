@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from supple.explicit.elements import shell_von_mises, squashed, von_mises
+from supple.explicit.elements import layered_von_mises, shell_von_mises, squashed, von_mises
 from supple.explicit.march.march_step import kinetic, march_step
 from supple.explicit.march.model import MarchModel, MarchState, Methods
 
@@ -17,6 +17,9 @@ __all__ = ["Recorded", "chosen_steps", "march_to", "recorded"]
 
 DRIFT = 0.01
 """Of the energy that a run has had: what may get lost, or come from nothing."""
+
+HOPELESS = 10.0
+"""Times the loss at the interface that is allowed: where it has grown to this, a trial is not marched on."""
 
 
 class Recorded(NamedTuple):
@@ -31,6 +34,8 @@ class Recorded(NamedTuple):
     plastic: tuple[Array, ...]
     alive: tuple[Array, ...]
     von_mises: tuple[Array, ...]
+    shell_plastic: tuple[Array, ...]
+    shell_alive: tuple[Array, ...]
     shell_stress: tuple[Array, ...]
     frames: tuple[tuple[Array, Array, Array, Array], ...]
     obstacles: tuple[tuple[Array, Array], ...]
@@ -107,10 +112,13 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
 
     def again(carry: tuple[Array, MarchState]) -> tuple[Array, MarchState]:
         bound = jnp.maximum(carry[0] // 2, 1)
-        return bound, _marched(model, methods, state._replace(ratio_bound=bound), fixed, end)
+        return bound, _marched(
+            model, methods, state._replace(ratio_bound=bound), fixed, end, HOPELESS * allowed
+        )
 
     first = ratio_of(state.ratio_bound)
-    ratio, new = lax.while_loop(too_much, again, (first, _marched(model, methods, state, fixed, end)))
+    tried = _marched(model, methods, state, fixed, end, HOPELESS * allowed)
+    ratio, new = lax.while_loop(too_much, again, (first, tried))
     repeated = ratio != first
     # After each repetition a larger ratio is tried only twice as much later: a trial costs the whole way.
     longer = (lost(new) < 0.1 * allowed) & (state.ratio_wait == 0) & ~repeated
@@ -128,12 +136,22 @@ def _size(state: MarchState) -> Array:
     return jnp.abs(state.initial) + jnp.abs(e.external) + e.plastic + jnp.abs(e.damping)
 
 
-def _marched(model: MarchModel, methods: Methods, state: MarchState, fixed: Array, end: Array) -> MarchState:
+def _marched(
+    model: MarchModel,
+    methods: Methods,
+    state: MarchState,
+    fixed: Array,
+    end: Array,
+    most: Array | float = float("inf"),
+) -> MarchState:
+    """On to an output time, or until more than `most` J has gone through the interface at a ratio above 1."""
     h, ratio, n = chosen_steps(model, methods, state, fixed, end - state.time)
+    before = state.energies.interface
 
     def going_on(carry: tuple[Array, MarchState]) -> Array:
         done, state = carry
-        return (done < n) & (state.smallest > 0) & jnp.isfinite(state.energies.internal)
+        bears = (ratio == 1) | (jnp.abs(state.energies.interface - before) <= most)
+        return (done < n) & (state.smallest > 0) & jnp.isfinite(state.energies.internal) & bears
 
     def go_on(carry: tuple[Array, MarchState]) -> tuple[Array, MarchState]:
         done, state = carry
@@ -179,13 +197,25 @@ def recorded(model: MarchModel, methods: Methods, state: MarchState, trouble: Ar
         strain = law.plastic_strain(own)
         plastic.append(jnp.zeros_like(live) if strain is None else strain.max(axis=0))
         stress.append(live * von_mises(law, block, state.x, own).max(axis=0))
+    bent, bent_stress = [], []
+    for law, shell, own, live in zip(
+        methods.shell_laws, model.shells, state.layers, state.shells_alive, strict=True
+    ):
+        if law is None or own is None:
+            bent.append(jnp.zeros_like(live))
+            bent_stress.append(shell_von_mises(shell, state.x, state.turning.triads))
+        else:
+            bent.append(own.strain.max(axis=(0, 1)))
+            bent_stress.append(live * layered_von_mises(law, shell, state.x, state.turning.triads, own))
     return Recorded(
         state.x,
         state.v,
         tuple(plastic),
         state.alive,
         tuple(stress),
-        tuple(shell_von_mises(shell, state.x, state.turning.triads) for shell in model.shells),
+        tuple(bent),
+        state.shells_alive,
+        tuple(bent_stress),
         tuple((frame.p, frame.y, frame.vp, frame.vy) for frame in state.frames),
         tuple((at.offset, at.velocity) for at in state.obstacles),
         jnp.stack(state.energies._replace(kinetic=kinetic(model, state))),

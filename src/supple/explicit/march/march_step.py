@@ -76,6 +76,8 @@ def nodal_step(
         h,
         state.materials,
         state.alive,
+        state.layers,
+        state.shells_alive,
         obstacles,
         turning.triads,
     )
@@ -104,6 +106,8 @@ def nodal_step(
         forces=out.forces,
         materials=out.materials,
         alive=out.alive,
+        layers=out.layers,
+        shells_alive=out.shells_alive,
         obstacles=obstacles,
         turning=turning._replace(moments=out.moments),
         obstacle_forces=out.on_obstacles,
@@ -146,6 +150,8 @@ def with_forces(model: MarchModel, methods: Methods, state: MarchState) -> March
         jnp.ones(()),
         state.materials,
         state.alive,
+        state.layers,
+        state.shells_alive,
         state.obstacles,
         state.turning.triads,
     )

@@ -11,7 +11,8 @@ from supple.explicit.elements import ShellBlock, SolidBlock
 from supple.explicit.frame_model import FrameModel, FrameState
 from supple.explicit.march.touching_surface import TouchingSurface
 from supple.explicit.march.turning import Spins, Turning
-from supple.explicit.materials import Law
+from supple.explicit.materials import J2Plasticity, Law
+from supple.explicit.materials.plane_stress import LayerState
 from supple.explicit.obstacles import Obstacle
 from supple.explicit.projected_difference import ProjectedDifference
 from supple.explicit.published_scheme import PublishedScheme
@@ -83,7 +84,7 @@ class MarchModel(NamedTuple):
 class Methods:
     """What the march is compiled for.
 
-    laws, deletions : of each block
+    laws, deletions : of each block;   shell_laws, shell_deletions : likewise, law None of elastic ones
     obstacles : those of contacts, explicit ones first;   frame_obstacles : numbers per frame
     obstacle_of : number of the obstacle of each contact of explicit nodes
     scheme : of the four-point frames
@@ -95,6 +96,8 @@ class Methods:
 
     laws: tuple[Law, ...]
     deletions: tuple[float, ...]
+    shell_laws: tuple[J2Plasticity | None, ...]
+    shell_deletions: tuple[float, ...]
     obstacles: tuple[Obstacle, ...]
     obstacle_of: tuple[int, ...]
     frame_obstacles: tuple[tuple[int, ...], ...]
@@ -137,7 +140,8 @@ class MarchState(NamedTuple):
 
     before, frame_before : the last step of the explicit nodes and of the frames, s; zero at the start
     x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
-    materials, alive : of each block;   smallest : det F of the worst point so far
+    materials, alive : of each block;   layers, shells_alive : of each block of shells
+    smallest : det F of the worst point so far
     obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
     ratio_bound : explicit steps in one of the frames, at most, as the interface bears them
     ratio_wait, ratio_patience : output times until more are tried, and after the next failure
@@ -151,6 +155,8 @@ class MarchState(NamedTuple):
     forces: Array
     materials: tuple[Any, ...]
     alive: tuple[Array, ...]
+    layers: tuple[LayerState | None, ...]
+    shells_alive: tuple[Array, ...]
     frames: tuple[FrameState, ...]
     obstacles: tuple[ObstacleState, ...]
     turning: Turning

@@ -7,9 +7,10 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from supple.explicit.elements import block_force, shell_force
+from supple.explicit.elements import block_force, layered_force, shell_force
 from supple.explicit.march.model import MarchModel, Methods, NodesTouching, ObstacleState
 from supple.explicit.march.touching_surface import surface_penalty
+from supple.explicit.materials.plane_stress import LayerState
 from supple.explicit.obstacles import Obstacle
 
 __all__ = ["NodalForces", "nodal_forces", "penalty"]
@@ -19,7 +20,7 @@ class NodalForces(NamedTuple):
     """At t_n.
 
     forces : (4, 3, N) internal, hourglass, contact, external
-    materials, alive : of the blocks
+    materials, alive : of the blocks;   layers, shells_alive : of those of shells
     on_obstacles : (o, 3);   moments : (3, r) on the triads of shells
     plastic, viscous : work of the step that led here, J;   smallest : det F of the worst point
     """
@@ -27,6 +28,8 @@ class NodalForces(NamedTuple):
     forces: Array
     materials: tuple[Any, ...]
     alive: tuple[Array, ...]
+    layers: tuple[LayerState | None, ...]
+    shells_alive: tuple[Array, ...]
     on_obstacles: Array
     moments: Array
     plastic: Array
@@ -43,6 +46,8 @@ def nodal_forces(
     h: Array,
     materials: tuple[Any, ...],
     alive: tuple[Array, ...],
+    layers: tuple[LayerState | None, ...],
+    shells_alive: tuple[Array, ...],
     obstacles: tuple[ObstacleState, ...],
     triads: Array,
 ) -> NodalForces:
@@ -63,8 +68,20 @@ def nodal_forces(
             live = live * (strain.max(axis=0) < limit)  # noqa: PLW2901 - the next step's
         living.append(live)
     moments = jnp.zeros((3, triads.shape[2]))
-    for shell in model.shells:
-        pull = shell_force(shell, x, triads)
+    bent, standing = [], []
+    for law, limit, shell, state, live in zip(
+        methods.shell_laws, methods.shell_deletions, model.shells, layers, shells_alive, strict=True
+    ):
+        if law is None or state is None:
+            pull = shell_force(shell, x, triads)
+            bent.append(None)
+        else:
+            pull = layered_force(law, shell, x, triads, state, live)
+            plastic = plastic + pull.plastic
+            bent.append(pull.state)
+            if limit != float("inf"):
+                live = live * (pull.state.strain.max(axis=(0, 1)) < limit)  # noqa: PLW2901 - the next step's
+        standing.append(live)
         internal, moments = internal + pull.force, moments + pull.moment
     contact, on_obstacles = jnp.zeros_like(x), jnp.zeros((len(methods.obstacles), 3))
     for touching, number in zip(model.touching, methods.obstacle_of, strict=True):
@@ -80,6 +97,8 @@ def nodal_forces(
         jnp.stack([internal, hourglass, contact, external]),
         tuple(states),
         tuple(living),
+        tuple(bent),
+        tuple(standing),
         on_obstacles,
         moments,
         plastic,

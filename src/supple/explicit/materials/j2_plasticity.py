@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jax import Array, lax
+from jax import Array
 
 from supple.explicit.materials.hardening import Hardening
 from supple.explicit.materials.law import Response, lame, linear_stress
@@ -35,6 +35,7 @@ from supple.explicit.tensor3 import (
     tensor,
     transposed,
 )
+from supple.explicit.worked_out import worked_out
 from supple.fem import Isotropic
 
 __all__ = ["J2Plasticity", "PlasticState"]
@@ -64,18 +65,19 @@ class J2Plasticity:
 
     def respond(self, F: Tensor, dF: Tensor, state: PlasticState) -> Response:
         """Stress at F after the increment dF."""
-        middle = tensor(lambda i, j: F[i][j] - 0.5 * dF[i][j])
-        cof_middle = cofactor(middle)
-        inverse = scaled(1 / determinant(middle, cof_middle), transposed(cof_middle))
-        # Barriers: without them the compiler works out each tensor again for every component that reads it.
-        L = lax.optimization_barrier(product(dF, lax.optimization_barrier(inverse)))
-        D = symmetric_part(L)
-        Q = lax.optimization_barrier(_turn(L))
-        half = lax.optimization_barrier(product(Q, _symmetric(state.stress)))
-        trial = lax.optimization_barrier(added(product(half, transposed(Q)), linear_stress(self.elastic, D)))
-        stress, strain, dissipated = lax.optimization_barrier(self._returned(trial, state.strain))
-        cof = cofactor(F)
-        J = determinant(F, cof)
+        # By stages: else the compiler works out each tensor again for every component that reads it.
+        inverse = worked_out(_middle_inverse, (F, dF))
+        L = worked_out(lambda of: product(*of), (dF, inverse))
+        Q = worked_out(_turn, L)
+        half = worked_out(lambda of: product(of[0], _symmetric(of[1])), (Q, state.stress))
+        trial = worked_out(
+            lambda of: added(
+                product(of[0], transposed(of[1])), linear_stress(self.elastic, symmetric_part(of[2]))
+            ),
+            (half, Q, L),
+        )
+        stress, strain, dissipated = worked_out(lambda of: self._returned(*of), (trial, state.strain))
+        cof, J = worked_out(_cofactor_and_determinant, F)
         kept = jnp.stack([stress[0][0], stress[1][1], stress[2][2], stress[1][2], stress[0][2], stress[0][1]])
         return Response(product(stress, cof), PlasticState(kept, strain), J * dissipated, J)
 
@@ -93,6 +95,18 @@ class J2Plasticity:
         factor = 1 - 3 * mu * increment / jnp.where(mises > 0, mises, 1.0)
         stress = tensor(lambda i, j: factor * deviator[i][j] + (mean if i == j else 0.0))
         return stress, strain + increment, (mises - 3 * mu * increment) * increment
+
+
+def _middle_inverse(of: tuple[Tensor, Tensor]) -> Tensor:
+    """(F - dF/2)^-1."""
+    F, dF = of
+    cof, J = _cofactor_and_determinant(tensor(lambda i, j: F[i][j] - 0.5 * dF[i][j]))
+    return scaled(1 / J, transposed(cof))
+
+
+def _cofactor_and_determinant(F: Tensor) -> tuple[Tensor, Array]:
+    cof = cofactor(F)
+    return cof, determinant(F, cof)
 
 
 def _turn(L: Tensor) -> Tensor:
