@@ -1,5 +1,6 @@
 """Explicit march: modal sub-domains on four-point frames beside nonlinear finite elements."""
 
+from supple.explicit.continuity import EveryNode, MeanMotion
 from supple.explicit.engine import ENERGIES, OBSTACLES, STEPS, ExplicitEngine, ExplicitOptions
 from supple.explicit.explicit_shell import ExplicitShell, explicit_shell
 from supple.explicit.explicit_subdomain import ExplicitSubdomain, explicit_subdomain
@@ -40,6 +41,7 @@ __all__ = [
     "STEPS",
     "Contact",
     "Energies",
+    "EveryNode",
     "ExactLinks",
     "ExplicitEngine",
     "ExplicitOptions",
@@ -50,6 +52,7 @@ __all__ = [
     "J2Plasticity",
     "LaggedGyroscopicForce",
     "LinearHardening",
+    "MeanMotion",
     "ModalSubdomain",
     "NeoHookean",
     "NoGyroscopicForce",

@@ -12,6 +12,7 @@ from supple.explicit.frame_model import FrameModel, FrameState
 from supple.explicit.march.touching_surface import TouchingSurface
 from supple.explicit.march.turning import Spins, Turning
 from supple.explicit.materials import Law
+from supple.explicit.modal_tie import ModalTie
 from supple.explicit.obstacles import Obstacle
 from supple.explicit.projected_difference import ProjectedDifference
 from supple.explicit.published_scheme import PublishedScheme
@@ -56,6 +57,7 @@ class MarchModel(NamedTuple):
 
     blocks : of explicit elements;   limits : (E,) of each block at rest, s;   betas : (s) of each, or None
     mass, alpha : (N,) of the nodes, kg and 1/s;   movable : (3, N) 1, or 0 where held
+    ties : of frames to each other
     surfaces : contacts between parts
     contact_rate : largest stiffness over mass of a node in contact, 1/s^2
     shells : of triangles, with their triads;   shell_limit : of their step, s
@@ -68,6 +70,7 @@ class MarchModel(NamedTuple):
     alpha: Array
     movable: Array
     frames: tuple[FrameArrays, ...]
+    ties: tuple[ModalTie, ...]
     touching: tuple[NodesTouching, ...]
     surfaces: tuple[TouchingSurface, ...]
     loaded: tuple[Any, ...]
@@ -86,6 +89,7 @@ class Methods:
     laws, deletions : of each block
     obstacles : those of contacts, explicit ones first;   frame_obstacles : numbers per frame
     obstacle_of : number of the obstacle of each contact of explicit nodes
+    tied : which two frames each of their ties joins
     scheme : of the four-point frames
     safety : part of the step limit that is used
     largest_ratio : explicit steps in one of the frames
@@ -98,6 +102,7 @@ class Methods:
     obstacles: tuple[Obstacle, ...]
     obstacle_of: tuple[int, ...]
     frame_obstacles: tuple[tuple[int, ...], ...]
+    tied: tuple[tuple[int, int], ...]
     scheme: ProjectedDifference | PublishedScheme
     safety: float
     largest_ratio: int
