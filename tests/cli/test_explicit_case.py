@@ -154,6 +154,13 @@ def test_every_mistake_is_listed_with_its_line(bar):
         read_explicit_case(bar(('on = "rest"', every)))
 
 
+def test_a_modal_part_stiffens_with_its_spin_where_the_file_says_so(bar):
+    assert read_explicit_case(bar()).system.part("rest").subdomain.spin_stiffness is None
+    spun = ('interfaces = ["JOINT"]', 'interfaces = ["JOINT"], spin_stiffness = true')
+    body = read_explicit_case(bar(spun)).system.part("rest").subdomain
+    assert body.spin_stiffness.shape == (6, body.n_modes, body.n_modes)
+
+
 def test_two_modal_parts_are_tied_as_the_file_says(bar):
     explicit = 'explicit = { law = { kind = "j2", yield_stress = 100e6, modulus = 300e6 } }'
     modal = (explicit, 'modal = { modes = 3, interfaces = ["JOINT"] }')

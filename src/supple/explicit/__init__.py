@@ -34,11 +34,13 @@ from supple.explicit.published_scheme import (
     PublishedScheme,
 )
 from supple.explicit.simulate_explicit import keep_explicit, simulate_explicit
+from supple.explicit.spin_stiffness import CentrifugalStiffness
 
 __all__ = [
     "ENERGIES",
     "OBSTACLES",
     "STEPS",
+    "CentrifugalStiffness",
     "Contact",
     "Energies",
     "EveryNode",

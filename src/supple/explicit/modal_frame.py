@@ -13,6 +13,7 @@ from supple.explicit.frame_model import FrameModel
 from supple.explicit.frame_moments import Moments, moments, rigid_rates
 from supple.explicit.mass_fields import MassFields
 from supple.explicit.modal_subdomain import ModalSubdomain
+from supple.explicit.spin_stiffness import largest_of_unit_spin
 from supple.explicit.step_limit import damped_limit, local_mass, true_limit
 
 __all__ = ["ModalFrame", "modal_frame"]
@@ -49,6 +50,15 @@ class ModalFrame:
             largest = linalg.eigh(stiffness + penalty, mass, eigvals_only=True)[-1]
             limit = float(2 / np.sqrt(largest))
         return damped_limit(limit, self.body.stiffness_damping)
+
+    @property
+    def spin_bound(self) -> float | None:
+        """Of the squared frequencies that a spin of 1 rad/s adds, 1/s^2 per (rad/s)^2; None without."""
+        if self.model.spin_stiffness is None:
+            return None
+        mass, _ = self.pencil()
+        free = mass[6:, 6:] - mass[6:, :6] @ np.linalg.solve(mass[:6, :6], mass[:6, 6:])
+        return largest_of_unit_spin(np.asarray(self.model.spin_stiffness), free)
 
     def penalty_stiffness(self, nodes: NDArray[np.int64], stiffness: FloatArray) -> FloatArray:
         """Sum k B^T B (6 + k, 6 + k) of springs at nodes in all directions, on rigid motion and modes."""
@@ -118,5 +128,6 @@ def modal_frame(body: ModalSubdomain, points: FloatArray, shapes: FloatArray, ma
         jnp.asarray(frame.squared_lengths),
         jnp.asarray(body.mass_damping),
         jnp.asarray(body.stiffness_damping),
+        None if body.spin_stiffness is None else jnp.asarray(T.T @ body.spin_stiffness @ T),
     )
     return ModalFrame(body, model, T)

@@ -25,6 +25,7 @@ from supple.explicit.frame_model import FrameModel, FrameState, Generalized, Ste
 from supple.explicit.frame_moments import Spread, arms, spread
 from supple.explicit.modal_tie import ModalTie, tied_gap, tied_rows
 from supple.explicit.rigid_links import link_residual, link_rows, link_vectors
+from supple.explicit.spin_stiffness import spin_products
 
 __all__ = ["ProjectedDifference"]
 
@@ -150,6 +151,9 @@ class _Frozen(NamedTuple):
     """What does not change over the passes of a frame's step: B_n^T M B_n with the links, factored.
 
     The modes are eliminated first; the links make the rest regular, even where modes repeat a uniform strain.
+
+    spun : (6, k) impulse of the spin's stiffness per product of angular velocity after t_n, or None
+    after : h, s
     """
 
     model: FrameModel
@@ -159,6 +163,8 @@ class _Frozen(NamedTuple):
     modal_mass: Array | float
     border: Array
     inverse: Array
+    spun: Array | None
+    after: Array | float
 
     @property
     def unit(self) -> Array:
@@ -181,7 +187,13 @@ def _frozen(model: FrameModel, state: FrameState, force: Generalized, steps: Ste
     right_y = h * (
         moved.y - steps.before * bilinear.y + mean * (force.y + elastic_force(model, y, vy)) - drag * vy
     )
-    own = _Frozen(model, p, t, Generalized(right_p, right_y), 1 + drag, jnp.zeros(0), jnp.zeros(0))
+    spun = None
+    if model.spin_stiffness is not None:
+        # Half of the spin before t_n and half of that after it: second order, and reversible.
+        spun = -0.5 * h * mean * (model.spin_stiffness @ y)
+        right_y = right_y + spin_products(p, vp) @ spun
+    right = Generalized(right_p, right_y)
+    own = _Frozen(model, p, t, right, 1 + drag, jnp.zeros(0), jnp.zeros(0), spun, h)
     S = jnp.kron(t.sums.Xi, jnp.eye(3)) - t.A_py @ t.A_py.T / own.modal_mass
     border = t.G * own.factor
     saddle = jnp.block([[S, -border.T], [border, jnp.zeros((6, 6))]])
@@ -193,6 +205,8 @@ def _missing(f: _Frozen, d: Generalized, links: Array) -> tuple[Array, Array, Ar
     moved, bilinear = _momentum(f.t, d), _bilinear(f.model, f.t, *d)
     r_p = (f.right.p - moved.p - bilinear.p).reshape(12) + f.border.T @ links
     r_y = f.right.y - moved.y - bilinear.y - (f.modal_mass - 1) * d.y
+    if f.spun is not None:
+        r_y = r_y + spin_products(f.p, d.p / f.after) @ f.spun
     return r_p, r_y, -link_residual(f.p + d.p, f.model.squared_lengths) * f.factor
 
 

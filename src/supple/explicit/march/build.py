@@ -84,6 +84,7 @@ def built(
         for axis in (axis for axis in support.axes if axis < 3):
             movable[axis, held] = 0.0
             v[held, axis] = 0.0
+    _check_scheme(system, scheme)
     obstacles = tuple(contact.obstacle for contact in system.rigid_contacts)
     hanging = [hung for tie in system.ties if (hung := _hung(system, tie, numbers, x)) is not None]
     hanging += [
@@ -156,6 +157,16 @@ def built(
     return Built(
         model, methods, with_forces(model, methods, start), numbers, made.spans, shells.spans, frames
     )
+
+
+def _check_scheme(system: ExplicitSystem, scheme: ProjectedDifference | PublishedScheme) -> None:
+    modal = [part.subdomain for part in system.placed if isinstance(part.subdomain, ModalSubdomain)]
+    stiffened = [body.name for body in modal if body.spin_stiffness is not None]
+    if stiffened and not isinstance(scheme, ProjectedDifference):
+        raise ModelError(
+            f"part '{stiffened[0]}' stiffens as it spins, which {type(scheme).__name__} does not know; take "
+            "ProjectedDifference(), or leave `stiffening` out"
+        )
 
 
 def _loaded(system: ExplicitSystem, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
@@ -321,6 +332,7 @@ def _frame(
         tuple(touching),
         loaded,
         jnp.asarray(jnp.inf),  # once all contacts are known
+        None if frame.spin_bound is None else jnp.asarray(frame.spin_bound),
     )
     zero = jnp.zeros(body.n_modes)
     start = FrameState(jnp.asarray(p), zero, jnp.asarray(rates), zero)

@@ -15,6 +15,7 @@ from supple.explicit.frame_model import (
     gravity_force,
     material_points,
     point_forces,
+    spin_force,
 )
 from supple.explicit.frame_moments import arms, spread
 from supple.explicit.march.model import FrameArrays, MarchModel, MarchState, Methods
@@ -128,7 +129,7 @@ def _works(
     """Internal, damping, external, contact, from the nodes: force times mean rate times mean step."""
     vp, vy = 0.5 * (old.vp + new.vp), 0.5 * (old.vy + new.vy)
     model = arrays.model
-    elastic = elastic_force(model, old.y, jnp.zeros_like(old.y)) @ vy
+    elastic = (elastic_force(model, old.y, jnp.zeros_like(old.y)) + spin_force(model, old, new)) @ vy
     drag = model.mass_damping * vy @ vy - elastic_force(model, jnp.zeros_like(old.y), old.vy) @ vy
     rates = [jnp.sum(force.p * vp) + force.y @ vy for force in forces]
     return steps.mean * jnp.stack([-elastic, drag, rates[0], -rates[1], rates[2]])

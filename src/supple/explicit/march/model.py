@@ -41,6 +41,7 @@ class FrameArrays(NamedTuple):
     nodes : (n,)            explicit nodes that hang on it, at weights (n, 4) and shapes (n, 3, k)
     touching : tuple of NodesTouching       contacts of its own points
     loaded : tuple of (weights, shapes, force (3,), law, follows)    forces on its own points; () or None
+    step_limit : at rest, s;   spin_bound : of what a spin of 1 rad/s adds to squared frequencies, or None
     """
 
     model: FrameModel
@@ -50,6 +51,7 @@ class FrameArrays(NamedTuple):
     touching: tuple[NodesTouching, ...]
     loaded: tuple[Any, ...]
     step_limit: Array
+    spin_bound: Array | None
 
 
 class MarchModel(NamedTuple):
