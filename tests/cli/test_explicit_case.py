@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from supple.cases import read_case, read_explicit_case, run_explicit_case
 from supple.cli.main import app
 from supple.errors import CaseError
-from supple.explicit import EveryNode, MeanMotion
+from supple.explicit import EveryNode, MeanMotion, Mortar
 from supple.mesh import CellType, block
 from supple.storage import read_solution
 
@@ -168,6 +168,11 @@ def test_two_modal_parts_are_tied_as_the_file_says(bar):
     every = ('on = "rest"', 'on = "rest"\ncontinuity = { kind = "every-node", tolerance = 1e-3 }')
     system = read_explicit_case(bar(modal, every)).system
     assert system.modal_ties[0].continuity == EveryNode(1e-3)
+    mortar = ('on = "rest"', 'on = "rest"\ntransfer = { kind = "mortar" }')
+    assert read_explicit_case(bar(mortar)).system.ties[0].transfer == Mortar()
+    nodal = ('modal = { modes = 4, interfaces = ["JOINT"] }', "explicit = {}")
+    with pytest.raises(CaseError, match="a mortar is for ties on modal parts"):
+        read_explicit_case(bar(mortar, nodal))
 
 
 def test_a_node_set_that_no_mesh_has_is_named(bar):

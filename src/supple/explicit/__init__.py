@@ -1,5 +1,6 @@
 """Explicit march: modal sub-domains on four-point frames beside nonlinear finite elements."""
 
+from supple.explicit.collocated import Collocated
 from supple.explicit.continuity import EveryNode, MeanMotion
 from supple.explicit.engine import ENERGIES, OBSTACLES, STEPS, ExplicitEngine, ExplicitOptions
 from supple.explicit.explicit_shell import ExplicitShell, explicit_shell
@@ -22,6 +23,7 @@ from supple.explicit.materials import (
     StVenantKirchhoff,
 )
 from supple.explicit.modal_subdomain import ModalSubdomain, modal_subdomain
+from supple.explicit.mortar import Mortar
 from supple.explicit.motions import FourPointMotion, NodalMotion
 from supple.explicit.obstacles import RigidCylinder, RigidPlane, RigidSphere
 from supple.explicit.positions import part_positions
@@ -41,6 +43,7 @@ __all__ = [
     "OBSTACLES",
     "STEPS",
     "CentrifugalStiffness",
+    "Collocated",
     "Contact",
     "Energies",
     "EveryNode",
@@ -56,6 +59,7 @@ __all__ = [
     "LinearHardening",
     "MeanMotion",
     "ModalSubdomain",
+    "Mortar",
     "NeoHookean",
     "NoGyroscopicForce",
     "NodalForce",

@@ -10,10 +10,12 @@ import numpy as np
 
 from supple.arguments import check_fields
 from supple.errors import ModelError, did_you_mean
+from supple.explicit.collocated import Collocated
 from supple.explicit.continuity import EveryNode, MeanMotion
 from supple.explicit.explicit_shell import ExplicitShell
 from supple.explicit.explicit_subdomain import ExplicitSubdomain
 from supple.explicit.modal_subdomain import ModalSubdomain
+from supple.explicit.mortar import Mortar
 from supple.explicit.obstacles import Obstacle
 from supple.machine import At
 from supple.machine.placement import rotation_matrix, space_vector
@@ -82,6 +84,7 @@ class Tie:
                 whose material they hang wherever they lie on its cells. Nodes of a modal sub-domain are tied
                 on a modal one only
     within : float      of the size of the set: how far from the part nodes may lie
+    transfer : Collocated() or Mortar()     how nodes follow a modal part where the meshes do not match
     continuity : MeanMotion() or EveryNode(..)      what two modal sub-domains have in common there; explicit
                 nodes hang position for position
     """
@@ -89,6 +92,7 @@ class Tie:
     nodes: At
     on: str
     within: float = 1e-6
+    transfer: Collocated | Mortar = field(default_factory=Collocated)
     continuity: MeanMotion | EveryNode = field(default_factory=MeanMotion)
 
     def __post_init__(self) -> None:
@@ -207,8 +211,14 @@ class ExplicitSystem:
         for tie in self.ties:
             if tie.on == tie.nodes.body:
                 raise ModelError(f"tie of '{tie.nodes}': a part is not tied to itself, give another as `on`")
+            modal_on = isinstance(self.part(tie.on).subdomain, ModalSubdomain)
+            if isinstance(tie.transfer, Mortar) and not modal_on:
+                raise ModelError(
+                    f"tie of '{tie.nodes}' on '{tie.on}': a mortar needs a modal part to hang on; explicit "
+                    "parts are tied node to node"
+                )
             modal = isinstance(self.part(tie.nodes.body).subdomain, ModalSubdomain)
-            if modal and not isinstance(self.part(tie.on).subdomain, ModalSubdomain):
+            if modal and not modal_on:
                 raise ModelError(
                     f"tie of '{tie.nodes}' on '{tie.on}': nodes of a modal sub-domain are tied on a modal "
                     f"one, and '{tie.on}' is explicit; tie its nodes on '{tie.nodes.body}' instead"

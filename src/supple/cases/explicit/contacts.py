@@ -9,9 +9,11 @@ from pydantic import Field
 
 from supple.cases.laws import Constant, Law, TableLaw
 from supple.explicit import (
+    Collocated,
     Contact,
     EveryNode,
     MeanMotion,
+    Mortar,
     NodalForce,
     RigidCylinder,
     RigidPlane,
@@ -124,11 +126,34 @@ class NodalContinuity(CheckedTable):
         return EveryNode(self.tolerance)
 
 
+class CollocatedTransfer(CheckedTable):
+    """Each node follows the point where it stands."""
+
+    kind: Literal["collocated"]
+
+    def build(self) -> Collocated:
+        """The transfer."""
+        return Collocated()
+
+
+class MortarTransfer(CheckedTable):
+    """Nodes follow in the mean over the faces about them."""
+
+    kind: Literal["mortar"]
+
+    def build(self) -> Mortar:
+        """The transfer."""
+        return Mortar()
+
+
 class TieTable(CheckedTable):
     """Nodes that move with another part."""
 
     nodes: str = Field(description="PART.NODE_SET; of a modal part where the other one is modal, too")
     on: str = Field(description="the part they are tied to")
+    transfer: Annotated[CollocatedTransfer | MortarTransfer, Field(discriminator="kind")] = Field(
+        CollocatedTransfer(kind="collocated"), description="how nodes follow a modal part of another mesh"
+    )
     continuity: Annotated[MeanContinuity | NodalContinuity, Field(discriminator="kind")] = Field(
         MeanContinuity(kind="mean-motion"), description="what two modal parts have in common there"
     )
@@ -136,7 +161,7 @@ class TieTable(CheckedTable):
 
     def build(self) -> Tie:
         """The tie."""
-        return Tie(_end(self.nodes), self.on, self.within, self.continuity.build())
+        return Tie(_end(self.nodes), self.on, self.within, self.transfer.build(), self.continuity.build())
 
 
 class SupportTable(CheckedTable):

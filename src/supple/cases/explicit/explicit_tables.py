@@ -98,6 +98,9 @@ def _suit_explicit_parts(raw: Raw) -> Mistakes:
                 "tie them on the modal one"
             )
             yield (*path, "nodes"), message
+        elif table(tie, "transfer").get("kind") == "mortar" and kinds.get(tie.get("on")) is True:
+            message = "explicit parts are tied node to node; a mortar is for ties on modal parts"
+            yield (*path, "transfer"), message
         elif "continuity" in tie and kinds.get(name) is True:
             yield (
                 (*path, "continuity"),

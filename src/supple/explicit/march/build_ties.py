@@ -12,9 +12,9 @@ from scipy import linalg
 from supple.errors import ModelError
 from supple.explicit.explicit_system import ExplicitSystem, Part, Tie
 from supple.explicit.frame_model import FrameState
-from supple.explicit.meeting import meeting_nodes, on_faces
 from supple.explicit.modal_frame import ModalFrame
 from supple.explicit.modal_tie import ModalTie, TiedSide, tied_rows
+from supple.explicit.outer_faces import outer_triangles
 from supple.explicit.projected_difference import ProjectedDifference
 from supple.explicit.published_scheme import PublishedScheme
 from supple.explicit.step_limit import damped_limit
@@ -37,13 +37,14 @@ def within(tie: Tie, points: FloatArray) -> float:
 
 def met_material(system: ExplicitSystem, tie: Tie, x: FloatArray) -> tuple[IntArray, FloatArray]:
     """Nodes (n, c) of the modal part that points x (n, 3) in space hang on, and their weights (n, c)."""
-    part = system.part(tie.on)
+    part, tied = system.part(tie.on), system.part(tie.nodes.body).mesh
     local = (x - part.position) @ part.rotation
-    near = within(tie, local)
-    met = meeting_nodes(local, part.mesh.nodes, near)
-    if (met >= 0).all():
-        return met[:, None], np.ones((len(x), 1))
-    return on_faces(local, part.mesh, near, f"tie of '{tie.nodes}' on '{tie.on}'")
+    nodes = system.node_numbers(tie.nodes)
+    place = np.full(tied.n_nodes, -1)
+    place[nodes] = np.arange(len(nodes))
+    faces = place[outer_triangles(tied, nodes)]
+    what = f"tie of '{tie.nodes}' on '{tie.on}'"
+    return tie.transfer.weights(local, faces, part.mesh, within(tie, local), what)
 
 
 def modal_ties(
