@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 from supple.cases import read_case, read_explicit_case, run_explicit_case
 from supple.cli.main import app
 from supple.errors import CaseError
+from supple.explicit import EveryNode, MeanMotion, Mortar
 from supple.mesh import CellType, block
 from supple.storage import read_solution
 
@@ -143,9 +144,35 @@ def test_every_mistake_is_listed_with_its_line(bar):
     assert "exactly one of obstacle, surface" in told
     assert "did you mean 'nose'" in told
     assert "needs factor and exponent" in told
-    path = bar(('nodes = "nose.JOINT"', 'nodes = "rest.JOINT"'))
-    with pytest.raises(CaseError, match="this one is modal"):
+    path = bar(('nodes = "nose.JOINT"', 'nodes = "rest.JOINT"'), ('on = "rest"', 'on = "nose"'))
+    with pytest.raises(CaseError, match="modal, and tied on an explicit one"):
         read_explicit_case(path)
+    with pytest.raises(CaseError, match="not tied to itself"):
+        read_explicit_case(bar(('on = "rest"', 'on = "nose"')))
+    every = 'on = "rest"\ncontinuity = { kind = "every-node" }'
+    with pytest.raises(CaseError, match="hang position for position"):
+        read_explicit_case(bar(('on = "rest"', every)))
+
+
+def test_a_modal_part_stiffens_with_its_spin_where_the_file_says_so(bar):
+    assert read_explicit_case(bar()).system.part("rest").subdomain.spin_stiffness is None
+    spun = ('interfaces = ["JOINT"]', 'interfaces = ["JOINT"], spin_stiffness = true')
+    body = read_explicit_case(bar(spun)).system.part("rest").subdomain
+    assert body.spin_stiffness.shape == (6, body.n_modes, body.n_modes)
+
+
+def test_two_modal_parts_are_tied_as_the_file_says(bar):
+    explicit = 'explicit = { law = { kind = "j2", yield_stress = 100e6, modulus = 300e6 } }'
+    modal = (explicit, 'modal = { modes = 3, interfaces = ["JOINT"] }')
+    assert read_explicit_case(bar(modal)).system.ties[0].continuity == MeanMotion()
+    every = ('on = "rest"', 'on = "rest"\ncontinuity = { kind = "every-node", tolerance = 1e-3 }')
+    system = read_explicit_case(bar(modal, every)).system
+    assert system.modal_ties[0].continuity == EveryNode(1e-3)
+    mortar = ('on = "rest"', 'on = "rest"\ntransfer = { kind = "mortar" }')
+    assert read_explicit_case(bar(mortar)).system.ties[0].transfer == Mortar()
+    nodal = ('modal = { modes = 4, interfaces = ["JOINT"] }', "explicit = {}")
+    with pytest.raises(CaseError, match="a mortar is for ties on modal parts"):
+        read_explicit_case(bar(mortar, nodal))
 
 
 def test_a_node_set_that_no_mesh_has_is_named(bar):

@@ -1,5 +1,7 @@
 """Explicit march: modal sub-domains on four-point frames beside nonlinear finite elements."""
 
+from supple.explicit.collocated import Collocated
+from supple.explicit.continuity import EveryNode, MeanMotion
 from supple.explicit.engine import ENERGIES, OBSTACLES, STEPS, ExplicitEngine, ExplicitOptions
 from supple.explicit.explicit_shell import ExplicitShell, explicit_shell
 from supple.explicit.explicit_subdomain import ExplicitSubdomain, explicit_subdomain
@@ -21,6 +23,7 @@ from supple.explicit.materials import (
     StVenantKirchhoff,
 )
 from supple.explicit.modal_subdomain import ModalSubdomain, modal_subdomain
+from supple.explicit.mortar import Mortar
 from supple.explicit.motions import FourPointMotion, NodalMotion
 from supple.explicit.obstacles import RigidCylinder, RigidPlane, RigidSphere
 from supple.explicit.positions import part_positions
@@ -33,13 +36,17 @@ from supple.explicit.published_scheme import (
     PublishedScheme,
 )
 from supple.explicit.simulate_explicit import keep_explicit, simulate_explicit
+from supple.explicit.spin_stiffness import CentrifugalStiffness
 
 __all__ = [
     "ENERGIES",
     "OBSTACLES",
     "STEPS",
+    "CentrifugalStiffness",
+    "Collocated",
     "Contact",
     "Energies",
+    "EveryNode",
     "ExactLinks",
     "ExplicitEngine",
     "ExplicitOptions",
@@ -50,7 +57,9 @@ __all__ = [
     "J2Plasticity",
     "LaggedGyroscopicForce",
     "LinearHardening",
+    "MeanMotion",
     "ModalSubdomain",
+    "Mortar",
     "NeoHookean",
     "NoGyroscopicForce",
     "NodalForce",

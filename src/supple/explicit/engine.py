@@ -14,7 +14,7 @@ from supple.algebra.jax_settings import before_compiled_code
 from supple.errors import ModelError
 from supple.explicit.explicit_system import ExplicitSystem
 from supple.explicit.march.build import Built, built
-from supple.explicit.march.interval import Recorded, chosen_steps, march_to, recorded
+from supple.explicit.march.interval import Recorded, chosen_steps, frame_limits, march_to, recorded
 from supple.explicit.march.march_step import kinetic
 from supple.explicit.march.model import Energies, MarchState
 from supple.explicit.motions import FourPointMotion, NodalMotion
@@ -196,7 +196,9 @@ class ExplicitEngine:
             limits.append(float(self._built.model.shell_limit))
         rate = float(self._built.model.contact_rate)
         limit = min((2 / np.sqrt((2 / own) ** 2 + rate) for own in limits), default=np.inf)
-        limit = min([limit] + [float(frame.step_limit) for frame in self._built.model.frames if not limits])
+        limit = min(
+            [limit] + [float(own) for own in frame_limits(self._built.model, self._built.start) if not limits]
+        )
         if step > limit:
             raise ModelError(
                 f"the step {step:g} s is above the limit of {limit:.4g} s, at which the march blows up; "

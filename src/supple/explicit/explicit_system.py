@@ -10,9 +10,12 @@ import numpy as np
 
 from supple.arguments import check_fields
 from supple.errors import ModelError, did_you_mean
+from supple.explicit.collocated import Collocated
+from supple.explicit.continuity import EveryNode, MeanMotion
 from supple.explicit.explicit_shell import ExplicitShell
 from supple.explicit.explicit_subdomain import ExplicitSubdomain
 from supple.explicit.modal_subdomain import ModalSubdomain
+from supple.explicit.mortar import Mortar
 from supple.explicit.obstacles import Obstacle
 from supple.machine import At
 from supple.machine.placement import rotation_matrix, space_vector
@@ -74,18 +77,23 @@ class Part:
 
 @dataclass(frozen=True)
 class Tie:
-    """Nodes of an explicit sub-domain that move with another part, position for position.
+    """Nodes that move with another part.
 
-    nodes : At(sub-domain, node set)    of an explicit one
+    nodes : At(sub-domain, node set)
     on : str    the part they are tied to: an explicit one, whose nodes they must meet, or a modal one, on
-        whose
-                material they hang wherever they lie on its cells
+                whose material they hang wherever they lie on its cells. Nodes of a modal sub-domain are tied
+                on a modal one only
     within : float      of the size of the set: how far from the part nodes may lie
+    transfer : Collocated() or Mortar()     how nodes follow a modal part where the meshes do not match
+    continuity : MeanMotion() or EveryNode(..)      what two modal sub-domains have in common there; explicit
+                nodes hang position for position
     """
 
     nodes: At
     on: str
     within: float = 1e-6
+    transfer: Collocated | Mortar = field(default_factory=Collocated)
+    continuity: MeanMotion | EveryNode = field(default_factory=MeanMotion)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -201,12 +209,19 @@ class ExplicitSystem:
                     "shells alone"
                 )
         for tie in self.ties:
-            self.part(tie.on)
-            if isinstance(self.part(tie.nodes.body).subdomain, ModalSubdomain):
+            if tie.on == tie.nodes.body:
+                raise ModelError(f"tie of '{tie.nodes}': a part is not tied to itself, give another as `on`")
+            modal_on = isinstance(self.part(tie.on).subdomain, ModalSubdomain)
+            if isinstance(tie.transfer, Mortar) and not modal_on:
                 raise ModelError(
-                    f"the nodes of a tie belong to an explicit sub-domain; '{tie.nodes.body}' is modal. "
-                    f"Two modal "
-                    "sub-domains are made one: reduce their common body"
+                    f"tie of '{tie.nodes}' on '{tie.on}': a mortar needs a modal part to hang on; explicit "
+                    "parts are tied node to node"
+                )
+            modal = isinstance(self.part(tie.nodes.body).subdomain, ModalSubdomain)
+            if modal and not modal_on:
+                raise ModelError(
+                    f"tie of '{tie.nodes}' on '{tie.on}': nodes of a modal sub-domain are tied on a modal "
+                    f"one, and '{tie.on}' is explicit; tie its nodes on '{tie.nodes.body}' instead"
                 )
 
     def part(self, name: str) -> Part:
@@ -223,6 +238,11 @@ class ExplicitSystem:
     def placed(self) -> tuple[Part, ...]:
         """The parts, all of them placed."""
         return tuple(part for part in self.parts if isinstance(part, Part))
+
+    @property
+    def modal_ties(self) -> tuple[Tie, ...]:
+        """Ties of modal parts to each other."""
+        return tuple(t for t in self.ties if isinstance(self.part(t.nodes.body).subdomain, ModalSubdomain))
 
     @property
     def rigid_contacts(self) -> tuple[Contact, ...]:

@@ -9,6 +9,7 @@ from jax import Array
 
 from supple.explicit.frame_moments import Moments, Spread, arms
 from supple.explicit.frame_points import CORNERS
+from supple.explicit.spin_stiffness import spin_products
 
 __all__ = [
     "FrameModel",
@@ -18,6 +19,7 @@ __all__ = [
     "elastic_force",
     "gravity_force",
     "point_forces",
+    "spin_force",
 ]
 
 
@@ -28,6 +30,7 @@ class FrameModel(NamedTuple):
     stiffness : (k, k)          K_L, 1/s^2
     squared_lengths : (6,)      of the links, m^2
     mass_damping, stiffness_damping : alpha (1/s) and beta (s) of the modes; the frame is undamped
+    spin_stiffness : (6, k, k)  of the products of angular velocity (`PAIRS`), or None
     """
 
     moments: Moments
@@ -35,6 +38,7 @@ class FrameModel(NamedTuple):
     squared_lengths: Array
     mass_damping: Array
     stiffness_damping: Array
+    spin_stiffness: Array | None = None
 
 
 class FrameState(NamedTuple):
@@ -79,6 +83,14 @@ class Generalized(NamedTuple):
 def elastic_force(model: FrameModel, y: Array, rates: Array) -> Array:
     """-(K_L y + beta K_L y'), (k,): stiffness damping follows at the rates of the last half step."""
     return -(model.stiffness @ (y + model.stiffness_damping * rates))
+
+
+def spin_force(model: FrameModel, old: FrameState, new: FrameState) -> Array:
+    """-1/2 (K_G(Omega_n-1/2) + K_G(Omega_n+1/2)) y_n on the modes, (k,), as a step that is done had it."""
+    if model.spin_stiffness is None:
+        return jnp.zeros_like(old.y)
+    both = spin_products(old.p, old.vp) + spin_products(old.p, new.vp)
+    return -0.5 * both @ (model.spin_stiffness @ old.y)
 
 
 def gravity_force(sums: Spread, p: Array, gravity: Array) -> Generalized:

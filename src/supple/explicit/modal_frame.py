@@ -13,6 +13,7 @@ from supple.explicit.frame_model import FrameModel
 from supple.explicit.frame_moments import Moments, moments, rigid_rates
 from supple.explicit.mass_fields import MassFields
 from supple.explicit.modal_subdomain import ModalSubdomain
+from supple.explicit.spin_stiffness import largest_of_unit_spin
 from supple.explicit.step_limit import damped_limit, local_mass, true_limit
 
 __all__ = ["ModalFrame", "modal_frame"]
@@ -45,35 +46,53 @@ class ModalFrame:
         if penalty is None:
             limit = true_limit(self.model.moments, self.body.points, np.asarray(self.model.stiffness))
         else:
-            mass, stiffness = self._pencil()
+            mass, stiffness = self.pencil()
             largest = linalg.eigh(stiffness + penalty, mass, eigvals_only=True)[-1]
             limit = float(2 / np.sqrt(largest))
         return damped_limit(limit, self.body.stiffness_damping)
 
+    @property
+    def spin_bound(self) -> float | None:
+        """Of the squared frequencies that a spin of 1 rad/s adds, 1/s^2 per (rad/s)^2; None without."""
+        if self.model.spin_stiffness is None:
+            return None
+        mass, _ = self.pencil()
+        free = mass[6:, 6:] - mass[6:, :6] @ np.linalg.solve(mass[:6, :6], mass[:6, 6:])
+        return largest_of_unit_spin(np.asarray(self.model.spin_stiffness), free)
+
     def penalty_stiffness(self, nodes: NDArray[np.int64], stiffness: FloatArray) -> FloatArray:
         """Sum k B^T B (6 + k, 6 + k) of springs at nodes in all directions, on rigid motion and modes."""
-        B = self._motion(nodes)
+        B = self.motion(nodes)
         return np.einsum("n,nia,nib->ab", stiffness, B, B, optimize=True)
 
     def stiffness_at(self, nodes: NDArray[np.int64], fraction: float) -> FloatArray:
         """A fraction of what the effective mass of each node bears at the step limit of the modes, N/m."""
-        mass, stiffness = self._pencil()
+        mass, stiffness = self.pencil()
         largest = linalg.eigh(stiffness, mass, eigvals_only=True)[-1]
-        B = self._motion(nodes)
+        B = self.motion(nodes)
         mobility = B @ np.linalg.solve(mass, B.swapaxes(1, 2))
         return fraction * largest / np.linalg.eigvalsh(mobility)[:, -1]
 
-    def _motion(self, nodes: NDArray[np.int64]) -> FloatArray:
-        """(n, 3, 6 + k): motion of nodes per rigid motion and mode, undeformed."""
-        rigid = rigid_rates(self._points())
-        on_points = np.einsum("na,aic->nic", self.weights(nodes), rigid.reshape(4, 3, 6))
-        return np.concatenate([on_points, self.body.points.arm * self.shapes[nodes]], axis=2)
+    def motion(self, nodes: NDArray[np.int64]) -> FloatArray:
+        """(n, 3, 6 + k): motion of nodes per rigid motion and mode, undeformed, in the mesh axes."""
+        return self.material_motion(self.weights(nodes), self.shapes[nodes])
 
-    def _pencil(self) -> tuple[FloatArray, FloatArray]:
+    def material_motion(self, weights: FloatArray, shapes: FloatArray) -> FloatArray:
+        """The same of material points of weights (n, 4) and shapes (n, 3, k)."""
+        on_points = np.einsum("na,aic->nic", weights, self.rigid_rates)
+        return np.concatenate([on_points, self.body.points.arm * shapes], axis=2)
+
+    @property
+    def rigid_rates(self) -> FloatArray:
+        """(4, 3, 6): rates of the points per unit velocity and angular velocity, in the mesh axes."""
+        points = self.body.points
+        return rigid_rates(points.placed(np.zeros(3), np.eye(3)) - points.origin).reshape(4, 3, 6)
+
+    def pencil(self) -> tuple[FloatArray, FloatArray]:
         """Mass and stiffness (6 + k, 6 + k) of rigid motion and modes."""
         sums, points = self.model.moments, self.body.points
         k = len(self.turned)
-        rigid = rigid_rates(self._points())
+        rigid = self.rigid_rates.reshape(12, 6)
         M = np.zeros((6 + k, 6 + k))
         M[:6, :6] = rigid.T @ np.kron(np.asarray(sums.S0), np.eye(3)) @ rigid
         M[:6, 6:] = rigid.T @ (points.arm * np.asarray(sums.S1).reshape(12, -1))
@@ -82,9 +101,6 @@ class ModalFrame:
         K = np.zeros_like(M)
         K[6:, 6:] = np.asarray(self.model.stiffness)
         return M, K
-
-    def _points(self) -> FloatArray:
-        return self.body.points.placed(np.zeros(3), np.eye(3)) - self.body.points.origin
 
 
 def modal_frame(body: ModalSubdomain, points: FloatArray, shapes: FloatArray, mass: FloatArray) -> ModalFrame:
@@ -112,5 +128,6 @@ def modal_frame(body: ModalSubdomain, points: FloatArray, shapes: FloatArray, ma
         jnp.asarray(frame.squared_lengths),
         jnp.asarray(body.mass_damping),
         jnp.asarray(body.stiffness_damping),
+        None if body.spin_stiffness is None else jnp.asarray(T.T @ body.spin_stiffness @ T),
     )
     return ModalFrame(body, model, T)

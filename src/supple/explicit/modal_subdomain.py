@@ -17,6 +17,7 @@ from supple.explicit.frame_model import FrameModel
 from supple.explicit.frame_moments import Moments, moments
 from supple.explicit.frame_points import FramePoints
 from supple.explicit.mass_fields import mass_fields
+from supple.explicit.spin_stiffness import CentrifugalStiffness
 from supple.explicit.step_limit import local_mass, true_limit
 from supple.reduction import LinearBasisRecipe, rayleigh_ritz
 
@@ -34,6 +35,7 @@ class ModalSubdomain:
     vectors : (n, k)        V^T M V = I, R^T M V = 0, V^T K V = diag(omega^2)
     frequencies : (k,)      rad/s, ascending
     mass_damping, stiffness_damping : alpha, 1/s, and beta, s, of the modes
+    spin_stiffness : (6, k, k) of `CentrifugalStiffness`, or None
     Raises ModelError for vectors that contain rigid motion: their step limit would not be that of the modes.
     """
 
@@ -42,6 +44,7 @@ class ModalSubdomain:
     frequencies: NDArray[np.float64] = field(repr=False)
     mass_damping: float = 0.0
     stiffness_damping: float = 0.0
+    spin_stiffness: NDArray[np.float64] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         R, M = self.body.rigid_modes, self.body.mass
@@ -100,6 +103,7 @@ class ModalSubdomain:
             jnp.asarray(self.points.squared_lengths),
             jnp.asarray(self.mass_damping),
             jnp.asarray(self.stiffness_damping),
+            None if self.spin_stiffness is None else jnp.asarray(self.spin_stiffness),
         )
 
 
@@ -110,6 +114,7 @@ def modal_subdomain(
     *,
     highest: float = float("inf"),
     damping: LinearRayleighDamping | None = None,
+    stiffening: CentrifugalStiffness | None = None,
 ) -> ModalSubdomain:
     """A linear body as a modal sub-domain of an explicit march.
 
@@ -119,10 +124,12 @@ def modal_subdomain(
     their own; those above `highest` are left out. So constraint modes of many interface freedoms do not
     shorten the step: what counts is the highest frequency kept.
 
-    body : FlexibleBody     its elements' quadratic strains are not used
+    body : FlexibleBody     its elements' quadratic strains are used by `stiffening` alone
     basis : NormalModes(..), CraigBampton(..), ErrorControlled(..) or any other recipe
     highest : float         rad/s
     damping : LinearRayleighDamping(..)     of the modes; the frame is undamped
+    stiffening : CentrifugalStiffness()     stress of free spin, for bodies that spin faster than about 3 % of
+        their lowest frequency; None: the modes are those at rest at any spin
     Raises ModelError when no mode is left; errors of the recipe.
     Source: [Radioss]; docs/theory/explicit.md for the orthogonality.
     """
@@ -138,4 +145,6 @@ def modal_subdomain(
     vectors = linear.vectors[:, kept]
     # A mode has no sign of its own; this one lets a run go on in another process.
     signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(vectors.shape[1])])
-    return ModalSubdomain(body, vectors * signs, linear.frequencies[kept], alpha, beta)
+    vectors = vectors * signs
+    spun = None if stiffening is None else stiffening.matrices(body, vectors)
+    return ModalSubdomain(body, vectors, linear.frequencies[kept], alpha, beta, spun)

@@ -23,7 +23,9 @@ from jax import Array, lax
 
 from supple.explicit.frame_model import FrameModel, FrameState, Generalized, Steps, elastic_force
 from supple.explicit.frame_moments import Spread, arms, spread
+from supple.explicit.modal_tie import ModalTie, tied_gap, tied_rows
 from supple.explicit.rigid_links import link_residual, link_rows, link_vectors
+from supple.explicit.spin_stiffness import spin_products
 
 __all__ = ["ProjectedDifference"]
 
@@ -48,26 +50,49 @@ class ProjectedDifference:
         self, model: FrameModel, state: FrameState, force: Generalized, steps: Steps
     ) -> tuple[FrameState, Array]:
         """The state after the step, and the link multipliers (6,), N/m; `force` applies at t_n."""
-        p, y, vp, vy = state
+        after, multipliers, _ = self.step_tied((model,), (state,), (force,), (), (), steps)
+        return after[0], multipliers[0]
+
+    def step_tied(
+        self,
+        models: tuple[FrameModel, ...],
+        states: tuple[FrameState, ...],
+        forces: tuple[Generalized, ...],
+        ties: tuple[ModalTie, ...],
+        pairs: tuple[tuple[int, int], ...],
+        steps: Steps,
+    ) -> tuple[tuple[FrameState, ...], tuple[Array, ...], Array]:
+        """Frames that are tied to each other, and the multipliers of their links (6,) and of the ties (R,).
+
+        pairs : which two of the frames each tie joins
+        """
         h, mean = steps.after, steps.mean
-        t = _tangent(model, p, y)
-        moved = _momentum(t, Generalized(vp, vy))
-        bilinear = _bilinear(model, t, vp, vy)
-        drag = 0.5 * mean * model.mass_damping
-        right = Generalized(
-            h * (moved.p - steps.before * bilinear.p + mean * force.p),
-            h
-            * (
-                moved.y
-                - steps.before * bilinear.y
-                + mean * (force.y + elastic_force(model, y, vy))
-                - drag * vy
-            ),
+        frozen, guesses = [], []
+        for model, state, force in zip(models, states, forces, strict=True):
+            frozen.append(_frozen(model, state, force, steps))
+            guesses.append(Generalized(h * state.vp, h * state.vy))
+        increments, links, pulls = _increments(tuple(frozen), states, tuple(guesses), ties, pairs)
+        after = tuple(
+            FrameState(state.p + d.p, state.y + d.y, d.p / h, d.y / h)
+            for state, d in zip(states, increments, strict=True)
         )
-        guess = Generalized(h * vp, h * vy)
-        after, multipliers = _increment(model, p, t, right, guess, 1 + drag)
-        new = FrameState(p + after.p, y + after.y, after.p / h, after.y / h)
-        return new, multipliers / (h * mean)
+        return after, tuple(each / (h * mean) for each in links), pulls / (h * mean)
+
+    def tied_work(
+        self,
+        tie: ModalTie,
+        old: tuple[FrameState, ...],
+        new: tuple[FrameState, ...],
+        pulls: Array,
+        steps: Steps,
+    ) -> Array:
+        """Work of a tie's multipliers in a step, J: none but what goes with the turn, as of links."""
+        rows = tied_rows(tie, *old)
+        opened = sum(
+            own.p.reshape(-1, 12) @ (0.5 * (a.vp + b.vp)).reshape(12) + own.y @ (0.5 * (a.vy + b.vy))
+            for own, a, b in zip(rows, old, new, strict=True)
+        )
+        return steps.mean * pulls @ opened
 
     def turning_work(
         self, model: FrameModel, old: FrameState, new: FrameState, multipliers: Array, steps: Steps
@@ -122,46 +147,185 @@ def _bilinear_square(model: FrameModel, dp: Array, dy: Array) -> Array:
     return jnp.sum((dP.T @ dP) * sums)
 
 
-def _increment(
-    model: FrameModel,
-    p: Array,
-    t: _Tangent,
-    right: Generalized,
-    guess: Generalized,
-    modal_mass: Array | float,
-) -> tuple[Generalized, Array]:
-    """D and lambda with B_n^T M (x(q_n + d) - x_n) = right + G_n^T lambda and D(p + dp) = 0."""
-    scale = model.squared_lengths[0]
-    # The modes are eliminated first; the links make the rest regular, even where modes repeat a uniform
-    # strain.
-    S = jnp.kron(t.sums.Xi, jnp.eye(3)) - t.A_py @ t.A_py.T / modal_mass
-    unit = t.sums.Xi[0, 0] + t.sums.Xi[1, 1]
-    border = t.G * (unit / jnp.sqrt(scale))
+class _Frozen(NamedTuple):
+    """What does not change over the passes of a frame's step: B_n^T M B_n with the links, factored.
+
+    The modes are eliminated first; the links make the rest regular, even where modes repeat a uniform strain.
+
+    spun : (6, k) impulse of the spin's stiffness per product of angular velocity after t_n, or None
+    after : h, s
+    """
+
+    model: FrameModel
+    p: Array
+    t: _Tangent
+    right: Generalized
+    modal_mass: Array | float
+    border: Array
+    inverse: Array
+    spun: Array | None
+    after: Array | float
+
+    @property
+    def unit(self) -> Array:
+        """A mass, for scale."""
+        return self.t.sums.Xi[0, 0] + self.t.sums.Xi[1, 1]
+
+    @property
+    def factor(self) -> Array:
+        """Of the links, so that their rows are as large as the masses."""
+        return self.unit / jnp.sqrt(self.model.squared_lengths[0])
+
+
+def _frozen(model: FrameModel, state: FrameState, force: Generalized, steps: Steps) -> _Frozen:
+    p, y, vp, vy = state
+    h, mean = steps.after, steps.mean
+    t = _tangent(model, p, y)
+    moved, bilinear = _momentum(t, Generalized(vp, vy)), _bilinear(model, t, vp, vy)
+    drag = 0.5 * mean * model.mass_damping
+    right_p = h * (moved.p - steps.before * bilinear.p + mean * force.p)
+    right_y = h * (
+        moved.y - steps.before * bilinear.y + mean * (force.y + elastic_force(model, y, vy)) - drag * vy
+    )
+    spun = None
+    if model.spin_stiffness is not None:
+        # Half of the spin before t_n and half of that after it: second order, and reversible.
+        spun = -0.5 * h * mean * (model.spin_stiffness @ y)
+        right_y = right_y + spin_products(p, vp) @ spun
+    right = Generalized(right_p, right_y)
+    own = _Frozen(model, p, t, right, 1 + drag, jnp.zeros(0), jnp.zeros(0), spun, h)
+    S = jnp.kron(t.sums.Xi, jnp.eye(3)) - t.A_py @ t.A_py.T / own.modal_mass
+    border = t.G * own.factor
     saddle = jnp.block([[S, -border.T], [border, jnp.zeros((6, 6))]])
-    inverse = jnp.linalg.inv(saddle)
-    factor = unit / jnp.sqrt(scale)
+    return own._replace(border=border, inverse=jnp.linalg.inv(saddle))
 
-    def correction(d: Generalized, multipliers: Array) -> tuple[Generalized, Array]:
-        moved, bilinear = _momentum(t, d), _bilinear(model, t, *d)
-        r_p = (right.p - moved.p - bilinear.p).reshape(12) + border.T @ multipliers
-        r_y = right.y - moved.y - bilinear.y - (modal_mass - 1) * d.y
-        r_D = -link_residual(p + d.p, model.squared_lengths) * factor
-        solved = inverse @ jnp.concatenate([r_p - t.A_py @ r_y / modal_mass, r_D])
-        dp = solved[:12]
-        return Generalized(dp.reshape(4, 3), (r_y - t.A_py.T @ dp) / modal_mass), solved[12:]
 
-    def unfinished(carry: tuple[Generalized, Array, Array, Array]) -> Array:
-        _, _, size, passes = carry
-        return (size > _SMALL) & (passes < _MOST_PASSES)
+def _missing(f: _Frozen, d: Generalized, links: Array) -> tuple[Array, Array, Array]:
+    """Residuals of momentum on points (12,) and modes (k,), and of the links (6,)."""
+    moved, bilinear = _momentum(f.t, d), _bilinear(f.model, f.t, *d)
+    r_p = (f.right.p - moved.p - bilinear.p).reshape(12) + f.border.T @ links
+    r_y = f.right.y - moved.y - bilinear.y - (f.modal_mass - 1) * d.y
+    if f.spun is not None:
+        r_y = r_y + spin_products(f.p, d.p / f.after) @ f.spun
+    return r_p, r_y, -link_residual(f.p + d.p, f.model.squared_lengths) * f.factor
 
-    def improve(carry: tuple[Generalized, Array, Array, Array]) -> tuple[Generalized, Array, Array, Array]:
-        d, multipliers, _, passes = carry
-        change, more = correction(d, multipliers)
-        size = jnp.abs(change.p).max() / jnp.sqrt(scale) + jnp.abs(change.y).max(initial=0.0) * jnp.sqrt(
-            1 / unit / scale
+
+def _answer(f: _Frozen, r_p: Array, r_y: Array, r_D: Array) -> tuple[Array, Array, Array]:
+    """Corrections of points (12, ..), modes (k, ..) and links (6, ..) to residuals, or columns of them."""
+    solved = f.inverse @ jnp.concatenate([r_p - f.t.A_py @ r_y / f.modal_mass, r_D])
+    dp = solved[:12]
+    return dp, (r_y - f.t.A_py.T @ dp) / f.modal_mass, solved[12:]
+
+
+class _Bound(NamedTuple):
+    """The rows J (R, 12), (R, k) of all ties on a frame, and its answers Z to their unit multipliers."""
+
+    on_points: Array
+    on_modes: Array
+    answers: tuple[Array, Array, Array]
+
+
+def _bound(
+    frozen: tuple[_Frozen, ...],
+    states: tuple[FrameState, ...],
+    ties: tuple[ModalTie, ...],
+    pairs: tuple[tuple[int, int], ...],
+) -> tuple[tuple[_Bound, ...], Array]:
+    """The rows of each frame, and the inverse of H = sum J Z, (R, R)."""
+    pieces: list[list[Generalized]] = [[] for _ in frozen]
+    for tie, (a, b) in zip(ties, pairs, strict=True):
+        own = dict(zip((a, b), tied_rows(tie, states[a], states[b]), strict=True))
+        rows = len(tie.first.weights)
+        for number, f in enumerate(frozen):
+            none = Generalized(jnp.zeros((rows, 4, 3)), jnp.zeros((rows, f.right.y.shape[0])))
+            pieces[number].append(own.get(number, none))
+    bound, H = [], jnp.zeros(())
+    for f, own in zip(frozen, pieces, strict=True):
+        J_p = jnp.concatenate([each.p.reshape(-1, 12) for each in own])
+        J_y = jnp.concatenate([each.y for each in own])
+        Z = _answer(f, J_p.T, J_y.T, jnp.zeros((6, len(J_p))))
+        bound.append(_Bound(J_p, J_y, Z))
+        H = H + J_p @ Z[0] + J_y @ Z[1]
+    return tuple(bound), jnp.linalg.inv(H)
+
+
+def _gaps(
+    states: tuple[FrameState, ...],
+    increments: tuple[Generalized, ...],
+    ties: tuple[ModalTie, ...],
+    pairs: tuple[tuple[int, int], ...],
+) -> Array:
+    moved = [at._replace(p=at.p + d.p, y=at.y + d.y) for at, d in zip(states, increments, strict=True)]
+    return jnp.concatenate(
+        [tied_gap(tie, moved[a], moved[b]) for tie, (a, b) in zip(ties, pairs, strict=True)]
+    )
+
+
+class _Pass(NamedTuple):
+    """What Newton's method improves."""
+
+    increments: tuple[Generalized, ...]
+    links: tuple[Array, ...]
+    pulls: Array
+    size: Array
+    passes: Array
+
+
+def _increments(
+    frozen: tuple[_Frozen, ...],
+    states: tuple[FrameState, ...],
+    guesses: tuple[Generalized, ...],
+    ties: tuple[ModalTie, ...],
+    pairs: tuple[tuple[int, int], ...],
+) -> tuple[tuple[Generalized, ...], tuple[Array, ...], Array]:
+    """D, lambda and mu of B_n^T M (x(q_n + d) - x_n) = right + G_n^T lambda + J_n^T mu, D = 0, g = 0.
+
+    Each pass answers frame by frame first; what then is left of the gaps says how to pull (Schur complement).
+    """
+    bound, inverse = _bound(frozen, states, ties, pairs) if ties else ((), jnp.zeros((0, 0)))
+
+    def improve(now: _Pass) -> _Pass:
+        changes = []
+        for number, f in enumerate(frozen):
+            r_p, r_y, r_D = _missing(f, now.increments[number], now.links[number])
+            if ties:
+                r_p = r_p + bound[number].on_points.T @ now.pulls
+                r_y = r_y + bound[number].on_modes.T @ now.pulls
+            changes.append(_answer(f, r_p, r_y, r_D))
+        pulls = now.pulls
+        if ties:
+            opened = _gaps(states, now.increments, ties, pairs) + sum(
+                own.on_points @ dp + own.on_modes @ dy
+                for own, (dp, dy, _) in zip(bound, changes, strict=True)
+            )
+            more = -inverse @ opened
+            pulls = pulls + more
+            changes = [
+                tuple(part + Z @ more for part, Z in zip(change, own.answers, strict=True))
+                for own, change in zip(bound, changes, strict=True)
+            ]
+        size = jnp.zeros(())
+        for f, (dp, dy, _) in zip(frozen, changes, strict=True):
+            scale = f.model.squared_lengths[0]
+            on_modes = jnp.abs(dy).max(initial=0.0) * jnp.sqrt(1 / f.unit / scale)
+            size = jnp.maximum(size, jnp.abs(dp).max() / jnp.sqrt(scale) + on_modes)
+        increments = tuple(
+            d + Generalized(dp.reshape(4, 3), dy)
+            for d, (dp, dy, _) in zip(now.increments, changes, strict=True)
         )
-        return d + change, multipliers + more, size, passes + 1
+        links = tuple(old + change[2] for old, change in zip(now.links, changes, strict=True))
+        return _Pass(increments, links, pulls, size, now.passes + 1)
 
-    start = guess, jnp.zeros(6), jnp.asarray(jnp.inf), jnp.asarray(0)
-    d, multipliers, _, _ = lax.while_loop(unfinished, improve, start)
-    return d, multipliers * factor
+    def unfinished(now: _Pass) -> Array:
+        return (now.size > _SMALL) & (now.passes < _MOST_PASSES)
+
+    start = _Pass(
+        guesses,
+        tuple(jnp.zeros(6) for _ in frozen),
+        jnp.zeros(len(inverse)),
+        jnp.asarray(jnp.inf),
+        jnp.asarray(0),
+    )
+    done = lax.while_loop(unfinished, improve, start)
+    links = tuple(each * f.factor for each, f in zip(done.links, frozen, strict=True))
+    return done.increments, links, done.pulls

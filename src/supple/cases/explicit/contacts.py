@@ -9,7 +9,11 @@ from pydantic import Field
 
 from supple.cases.laws import Constant, Law, TableLaw
 from supple.explicit import (
+    Collocated,
     Contact,
+    EveryNode,
+    MeanMotion,
+    Mortar,
     NodalForce,
     RigidCylinder,
     RigidPlane,
@@ -99,16 +103,65 @@ class ContactTable(CheckedTable):
         return Contact(_end(self.nodes), self.obstacle.build(), self.stiffness, self.fraction)
 
 
-class TieTable(CheckedTable):
-    """Nodes of an explicit part that move with another part."""
+class MeanContinuity(CheckedTable):
+    """Mean displacement and turn of the interfaces are equal."""
 
-    nodes: str = Field(description="PART.NODE_SET of an explicit part")
+    kind: Literal["mean-motion"]
+
+    def build(self) -> MeanMotion:
+        """The continuity."""
+        return MeanMotion()
+
+
+class NodalContinuity(CheckedTable):
+    """All nodes of the interfaces meet."""
+
+    kind: Literal["every-node"]
+    tolerance: float = Field(
+        1e-4, gt=0.0, lt=1.0, description="of what opens farthest: what opens less follows from the rest"
+    )
+
+    def build(self) -> EveryNode:
+        """The continuity."""
+        return EveryNode(self.tolerance)
+
+
+class CollocatedTransfer(CheckedTable):
+    """Each node follows the point where it stands."""
+
+    kind: Literal["collocated"]
+
+    def build(self) -> Collocated:
+        """The transfer."""
+        return Collocated()
+
+
+class MortarTransfer(CheckedTable):
+    """Nodes follow in the mean over the faces about them."""
+
+    kind: Literal["mortar"]
+
+    def build(self) -> Mortar:
+        """The transfer."""
+        return Mortar()
+
+
+class TieTable(CheckedTable):
+    """Nodes that move with another part."""
+
+    nodes: str = Field(description="PART.NODE_SET; of a modal part where the other one is modal, too")
     on: str = Field(description="the part they are tied to")
+    transfer: Annotated[CollocatedTransfer | MortarTransfer, Field(discriminator="kind")] = Field(
+        CollocatedTransfer(kind="collocated"), description="how nodes follow a modal part of another mesh"
+    )
+    continuity: Annotated[MeanContinuity | NodalContinuity, Field(discriminator="kind")] = Field(
+        MeanContinuity(kind="mean-motion"), description="what two modal parts have in common there"
+    )
     within: Positive = Field(1e-6, description="of the size of the set: how far from the part they may lie")
 
     def build(self) -> Tie:
         """The tie."""
-        return Tie(_end(self.nodes), self.on, self.within)
+        return Tie(_end(self.nodes), self.on, self.within, self.transfer.build(), self.continuity.build())
 
 
 class SupportTable(CheckedTable):

@@ -86,10 +86,27 @@ def _places_have_parts(raw: Raw) -> Mistakes:
 
 
 def _suit_explicit_parts(raw: Raw) -> Mistakes:
-    """Ties and supports are of explicit nodes; only a modal frame turns a force."""
+    """Modal parts are tied to modal ones; supports hold explicit nodes; only a modal frame turns a force."""
     kinds = {part.get("name"): "explicit" in part for _, part in tables(raw, "part")}
+    for path, tie in tables(raw, "tie"):
+        name = tie["nodes"].partition(".")[0] if isinstance(tie.get("nodes"), str) else None
+        if name is not None and name == tie.get("on"):
+            yield (*path, "on"), "a part is not tied to itself; name another"
+        elif kinds.get(name) is False and kinds.get(tie.get("on")) is True:
+            message = (
+                "this part is modal, and tied on an explicit one; name the nodes of the explicit part, and "
+                "tie them on the modal one"
+            )
+            yield (*path, "nodes"), message
+        elif table(tie, "transfer").get("kind") == "mortar" and kinds.get(tie.get("on")) is True:
+            message = "explicit parts are tied node to node; a mortar is for ties on modal parts"
+            yield (*path, "transfer"), message
+        elif "continuity" in tie and kinds.get(name) is True:
+            yield (
+                (*path, "continuity"),
+                "explicit nodes hang position for position; leave it out, or tie two modal parts",
+            )
     for section, key, wanted, message in (
-        ("tie", "nodes", True, "the nodes of a tie belong to an explicit part, and this one is modal"),
         ("support", "nodes", True, "only nodes of explicit parts are held, and this part is modal"),
         ("load", "at", False, "a force turns with a modal part's frame, and this part is explicit"),
     ):

@@ -18,6 +18,7 @@ from supple.explicit import (
     ENERGIES,
     OBSTACLES,
     STEPS,
+    CentrifugalStiffness,
     ExplicitShell,
     ExplicitSubdomain,
     J2Plasticity,
@@ -58,6 +59,9 @@ class ModalPart(CheckedTable):
     )
     highest_hz: Positive | None = Field(
         None, description="modes above it are left out, so that they do not shorten the step"
+    )
+    spin_stiffness: bool = Field(
+        False, description="true stiffens the modes by the centrifugal stress of the part's own free spin"
     )
 
 
@@ -118,7 +122,8 @@ class PartTable(CheckedTable):
             basis = Rubin(self.modal.modes) if ends else NormalModes(self.modal.modes)
             highest = np.inf if self.modal.highest_hz is None else 2 * np.pi * self.modal.highest_hz
             body = flexible_body(self.name, model, ends)
-            return modal_subdomain(body, basis, highest=highest, damping=damping)
+            stiffening = CentrifugalStiffness() if self.modal.spin_stiffness else None
+            return modal_subdomain(body, basis, highest=highest, damping=damping, stiffening=stiffening)
         given = self.explicit
         assert given is not None  # a rule of the case file
         if self.shell is not None:

@@ -16,6 +16,7 @@ from supple.explicit.frame_model import FrameModel, FrameState
 from supple.explicit.march.build_blocks import explicit_blocks
 from supple.explicit.march.build_shells import explicit_shells
 from supple.explicit.march.build_surfaces import Hanging, modal_skins, touching_surfaces
+from supple.explicit.march.build_ties import met_material, modal_ties, within
 from supple.explicit.march.march_step import with_forces
 from supple.explicit.march.model import (
     Energies,
@@ -27,7 +28,7 @@ from supple.explicit.march.model import (
     ObstacleState,
 )
 from supple.explicit.march.turning import Turning
-from supple.explicit.meeting import meeting_nodes, on_faces
+from supple.explicit.meeting import meeting_nodes
 from supple.explicit.modal_frame import ModalFrame, modal_frame
 from supple.explicit.modal_subdomain import ModalSubdomain
 from supple.explicit.projected_difference import ProjectedDifference
@@ -84,11 +85,13 @@ def built(
         for axis in (axis for axis in support.axes if axis < 3):
             movable[axis, held] = 0.0
             v[held, axis] = 0.0
+    _check_scheme(system, scheme)
     obstacles = tuple(contact.obstacle for contact in system.rigid_contacts)
     hanging = [hung for tie in system.ties if (hung := _hung(system, tie, numbers, x)) is not None]
     hanging += [
         Hanging(skin.part, skin.nodes, skin.corners[:, None], np.ones((len(skin.nodes), 1))) for skin in skins
     ]
+    _check_hung_once(hanging, x)
     frames, frame_arrays, frame_states, frame_obstacles, penalties = {}, [], [], [], {}
     for part in system.placed:
         if isinstance(part.subdomain, ModalSubdomain):
@@ -102,10 +105,15 @@ def built(
     surfaces, contact_rate, between = touching_surfaces(
         system, numbers, skins, hanging, frames, mass, x, short
     )
+    pressed = {}
     for place, (name, frame) in enumerate(frames.items()):
         both = [each for each in (penalties[name], between.get(name)) if each is not None]
-        limit = jnp.asarray(frame.step_limit(sum(both[1:], both[0]) if both else None))
+        pressed[name] = sum(both[1:], both[0]) if both else None
+        limit = jnp.asarray(frame.step_limit(pressed[name]))
         frame_arrays[place] = frame_arrays[place]._replace(step_limit=limit)
+    ties, tied, tied_limit = modal_ties(system, scheme, frames, tuple(frame_states), pressed)
+    for place in {number for pair in tied for number in pair}:
+        frame_arrays[place] = frame_arrays[place]._replace(step_limit=jnp.asarray(tied_limit))
     touching, obstacle_of, on_obstacles = [], [], 0.0
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body in numbers:
@@ -123,6 +131,7 @@ def built(
         jnp.asarray(alpha),
         jnp.asarray(movable),
         tuple(frame_arrays),
+        ties,
         tuple(touching),
         surfaces,
         _loaded(system, numbers),
@@ -141,6 +150,7 @@ def built(
         obstacles,
         tuple(obstacle_of),
         tuple(frame_obstacles),
+        tied,
         scheme,
         safety,
         largest_ratio,
@@ -150,6 +160,16 @@ def built(
     return Built(
         model, methods, with_forces(model, methods, start), numbers, made.spans, shells.spans, frames
     )
+
+
+def _check_scheme(system: ExplicitSystem, scheme: ProjectedDifference | PublishedScheme) -> None:
+    modal = [part.subdomain for part in system.placed if isinstance(part.subdomain, ModalSubdomain)]
+    stiffened = [body.name for body in modal if body.spin_stiffness is not None]
+    if stiffened and not isinstance(scheme, ProjectedDifference):
+        raise ModelError(
+            f"part '{stiffened[0]}' stiffens as it spins, which {type(scheme).__name__} does not know; take "
+            "ProjectedDifference(), or leave `stiffening` out"
+        )
 
 
 def _loaded(system: ExplicitSystem, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
@@ -231,7 +251,7 @@ def _numbered(
 
 
 def _met(tie: Tie, points: FloatArray, nodes: FloatArray, numbers: IntArray) -> IntArray:
-    found = meeting_nodes(points, nodes, _within(tie, points))
+    found = meeting_nodes(points, nodes, within(tie, points))
     if (found < 0).any():
         lost = points[found < 0][0]
         raise ModelError(
@@ -242,23 +262,26 @@ def _met(tie: Tie, points: FloatArray, nodes: FloatArray, numbers: IntArray) -> 
     return numbers[found]
 
 
-def _within(tie: Tie, points: FloatArray) -> float:
-    return tie.within * max(float(np.linalg.norm(np.ptp(points, axis=0))), 1e-300)
-
-
 def _hung(system: ExplicitSystem, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> Hanging | None:
-    """The nodes of a tie on a modal part; None where the part is explicit, too."""
-    part = system.part(tie.on)
-    if tie.on in numbers:
+    """The explicit nodes of a tie on a modal part; None of other ties."""
+    if tie.on in numbers or tie.nodes.body not in numbers:
         return None
     nodes = numbers[tie.nodes.body][system.node_numbers(tie.nodes)]
-    local = (x[nodes] - part.position) @ part.rotation
-    within = _within(tie, local)
-    met = meeting_nodes(local, part.mesh.nodes, within)
-    if (met >= 0).all():
-        return Hanging(tie.on, nodes, met[:, None], np.ones((len(nodes), 1)))
-    corners, weights = on_faces(local, part.mesh, within, f"tie of '{tie.nodes}' on '{tie.on}'")
+    corners, weights = met_material(system, tie, x[nodes])
     return Hanging(tie.on, nodes, corners, weights)
+
+
+def _check_hung_once(hanging: list[Hanging], x: FloatArray) -> None:
+    """An explicit node on two frames would give both its mass, and stand where the last one puts it."""
+    nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
+    found, counts = np.unique(nodes, return_counts=True)
+    if (counts > 1).any():
+        at = np.array2string(x[found[counts > 1][0]], precision=6)
+        on = " and ".join(f"'{each.part}'" for each in hanging if found[counts > 1][0] in each.nodes)
+        raise ModelError(
+            f"the explicit node at {at} is tied on {on}: a node hangs on one modal part, once; tie the modal "
+            "parts to each other, and leave the node out of one of the sets"
+        )
 
 
 def _frame(
@@ -267,8 +290,6 @@ def _frame(
     body = part.subdomain
     assert isinstance(body, ModalSubdomain)
     nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
-    if len(np.unique(nodes)) < len(nodes):
-        raise ModelError(f"a node is tied to '{part.name}' twice")
     local = (x[nodes] - part.position) @ part.rotation
     shapes = np.concatenate(
         [np.einsum("nc,ncik->nik", each.weights, body.shapes[each.corners]) for each in hanging]
@@ -316,6 +337,7 @@ def _frame(
         tuple(touching),
         loaded,
         jnp.asarray(jnp.inf),  # once all contacts are known
+        None if frame.spin_bound is None else jnp.asarray(frame.spin_bound),
     )
     zero = jnp.zeros(body.n_modes)
     start = FrameState(jnp.asarray(p), zero, jnp.asarray(rates), zero)

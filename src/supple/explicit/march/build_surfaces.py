@@ -110,7 +110,9 @@ def touching_surfaces(
     penalties: dict[str, FloatArray] = {}
     for each in hanging:
         hung[each.nodes] = True
-        spread = (on_nodes[each.nodes][:, None] * each.weights).ravel()
+        # (sum w u)^2 <= sum |w| sum |w| u^2; weights of a mortar have both signs.
+        shares = np.abs(each.weights)
+        spread = (on_nodes[each.nodes][:, None] * shares.sum(axis=1, keepdims=True) * shares).ravel()
         if spread.any():
             own = frames[each.part].penalty_stiffness(each.corners.ravel(), spread)
             penalties[each.part] = penalties[each.part] + own if each.part in penalties else own

@@ -15,10 +15,12 @@ from supple.explicit.frame_model import (
     gravity_force,
     material_points,
     point_forces,
+    spin_force,
 )
 from supple.explicit.frame_moments import arms, spread
 from supple.explicit.march.model import FrameArrays, MarchModel, MarchState, Methods
 from supple.explicit.march.nodal_forces import penalty
+from supple.explicit.projected_difference import ProjectedDifference
 
 __all__ = ["FrameStep", "frame_step", "hanging"]
 
@@ -42,8 +44,7 @@ class FrameStep(NamedTuple):
 def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array) -> FrameStep:
     """All frames from t_n to t_n + h; their forces are those of t_n."""
     steps = Steps(state.frame_before, h)
-    frames = []
-    works, turning = jnp.zeros(5), jnp.zeros(())
+    forces = []
     on_obstacles = jnp.zeros((len(methods.obstacles), 3))
     # Weight of the nodes that hang on a frame is in the frame's own mass already.
     pulls = state.forces.sum(axis=0) - model.mass * model.gravity[:, None]
@@ -66,12 +67,55 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
             contact = contact + point_forces(touching.weights, touching.shapes, own.p, own.y, push.T)
             on_obstacles = on_obstacles.at[number].add(-push.sum(axis=1))
         pulled = point_forces(arrays.weights, arrays.shapes, own.p, own.y, pulls[:, arrays.nodes].T)
-        new, multipliers = methods.scheme.step(arrays.model, own, external + contact + pulled, steps)
-        frames.append(new)
-        works = works + _works(arrays, own, new, (external, contact, pulled), steps)
-        turning = turning + methods.scheme.turning_work(arrays.model, own, new, multipliers, steps)
+        forces.append((external, contact, pulled))
+    frames, turning = _advanced(model, methods, state.frames, [a + b + c for a, b, c in forces], steps)
+    works = jnp.zeros(5)
+    for arrays, own, new, force in zip(model.frames, state.frames, frames, forces, strict=True):
+        works = works + _works(arrays, own, new, force, steps)
     internal, damping, external, contact, from_nodes = works
-    return FrameStep(tuple(frames), internal, damping, external, contact, from_nodes, turning, on_obstacles)
+    return FrameStep(frames, internal, damping, external, contact, from_nodes, turning, on_obstacles)
+
+
+def _advanced(
+    model: MarchModel,
+    methods: Methods,
+    frames: tuple[FrameState, ...],
+    forces: list[Generalized],
+    steps: Steps,
+) -> tuple[tuple[FrameState, ...], Array]:
+    """The frames after the step, those that are tied to each other together; and their turning work, J."""
+    scheme = methods.scheme
+    after, links = list(frames), [jnp.zeros(6)] * len(frames)
+    tied = sorted({number for pair in methods.tied for number in pair})
+    for number in range(len(frames)):
+        if number not in tied:
+            after[number], links[number] = scheme.step(
+                model.frames[number].model, frames[number], forces[number], steps
+            )
+    turning = jnp.zeros(())
+    if tied:
+        assert isinstance(scheme, ProjectedDifference)  # checked when built
+        pairs = tuple((tied.index(a), tied.index(b)) for a, b in methods.tied)
+        new, pulled, pulls = scheme.step_tied(
+            tuple(model.frames[number].model for number in tied),
+            tuple(frames[number] for number in tied),
+            tuple(forces[number] for number in tied),
+            model.ties,
+            pairs,
+            steps,
+        )
+        for number, state, link in zip(tied, new, pulled, strict=True):
+            after[number], links[number] = state, link
+        first = 0
+        for tie, (a, b) in zip(model.ties, methods.tied, strict=True):
+            own = pulls[first : first + len(tie.first.weights)]
+            turning = turning + scheme.tied_work(
+                tie, (frames[a], frames[b]), (after[a], after[b]), own, steps
+            )
+            first += len(own)
+    for arrays, old, new, link in zip(model.frames, frames, after, links, strict=True):
+        turning = turning + scheme.turning_work(arrays.model, old, new, link, steps)
+    return tuple(after), turning
 
 
 def hanging(arrays: FrameArrays, frame: FrameState) -> Array:
@@ -85,7 +129,7 @@ def _works(
     """Internal, damping, external, contact, from the nodes: force times mean rate times mean step."""
     vp, vy = 0.5 * (old.vp + new.vp), 0.5 * (old.vy + new.vy)
     model = arrays.model
-    elastic = elastic_force(model, old.y, jnp.zeros_like(old.y)) @ vy
+    elastic = (elastic_force(model, old.y, jnp.zeros_like(old.y)) + spin_force(model, old, new)) @ vy
     drag = model.mass_damping * vy @ vy - elastic_force(model, jnp.zeros_like(old.y), old.vy) @ vy
     rates = [jnp.sum(force.p * vp) + force.y @ vy for force in forces]
     return steps.mean * jnp.stack([-elastic, drag, rates[0], -rates[1], rates[2]])

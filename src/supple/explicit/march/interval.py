@@ -12,8 +12,9 @@ from jax import Array, lax
 from supple.explicit.elements import layered_von_mises, shell_von_mises, squashed, von_mises
 from supple.explicit.march.march_step import kinetic, march_step
 from supple.explicit.march.model import MarchModel, MarchState, Methods
+from supple.explicit.spin_stiffness import spun_limit
 
-__all__ = ["Recorded", "chosen_steps", "march_to", "recorded"]
+__all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "recorded"]
 
 DRIFT = 0.01
 """Of the energy that a run has had: what may get lost, or come from nothing."""
@@ -85,13 +86,23 @@ def chosen_steps(
     if not model.frames:
         n = jnp.maximum(jnp.ceil(span / short * (1 - 1e-9)), 1)
         return span / n, jnp.asarray(1), n.astype(int)
-    long = methods.safety * jnp.min(jnp.stack([frame.step_limit for frame in model.frames]))
+    long = methods.safety * jnp.min(jnp.stack(frame_limits(model, state)))
     if not model.blocks and not model.shells:
         short = jnp.where(fixed > 0, fixed, long)
     long = jnp.minimum(long, jnp.minimum(methods.largest_ratio, state.ratio_bound) * short)
     n = jnp.maximum(jnp.ceil(span / long * (1 - 1e-9)), 1)
     ratio = jnp.maximum(jnp.ceil(span / n / short * (1 - 1e-9)), 1)
     return span / (n * ratio), ratio.astype(int), n.astype(int)
+
+
+def frame_limits(model: MarchModel, state: MarchState) -> list[Array]:
+    """Step limit of each frame at its spin, s."""
+    return [
+        arrays.step_limit
+        if arrays.spin_bound is None
+        else spun_limit(arrays.step_limit, arrays.spin_bound, frame.p, frame.vp)
+        for arrays, frame in zip(model.frames, state.frames, strict=True)
+    ]
 
 
 def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Array, end: Array) -> MarchState:

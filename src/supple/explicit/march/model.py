@@ -13,6 +13,7 @@ from supple.explicit.march.touching_surface import TouchingSurface
 from supple.explicit.march.turning import Spins, Turning
 from supple.explicit.materials import J2Plasticity, Law
 from supple.explicit.materials.plane_stress import LayerState
+from supple.explicit.modal_tie import ModalTie
 from supple.explicit.obstacles import Obstacle
 from supple.explicit.projected_difference import ProjectedDifference
 from supple.explicit.published_scheme import PublishedScheme
@@ -41,6 +42,7 @@ class FrameArrays(NamedTuple):
     nodes : (n,)            explicit nodes that hang on it, at weights (n, 4) and shapes (n, 3, k)
     touching : tuple of NodesTouching       contacts of its own points
     loaded : tuple of (weights, shapes, force (3,), law, follows)    forces on its own points; () or None
+    step_limit : at rest, s;   spin_bound : of what a spin of 1 rad/s adds to squared frequencies, or None
     """
 
     model: FrameModel
@@ -50,6 +52,7 @@ class FrameArrays(NamedTuple):
     touching: tuple[NodesTouching, ...]
     loaded: tuple[Any, ...]
     step_limit: Array
+    spin_bound: Array | None
 
 
 class MarchModel(NamedTuple):
@@ -57,6 +60,7 @@ class MarchModel(NamedTuple):
 
     blocks : of explicit elements;   limits : (E,) of each block at rest, s;   betas : (s) of each, or None
     mass, alpha : (N,) of the nodes, kg and 1/s;   movable : (3, N) 1, or 0 where held
+    ties : of frames to each other
     surfaces : contacts between parts
     contact_rate : largest stiffness over mass of a node in contact, 1/s^2
     shells : of triangles, with their triads;   shell_limit : of their step, s
@@ -69,6 +73,7 @@ class MarchModel(NamedTuple):
     alpha: Array
     movable: Array
     frames: tuple[FrameArrays, ...]
+    ties: tuple[ModalTie, ...]
     touching: tuple[NodesTouching, ...]
     surfaces: tuple[TouchingSurface, ...]
     loaded: tuple[Any, ...]
@@ -87,6 +92,7 @@ class Methods:
     laws, deletions : of each block;   shell_laws, shell_deletions : likewise, law None of elastic ones
     obstacles : those of contacts, explicit ones first;   frame_obstacles : numbers per frame
     obstacle_of : number of the obstacle of each contact of explicit nodes
+    tied : which two frames each of their ties joins
     scheme : of the four-point frames
     safety : part of the step limit that is used
     largest_ratio : explicit steps in one of the frames
@@ -101,6 +107,7 @@ class Methods:
     obstacles: tuple[Obstacle, ...]
     obstacle_of: tuple[int, ...]
     frame_obstacles: tuple[tuple[int, ...], ...]
+    tied: tuple[tuple[int, int], ...]
     scheme: ProjectedDifference | PublishedScheme
     safety: float
     largest_ratio: int

@@ -1,0 +1,40 @@
+"""Nodes that follow another mesh where they stand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.explicit.meeting import meeting_nodes, on_faces
+from supple.mesh import Mesh
+
+__all__ = ["Collocated"]
+
+
+@dataclass(frozen=True)
+class Collocated:
+    """Each node at its own point: on a node of the other mesh, or between the corners of the face under it.
+
+    Displacements that are linear pass unchanged. Forces go to the corners near each node only: where the
+    tied mesh is the coarser one, a constant traction does not arrive as one.
+    """
+
+    def weights(
+        self,
+        points: NDArray[np.float64],
+        faces: NDArray[np.int64],  # noqa: ARG002 - of the protocol
+        mesh: Mesh,
+        within: float,
+        what: str,
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Nodes (n, c) of a mesh that points (n, 3) follow, and their weights (n, c), which sum to one.
+
+        faces : (T, 3) triangles of the tied side, by number of point;   within : m, between the sides
+        Raises ModelError where a point meets no face.
+        """
+        met = meeting_nodes(points, mesh.nodes, within)
+        if (met >= 0).all():
+            return met[:, None], np.ones((len(points), 1))
+        return on_faces(points, mesh, within, what)
