@@ -17,8 +17,8 @@ from supple.linearization.sparse_machine import SparseMachine
 from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
 from supple.machine.forces import JointFriction
 from supple.multibody import StaticSearch
+from supple.multibody.compiled.iterate import position_scale
 from supple.multibody.compiled.statics import balanced
-from supple.multibody.compiled.time_step import position_scale
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.consistent_start import placed_configuration
 from supple.multibody.equations.control_linearization import LinearControl, control_at_rest, unrest

@@ -39,7 +39,8 @@ from supple.multibody.checks.step_length import report_step_length
 from supple.multibody.checks.validity import Peaks, watch
 from supple.multibody.compiled.batch_start import Axes, BatchStart, batch_start, differing, stacked
 from supple.multibody.compiled.engine import as_solution, controls
-from supple.multibody.compiled.time_step import Controls, State, march
+from supple.multibody.compiled.state import Controls, State
+from supple.multibody.compiled.time_step import march
 from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.floating_solution import failure_message
 from supple.multibody.equations.model import Model

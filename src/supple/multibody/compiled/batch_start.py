@@ -19,7 +19,7 @@ from supple.multibody.compiled.compiled_machine import (
     forces_without_acceleration,
 )
 from supple.multibody.compiled.engine import initial_state
-from supple.multibody.compiled.time_step import State
+from supple.multibody.compiled.state import State
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.consistent_start import placed_configuration, placed_velocity
@@ -70,8 +70,8 @@ def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
 
         M vdot + G^T lambda = - forces,      G vdot = - d2g/dt2 at constant velocity
     """
-    time, first = run.times[0], cases[0]
-    model, state = initial_state(first, time, run.step_control.first, run.validity)
+    first = cases[0]
+    model, state = _initial_state(first, run)
     models, states, alike = [model], [state], []
     for number, system in enumerate(cases[1:], 1):
         own = build_model(system, model.active)
@@ -80,7 +80,7 @@ def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
             own, begun = replace(own, groups=model.groups, joints=model.joints), state
             alike.append(number)
         else:
-            own, begun = initial_state(system, time, run.step_control.first, run.validity)
+            own, begun = _initial_state(system, run)
         models.append(own)
         states.append(begun)
     if alike:
@@ -92,6 +92,12 @@ def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
                 acceleration=acceleration, auxiliary=acceleration, multipliers=multipliers
             )
     return BatchStart(models, states)
+
+
+def _initial_state(system: System, run: Run) -> tuple[Model, State]:
+    """As of one case, but without a kept tangent, which cases that march together would copy."""
+    model, state = initial_state(system, run.times[0], run.step_control.first, run.validity)
+    return model, state._replace(kept=None)
 
 
 def _starts_alike(first: System, model: Model, system: System, own: Model) -> bool:

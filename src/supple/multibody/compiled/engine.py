@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Mapping
 from typing import Any
 
 import jax
@@ -13,9 +14,10 @@ from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.compiled.contraction import Contraction, untold
+from supple.multibody.compiled.kept_tangent import KeptTangent, keeps_tangent, no_tangent
 from supple.multibody.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
 from supple.multibody.compiled.sampling import sampling_of
-from supple.multibody.compiled.time_step import Controls, State
+from supple.multibody.compiled.state import Controls, State
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import SystemMotion
 from supple.multibody.equations.control_start import kept_control, resumed_control
@@ -64,6 +66,7 @@ def initial_state(
         auxiliary=start.acceleration,
         multipliers=start.multipliers,
         control=start.control,
+        kept=no_tangent(start.model) if keeps_tangent(start.model) else None,
     )
 
 
@@ -81,6 +84,22 @@ def _state(**known: Any) -> State:
     known.setdefault("contraction", untold())
     arrays: dict[str, Any] = {name: jax.tree.map(np.asarray, value) for name, value in known.items()}
     return State(**arrays, **fresh, relative_residual=np.zeros(4))
+
+
+def _kept_tangent(kept: KeptTangent | None) -> dict[str, np.ndarray]:
+    """By name, for result files."""
+    if kept is None:
+        return {}
+    return {f"tangent.{name}": np.asarray(leaf) for name, leaf in kept._asdict().items()}
+
+
+def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> KeptTangent | None:
+    """As it was kept; none yet where a recorded part kept nothing."""
+    if not keeps_tangent(model):
+        return None
+    fresh = no_tangent(model)
+    found = {name: known.get(f"tangent.{name}", leaf) for name, leaf in fresh._asdict().items()}
+    return KeptTangent(**found)
 
 
 class CompiledEngine:
@@ -112,7 +131,8 @@ class CompiledEngine:
         else:
             active = compiled_start(self._system, self._run.start).model.active
         instant = last_instant(self._system, last)
-        self._model = jax.device_put(build_model(self._system, active))
+        model = build_model(self._system, active)
+        self._model = jax.device_put(model)
         return _state(
             time=instant.time,
             step=known.get("step", self._run.step_control.first),
@@ -123,6 +143,7 @@ class CompiledEngine:
             multipliers=instant.multipliers[list(active)],
             contraction=Contraction(*known.get("contraction", untold())),
             control=resumed_control(self._system, known),
+            kept=_resumed_tangent(model, known),
         )
 
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
@@ -158,7 +179,7 @@ class CompiledEngine:
                 steps=int(after.steps - before.steps),
                 iterations=int(after.iterations - before.iterations),
                 rejected_steps=int(after.rejected_steps - before.rejected_steps),
-                factorizations=int(after.iterations - before.iterations),  # each makes its own
+                factorizations=_tangents(after) - _tangents(before),
                 seconds=clock.perf_counter() - ready,
                 compile_seconds=ready - began,
                 largest_error=float(after.largest_error),
@@ -174,11 +195,24 @@ class CompiledEngine:
     def solution(self, leg: Leg[State]) -> Solution:
         """The motion of a leg."""
         assert self._model is not None
-        return as_solution(self._system, self._model, leg.states, leg.statistics)
+        kept = leg.last.kept
+        if kept is not None and leg.stopped is not None:  # behind the last output time
+            kept = no_tangent(self._model)
+        return as_solution(self._system, self._model, leg.states, leg.statistics, kept)
 
 
-def as_solution(system: System, model: Model, states: State, statistics: Statistics) -> Solution:
-    """Stacked states (leading axis: time) as a solution."""
+def _tangents(state: State) -> int:
+    """Tangents made so far: one for each correction, where none is kept."""
+    return int(state.iterations if state.kept is None else state.kept.made)
+
+
+def as_solution(
+    system: System, model: Model, states: State, statistics: Statistics, kept: KeptTangent | None = None
+) -> Solution:
+    """Stacked states (leading axis: time) as a solution.
+
+    kept : the tangent at their end, which they do not hold
+    """
     states = jax.tree.map(np.asarray, states)
     motion = SystemMotion(
         states.time, states.configuration, states.velocity, states.acceleration, states.multipliers
@@ -194,6 +228,7 @@ def as_solution(system: System, model: Model, states: State, statistics: Statist
             "auxiliary": states.auxiliary[-1],
             "step": states.step[-1],
             "contraction": np.array([own[-1] for own in states.contraction]),
+            **_kept_tangent(kept),
             **kept_control(jax.tree.map(lambda leaf: leaf[-1], states.control)),
         },
     )

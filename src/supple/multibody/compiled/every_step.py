@@ -15,7 +15,8 @@ from supple.errors import RedundantConstraintWarning, StartWarning
 from supple.integrate import Run, Solution, Statistics
 from supple.machine import System
 from supple.multibody.compiled.engine import as_solution, controls, initial_state
-from supple.multibody.compiled.time_step import Controls, State, substep
+from supple.multibody.compiled.state import Controls, State
+from supple.multibody.compiled.time_step import substep
 from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, filled_up, stepping_instants
@@ -51,7 +52,7 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
     stops, _ = Stops(run.times, stepping_instants([system], run)).on_the_way(float(times[0]), times[1:])
     stops = filled_up(stops, fewest=_FEWEST_STOPS)
     model = jax.device_put(model)
-    parts = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)]
+    parts = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state._replace(kept=None))]
     while state.time < times[-1] and not state.failed:
         state, states = _march_steps(model, controls(run), state, stops)
         parts.append(jax.tree.map(np.asarray, states))
@@ -72,7 +73,7 @@ def _next_steps(model: Model, settings: Controls, start: State, stops: jax.Array
             partial(substep, model, settings, end),
             state,
         )
-        return taken, taken
+        return taken, taken._replace(kept=None)
 
     return jax.lax.scan(next_step, start, None, length=_STEPS_AT_ONCE)
 

@@ -16,7 +16,7 @@ from supple.machine import System
 from supple.machine.control import SampledController
 from supple.machine.control.controller import as_memory
 from supple.multibody.compiled.compiled_machine import CompiledMachine, accelerations
-from supple.multibody.compiled.time_step import State
+from supple.multibody.compiled.state import State
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import ControlStep, SystemMotion
 from supple.multibody.equations.control_force import readings_at

@@ -9,8 +9,8 @@ import numpy as np
 from supple.algebra.kept_programs import KeptProgram
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.compiled.elimination import solve_bordering_column
+from supple.multibody.compiled.iterate import position_scale
 from supple.multibody.compiled.step_equations import kinds_of_rows
-from supple.multibody.compiled.time_step import position_scale
 from supple.multibody.equations.balance import Balance, balance
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import Configuration, SystemMotion

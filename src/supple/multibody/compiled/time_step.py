@@ -1,125 +1,34 @@
 """One compiled time step, and the march from output time to output time.
 
-Unknown are the new accelerations and multipliers, which Newton's iteration finds (`step_equations`).
+Unknown are the new accelerations and multipliers, which Newton's iteration finds (`newton`), or modified
+Newton's (`modified_newton`) where a tangent is kept.
 """
 
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 
-from supple.integrate import Coefficients, StepRule
-from supple.multibody.compiled.contraction import (
-    Contraction,
-    foretold_to_converge,
-    is_foretellable,
-    measured,
-)
-from supple.multibody.compiled.in_turn import in_turn
-from supple.multibody.compiled.step_equations import LinearizedStep, correction, kinds_of_rows
-from supple.multibody.equations.balance import Balance, Linearization, balance
-from supple.multibody.equations.configuration import (
-    AnyArray,
-    Configuration,
-    ControlState,
-    ControlStep,
-    SystemMotion,
-    advance,
-)
+from supple.integrate import StepRule
+from supple.multibody.compiled.contraction import is_foretellable, measured
+from supple.multibody.compiled.iterate import Place, evaluate, motion_of, place, position_scale
+from supple.multibody.compiled.kept_tangent import predicted
+from supple.multibody.compiled.modified_newton import modified_pass, used_in_step
+from supple.multibody.compiled.newton import Iteration, Modified, newton_pass
+from supple.multibody.compiled.state import Controls, State
+from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.control_force import stepped
-from supple.multibody.equations.model import BodyGroup, Model
-from supple.multibody.equations.places import Places, assembled_vector
+from supple.multibody.equations.model import Model
 from supple.multibody.equations.step_size import next_step, position_rounding
 
-__all__ = ["Controls", "State", "march", "position_scale", "substep"]
-
-
-class Controls(NamedTuple):
-    """Numbers that steer a run; plain floats, so that changing one compiles nothing anew."""
-
-    coefficients: Coefficients
-    first: Any
-    largest: Any
-    smallest: Any
-    error_tolerance: Any
-    residual_tolerance: Any
-    max_iterations: Any
-
-
-class State(NamedTuple):
-    """Everything needed to go on from an instant."""
-
-    time: AnyArray
-    step: AnyArray
-    """Size of the next step to try."""
-    configuration: Configuration
-    velocity: AnyArray
-    acceleration: AnyArray
-    auxiliary: AnyArray
-    """Auxiliary acceleration of the Newmark family."""
-    multipliers: AnyArray
-    steps: AnyArray
-    iterations: AnyArray
-    rejected_steps: AnyArray
-    failed: AnyArray
-    """True when the smallest step did not converge: the state is that before the step."""
-    relative_residual: AnyArray
-    """Relative residual at the last evaluation, by kind: force, moment, deformation, constraint."""
-    contraction: Contraction
-    largest_error: AnyArray
-    """Largest local error of an accepted step so far."""
-    largest_turn: AnyArray
-    """Largest rotation of a body within an accepted step so far, rad."""
-    control: ControlState | None = None
-    """None where there are no controllers"""
-
-
-class _Trial(NamedTuple):
-    """An evaluated iterate within a step."""
-
-    acceleration: jax.Array
-    multipliers: jax.Array
-    configuration: Configuration
-    velocity: jax.Array
-    increments: jax.Array
-    residual: jax.Array
-    constraint_residual: jax.Array
-    relative_residual: jax.Array
-    converged: jax.Array
-
-
-class _Place(NamedTuple):
-    """Where an acceleration leads."""
-
-    configuration: Configuration
-    velocity: Any
-    increments: Any
-
-
-class _Iteration(NamedTuple):
-    """Newton's iteration within a step: where it stands, and what it knows of the way there."""
-
-    acceleration: jax.Array
-    multipliers: jax.Array
-    evaluated: _Place
-    relative_residual: jax.Array
-    """At the last evaluation"""
-    sizes: jax.Array
-    """(2,) of the residual at the last two evaluations, in parts of the tolerance"""
-    moved: jax.Array
-    """Largest change of a position by the last correction"""
-    evaluations: jax.Array
-    corrections: jax.Array
-    converged: jax.Array
-    foretold: jax.Array
-    """Whether its end was accepted without an evaluation"""
+__all__ = ["march", "substep"]
 
 
 class _Stepped(NamedTuple):
-    """Where Newton's iteration ended."""
+    """Where the iteration ended."""
 
     acceleration: jax.Array
     multipliers: jax.Array
@@ -127,130 +36,11 @@ class _Stepped(NamedTuple):
     configuration: Configuration
     velocity: jax.Array
     increments: jax.Array
-    iteration: _Iteration
-
-
-def position_scale(model: Model) -> jax.Array:
-    """What counts as a large change of each freedom, (n,)."""
-
-    def of_group(group: BodyGroup) -> tuple[Places, jax.Array]:
-        k = len(group.members)
-        deformation = jnp.broadcast_to(jnp.asarray(group.coordinate_scale)[:, None], (k, group.r))
-        frames = (jnp.full((k, 3), model.length), jnp.ones((k, 3)))
-        return group.velocities, jnp.concatenate([*frames, deformation], axis=1)
-
-    return assembled_vector(model.n_velocities, [of_group(group) for group in model.groups])
-
-
-def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
-    """`norm / scale`, and 0 where nothing is out of balance."""
-    # Asked this way round, NaN stays NaN: no comparison with it holds.
-    return jnp.where(norm == 0, 0.0, norm / jnp.where(scale > 0, scale, 1.0))
-
-
-def _relative_residual(
-    model: Model, terms: Balance, trial: jax.Array, position: jax.Array, rounding: jax.Array
-) -> jax.Array:
-    """Residual of each kind over the largest term in balance, and the constraints' over the accelerations."""
-    columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
-    norms = jnp.sqrt(kinds_of_rows(model) @ jnp.stack(columns, axis=1) ** 2)
-    forces = _relative(norms[:, 0], jnp.max(norms[:, 1:], axis=1))
-    accelerations = model.length * jnp.max(jnp.abs(trial / position_scale(model)), initial=0.0)
-    largest_gap = jnp.max(jnp.abs(terms.constraint_residual), initial=0.0)
-    floor = rounding * model.length
-    constraint = jnp.where(
-        largest_gap <= floor, 0.0, _relative(largest_gap / position, accelerations + floor / position)
-    )
-    return jnp.concatenate([forces, constraint[None]])
-
-
-def _place(model: Model, rule: StepRule, start: State, acceleration: jax.Array) -> _Place:
-    """Configuration, velocity and increments that belong to an acceleration."""
-    auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
-    increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
-    velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
-    return _Place(advance(model, start.configuration, increments), velocity, increments)
-
-
-def _evaluate(
-    model: Model,
-    rule: StepRule,
-    start: State,
-    acceleration: jax.Array,
-    multipliers: jax.Array,
-    tolerance: jax.Array,
-) -> tuple[_Trial, Linearization]:
-    configuration, velocity, increments = _place(model, rule, start, acceleration)
-    time = start.time + rule.h
-    control = _control(start, rule)
-    terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers, control))
-    rounding = position_rounding(model.length, configuration.origins)
-    relative_residual = _relative_residual(model, terms, acceleration, rule.factors.by_position, rounding)
-    trial = _Trial(
-        acceleration,
-        multipliers,
-        configuration,
-        velocity,
-        increments,
-        terms.residual,
-        terms.constraint_residual,
-        relative_residual,
-        jnp.all(relative_residual <= tolerance),
-    )
-    return trial, terms.linearization
-
-
-def _control(start: State, rule: StepRule) -> ControlStep | None:
-    return None if start.control is None else ControlStep(start.control, rule.h)
-
-
-def _motion(rule: StepRule, start: State, trial: _Trial | _Stepped) -> SystemMotion:
-    """What the equations are evaluated at, of an iterate."""
-    return SystemMotion(
-        start.time + rule.h,
-        trial.configuration,
-        trial.velocity,
-        trial.acceleration,
-        trial.multipliers,
-        _control(start, rule),
-    )
-
-
-def _newton_correction(
-    model: Model, rule: StepRule, start: State, trial: _Trial, linearization: Linearization
-) -> tuple[jax.Array, jax.Array]:
-    motion = _motion(rule, start, trial)
-    step = LinearizedStep(motion, linearization, trial.increments, rule.factors)
-    change = correction(model, step, trial.residual, trial.constraint_residual)
-    n = model.n_velocities
-    return change[:n], change[n:]
-
-
-def _correction_where_needed(
-    model: Model, rule: StepRule, start: State, trial: _Trial, linearization: Linearization
-) -> tuple[jax.Array, jax.Array]:
-    """The next correction; none of a converged trial."""
-    return jax.lax.cond(
-        trial.converged,
-        lambda: (jnp.zeros_like(trial.acceleration), jnp.zeros_like(trial.multipliers)),
-        lambda: _newton_correction(model, rule, start, trial, linearization),
-    )
-
-
-def _correction_in_turn(
-    model: Model, rule: StepRule, start: State, trial: _Trial, linearization: Linearization
-) -> tuple[jax.Array, jax.Array]:
-    """The same for cases that take turns, each of which copies its numbers: tables of loads would be most."""
-    held = model.loads_at(start.time + rule.h)
-    return in_turn(_correction_where_needed, held, rule, start, trial, linearization)
-
-
-_FEWEST_IN_TURN = 16
-"""Velocities of a system whose cases of a batch are corrected in turn: below, mapping them costs less."""
+    iteration: Iteration
 
 
 def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _Stepped:
-    """Newton's iteration for one step of size h from the constant-acceleration guess.
+    """The iteration for one step of size h, from the acceleration of its start or along a line.
 
     Each pass evaluates the residual at the iterate left by the pass before and, unless that is good enough,
     finds the next one; so the code for either stands once in the compiled program. It ends with an iterate
@@ -258,46 +48,46 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
     """
     rule = StepRule(controls.coefficients, h)
     scale = position_scale(model)
-    correction = _correction_where_needed if model.n_velocities < _FEWEST_IN_TURN else _correction_in_turn
+    judged = newton_pass if start.kept is None else modified_pass
 
-    def unfinished(old: _Iteration) -> jax.Array:
+    def unfinished(old: Iteration) -> jax.Array:
         finite = jnp.all(jnp.isfinite(old.relative_residual))
         return ~(old.converged | old.foretold) & finite & (old.evaluations <= controls.max_iterations)
 
-    def one_pass(old: _Iteration) -> _Iteration:
+    def one_pass(old: Iteration) -> Iteration:
         tolerance = controls.residual_tolerance
-        trial, linearization = _evaluate(model, rule, start, old.acceleration, old.multipliers, tolerance)
+        trial, linearization = evaluate(model, rule, start, old.acceleration, old.multipliers, tolerance)
         # Below rounding error no residual can tell a better answer from a worse one.
         rounding = position_rounding(model.length, trial.configuration.origins)
         settled = (old.evaluations > 0) & (old.moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
-        trial = trial._replace(converged=trial.converged | settled)
-        change, multiplier_change = correction(model, rule, start, trial, linearization)
         size = jnp.max(trial.relative_residual) / tolerance
-        foretold = jnp.zeros((), dtype=bool)
-        if is_foretellable(model):
-            foretold = ~trial.converged & (old.evaluations == 0)
-            foretold = foretold & foretold_to_converge(start.contraction, size, h)
-        return _Iteration(
-            acceleration=old.acceleration + change,
-            multipliers=old.multipliers + multiplier_change,
-            evaluated=_Place(trial.configuration, trial.velocity, trial.increments),
+        found = judged(model, rule, start, old, trial, linearization, size, settled)
+        return Iteration(
+            acceleration=old.acceleration + found.change,
+            multipliers=old.multipliers + found.multiplier_change,
+            evaluated=Place(trial.configuration, trial.velocity, trial.increments),
             relative_residual=trial.relative_residual,
             sizes=jnp.stack([old.sizes[1], size]),
-            moved=rule.factors.by_position * jnp.max(jnp.abs(change) / scale),
+            moved=rule.factors.by_position * jnp.max(jnp.abs(found.change) / scale),
             evaluations=old.evaluations + 1,
-            corrections=old.evaluations + foretold,
-            converged=trial.converged,
-            foretold=foretold,
+            corrections=old.evaluations + found.foretold,
+            converged=found.converged,
+            foretold=found.foretold,
+            modified=found.modified,
         )
 
     none, never = jnp.zeros((), dtype=int), jnp.zeros((), dtype=bool)
+    first, modified = start.acceleration, None
+    if start.kept is not None:
+        first = predicted(start.kept, first, h)
+        modified = Modified(start.kept.inverse, never, none)
     end = jax.lax.while_loop(
         unfinished,
         one_pass,
-        _Iteration(
-            acceleration=start.acceleration,
+        Iteration(
+            acceleration=first,
             multipliers=start.multipliers,
-            evaluated=_Place(start.configuration, start.velocity, jnp.zeros_like(start.velocity)),
+            evaluated=Place(start.configuration, start.velocity, jnp.zeros_like(start.velocity)),
             relative_residual=jnp.zeros(4),
             sizes=jnp.zeros(2),
             moved=jnp.zeros(()),
@@ -305,21 +95,22 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
             corrections=none,
             converged=never,
             foretold=never,
+            modified=modified,
         ),
     )
-    place = end.evaluated
+    last = end.evaluated
     if is_foretellable(model):
-        place = jax.lax.cond(
-            end.foretold, lambda: _place(model, rule, start, end.acceleration), lambda: end.evaluated
+        last = jax.lax.cond(
+            end.foretold, lambda: place(model, rule, start, end.acceleration), lambda: end.evaluated
         )
     auxiliary = rule.auxiliary(end.acceleration, start.acceleration, start.auxiliary)
     return _Stepped(
         acceleration=end.acceleration,
         multipliers=end.multipliers,
         auxiliary=auxiliary,
-        configuration=place.configuration,
-        velocity=place.velocity,
-        increments=place.increments,
+        configuration=last.configuration,
+        velocity=last.velocity,
+        increments=last.increments,
         iteration=end,
     )
 
@@ -350,6 +141,10 @@ def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> S
     proposed = jnp.where(converged, proposed, h / 2)
     failed = ~accepted & (proposed < controls.smallest)
     last = h >= remaining * (1 - 1e-9)
+    contraction = measured(start.contraction, iteration.sizes, h, iteration.corrections, iteration.converged)
+    kept = None
+    if start.kept is not None:
+        contraction, kept = used_in_step(model, start, h, iteration, contraction)
     after = State(
         time=jnp.where(last, end, start.time + h),
         step=proposed,
@@ -363,12 +158,11 @@ def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> S
         rejected_steps=start.rejected_steps,
         failed=failed,
         relative_residual=iteration.relative_residual,
-        contraction=measured(
-            start.contraction, iteration.sizes, h, iteration.corrections, iteration.converged
-        ),
+        contraction=contraction,
         largest_error=jnp.maximum(start.largest_error, error),
         largest_turn=jnp.maximum(start.largest_turn, _turn(model, trial.increments)),
-        control=stepped(model, _motion(StepRule(controls.coefficients, h), start, trial)),
+        control=stepped(model, motion_of(StepRule(controls.coefficients, h), start, trial)),
+        kept=kept,
     )
     before = start._replace(
         step=proposed,
@@ -386,7 +180,8 @@ def march(model: Model, controls: Controls, start: State, stops: jax.Array) -> t
     It ends with the first stop that repeats the one before; the rows behind it are zero. After a failure the
     state stays where it was: the caller looks at `failed`.
     """
-    rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), start)
+    shown = start._replace(kept=None)
+    rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), shown)
 
     def unfinished(march: tuple[jax.Array, State, State]) -> jax.Array:
         row = march[0]
@@ -400,7 +195,9 @@ def march(model: Model, controls: Controls, start: State, stops: jax.Array) -> t
             state,
         )
         states = jax.tree.map(
-            lambda every, own: jax.lax.dynamic_update_index_in_dim(every, own, row, 0), states, state
+            lambda every, own: jax.lax.dynamic_update_index_in_dim(every, own, row, 0),
+            states,
+            state._replace(kept=None),
         )
         return row + 1, state, states
 
