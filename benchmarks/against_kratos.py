@@ -1,0 +1,226 @@
+"""Explicit solid elements of St. Venant-Kirchhoff's law, in supple and in Kratos, in turns on one core.
+
+A free block of steel starts unstrained at a spin that stretches it, and marches by central differences: the
+same mesh, lumped masses, step and number of steps in both codes, in double precision. Told are elements times
+steps in a second of processor time (set-up, compiling and output are left out on both sides; supple's energy
+balance and its checks, which it makes at every step, are in), the best of some turns, and how far apart the
+two codes' nodes come.
+
+TETRA4 is like for like. Kratos integrates its HEXA8 at eight points, where supple has one and hourglass
+control; it is told to use one point, too, and has then nothing against hourglasses.
+
+Kratos Multiphysics (BSD licence) is not a dependency. It stands in an environment of its own:
+
+    python -m venv kratos-env
+    kratos-env/bin/pip install KratosMultiphysics KratosStructuralMechanicsApplication
+    OMP_NUM_THREADS=1 python benchmarks/against_kratos.py --kratos-python kratos-env/bin/python
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from argparse import ArgumentParser
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+from measure import keep
+
+from supple.explicit import (
+    ExplicitEngine,
+    ExplicitOptions,
+    ExplicitSystem,
+    Part,
+    StVenantKirchhoff,
+    explicit_subdomain,
+)
+from supple.fem import Isotropic, solid_model
+from supple.integrate import Run
+from supple.mesh import CellType, Mesh, block
+
+STEEL = Isotropic(210e9, 0.3, 7850.0)
+SPIN = np.array([0.0, 0.0, 1000.0])
+"""rad/s, about the centre of a block of 1 m: strains of some thousandths within the march."""
+CENTRE = np.array([0.5, 0.0, 0.0])
+
+
+@dataclass(frozen=True)
+class Elements:
+    """What fills the block in both codes."""
+
+    kind: CellType
+    divisions: int
+    theirs: str
+    order: int
+
+    @property
+    def points(self) -> int:
+        """Where Kratos integrates an element."""
+        return self.order**3 if self.kind is CellType.HEXA8 else 1
+
+
+def cases(quick: bool) -> list[Elements]:
+    """About 30 000 elements, or 1000."""
+    hexahedra, tetrahedra = (10, 6) if quick else (31, 17)
+    return [
+        Elements(CellType.TETRA4, tetrahedra, "TotalLagrangianElement3D4N", 1),
+        Elements(CellType.HEXA8, hexahedra, "TotalLagrangianElement3D8N", 2),
+        Elements(CellType.HEXA8, hexahedra, "TotalLagrangianElement3D8N", 1),
+    ]
+
+
+class InSupple:
+    """The march in supple."""
+
+    def __init__(self, mesh: Mesh, n_steps: int) -> None:
+        part = explicit_subdomain(solid_model(mesh, STEEL), StVenantKirchhoff(STEEL), name="block")
+        self.step = 0.5 * part.step_limit
+        span = Run(n_steps * self.step, n_steps * self.step)
+        moving = Part(part, velocity=np.cross(SPIN, -CENTRE), angular_velocity=SPIN)
+        self._engine = ExplicitEngine(ExplicitSystem([moving]), span, ExplicitOptions(step=self.step))
+        self._start, self._end = self._engine.start(0.0), span.times[-1:]
+        leg = self._engine.march(self._start, self._end)  # compiles
+        if leg.stopped is not None or leg.statistics.steps != n_steps:
+            sys.exit(f"supple: {leg.statistics.steps} steps of {n_steps}; {leg.stopped}")
+        self.places = self._engine.solution(leg).bodies["block"].nodes[-1]
+        self.costs: list[tuple[float, float]] = []
+
+    def turn(self) -> None:
+        """March once more."""
+        began, began_wall = process_time(), perf_counter()
+        self._engine.march(self._start, self._end)
+        self.costs.append((process_time() - began, perf_counter() - began_wall))
+
+
+class InKratos:
+    """The march in Kratos, in a process of its own that waits for its turns."""
+
+    def __init__(self, interpreter: Path, elements: Elements, mesh: Mesh, step: float, n_steps: int) -> None:
+        self._folder = TemporaryDirectory()
+        folder = Path(self._folder.name)
+        velocities = np.cross(SPIN, mesh.nodes - CENTRE)
+        np.savez(
+            folder / "case.npz", points=mesh.nodes, cells=mesh.cells[elements.kind], velocities=velocities
+        )
+        case = {
+            "element": elements.theirs,
+            "order": elements.order,
+            "young": STEEL.youngs_modulus,
+            "poisson": STEEL.poissons_ratio,
+            "density": STEEL.density,
+            "step": step,
+            "steps": n_steps,
+        }
+        (folder / "case.json").write_text(json.dumps(case), encoding="utf-8")
+        script = Path(__file__).with_name("kratos_run.py").resolve()
+        with (folder / "log").open("w") as log:
+            self._process = subprocess.Popen(
+                [interpreter, script, folder],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log,
+                text=True,
+                cwd=folder,
+            )
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._asked, self._answers = self._process.stdin, self._process.stdout
+        self.versions = self._told()
+        self.costs: list[tuple[float, float]] = []
+
+    def turn(self) -> None:
+        """March once more, from the start."""
+        print(file=self._asked, flush=True)
+        told = self._told()
+        self.costs.append((told["processor"], told["wall"]))
+
+    @property
+    def places(self) -> np.ndarray:
+        """(N, 3) of the nodes at the end of the last turn."""
+        return np.load(Path(self._folder.name, "places.npy"))
+
+    def _told(self) -> dict[str, Any]:
+        answer = self._answers.readline()
+        if not answer:
+            sys.exit("Kratos stopped:\n" + Path(self._folder.name, "log").read_text()[-2000:])
+        return json.loads(answer)
+
+    def close(self) -> None:
+        """Let it end."""
+        self._asked.close()
+        self._process.wait()
+        self._folder.cleanup()
+
+
+def rows_of(
+    interpreter: Path, elements: Elements, n_steps: int, turns: int
+) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """What both codes cost, and how far apart their nodes come; versions of Kratos' environment."""
+    n = elements.divisions
+    mesh = block(1.0, 1.0, 1.0, n, n, n, elements.kind)
+    count = len(mesh.cells[elements.kind])
+    ours = InSupple(mesh, n_steps)
+    theirs = InKratos(interpreter, elements, mesh, ours.step, n_steps)
+    for _ in range(turns):
+        ours.turn()
+        theirs.turn()
+    apart = float(np.linalg.norm(ours.places - theirs.places, axis=1).max())
+    theirs.close()
+    strained = strain_motion(mesh.nodes, ours.places, SPIN[2] * n_steps * ours.step)
+    least = {code: np.array(each.costs).min(axis=0) for code, each in (("supple", ours), ("Kratos", theirs))}
+    rows = [
+        {
+            "element": elements.kind.name.lower(),
+            "points": 1 if code == "supple" else elements.points,
+            "elements": count,
+            "steps": n_steps,
+            "code": code,
+            "million element-steps / s": count * n_steps / float(processor) / 1e6,
+            "the same, wall": count * n_steps / float(wall) / 1e6,
+            "of supple's processor time": float(processor / least["supple"][0]),
+            "nodes apart, m": apart,
+            "moved, m": float(np.linalg.norm(ours.places - mesh.nodes, axis=1).max()),
+            "moved beyond the spin, m": strained,
+        }
+        for code, (processor, wall) in least.items()
+    ]
+    return rows, theirs.versions
+
+
+def strain_motion(before: np.ndarray, after: np.ndarray, angle: float) -> float:
+    """How far a node comes, m, from where the block's own spin would have carried it as a rigid body."""
+    c, s = np.cos(angle), np.sin(angle)
+    turned = (before - CENTRE) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + CENTRE
+    return float(np.linalg.norm(after - turned, axis=1).max())
+
+
+def main() -> None:
+    parser = ArgumentParser(description="explicit elements of supple and Kratos beside each other")
+    parser.add_argument("--kratos-python", type=Path, help="interpreter of an environment with Kratos")
+    parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--quick", action="store_true", help="1000 elements instead of 30 000")
+    parser.add_argument("--json", type=Path, help="file to write; else among the kept results")
+    given = parser.parse_args()
+    if given.kratos_python is None:
+        sys.exit(
+            "this comparison needs Kratos in an environment of its own; its interpreter is named by "
+            "--kratos-python:\n" + (__doc__ or "").split("of its own:\n")[-1]
+        )
+    rows: list[dict[str, Any]] = []
+    versions: dict[str, Any] = {}
+    for elements in cases(given.quick):
+        found, versions = rows_of(given.kratos_python.absolute(), elements, 60, given.turns)
+        rows += found
+    keep("against_kratos", rows, given.json, kratos=versions, one_core=True)
+
+
+if __name__ == "__main__":
+    if hasattr(os, "sched_setaffinity"):  # both codes, before either starts threads
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    main()
