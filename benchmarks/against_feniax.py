@@ -16,19 +16,17 @@ environment:
 
 from __future__ import annotations
 
-import json
 import os
-import subprocess
 import sys
 from argparse import ArgumentParser
 from pathlib import Path
 from statistics import median
-from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
 from measure import keep
+from peer_process import PeerProcess
 
 from supple.integrate import FixedStep, Run, RungeKutta4
 from supple.intrinsic import CondensedLine, IntrinsicBody, LoadPath, condense
@@ -84,13 +82,10 @@ class InSupple:
         return process_time() - began, perf_counter() - began_wall
 
 
-class InFeniax:
-    """The run in FENIAX, in a process of its own that waits for its turns."""
+class InFeniax(PeerProcess):
+    """The run in FENIAX."""
 
     def __init__(self, interpreter: Path, line: CondensedLine, n_modes: int) -> None:
-        self._folder = TemporaryDirectory()
-        folder = Path(self._folder.name)
-        export(line, folder)
         case = {
             "modes": n_modes,
             "stations": line.n,
@@ -99,41 +94,8 @@ class InFeniax:
             "steps": N_STEPS,
             "every": N_STEPS // N_OUTPUTS,
         }
-        (folder / "case.json").write_text(json.dumps(case), encoding="utf-8")
-        script = Path(__file__).with_name("feniax_run.py").resolve()
-        with (folder / "log").open("w") as log:
-            self._process = subprocess.Popen(
-                [interpreter, script, folder],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=log,
-                text=True,
-                cwd=folder,
-            )
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        self._asked, self._answers = self._process.stdin, self._process.stdout
-        told = self._told()
-        self.tip, self.versions = np.array(told["tip"]), told["versions"]
-        self.costs: list[tuple[float, float]] = []
-
-    def turn(self) -> None:
-        """March once more."""
-        print(file=self._asked, flush=True)
-        told = self._told()
-        self.costs.append((told["processor"], told["wall"]))
-
-    def _told(self) -> dict[str, Any]:
-        answer = self._answers.readline()
-        if not answer:
-            sys.exit("FENIAX stopped:\n" + Path(self._folder.name, "log").read_text()[-2000:])
-        return json.loads(answer)
-
-    def close(self) -> None:
-        """Let it end."""
-        self._asked.close()
-        self._process.wait()
-        self._folder.cleanup()
+        super().__init__("FENIAX", interpreter, "feniax_run.py", case, lambda at: export(line, at))
+        self.tip, self.versions = np.array(self.ready["tip"]), self.ready["versions"]
 
 
 def export(line: CondensedLine, folder: Path) -> None:

@@ -18,19 +18,17 @@ Kratos Multiphysics (BSD licence) is not a dependency. It stands in an environme
 
 from __future__ import annotations
 
-import json
 import os
-import subprocess
 import sys
 from argparse import ArgumentParser
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
 from measure import keep
+from peer_process import PeerProcess
 
 from supple.explicit import (
     ExplicitEngine,
@@ -98,16 +96,11 @@ class InSupple:
         self.costs.append((process_time() - began, perf_counter() - began_wall))
 
 
-class InKratos:
-    """The march in Kratos, in a process of its own that waits for its turns."""
+class InKratos(PeerProcess):
+    """The march in Kratos."""
 
     def __init__(self, interpreter: Path, elements: Elements, mesh: Mesh, step: float, n_steps: int) -> None:
-        self._folder = TemporaryDirectory()
-        folder = Path(self._folder.name)
         velocities = np.cross(SPIN, mesh.nodes - CENTRE)
-        np.savez(
-            folder / "case.npz", points=mesh.nodes, cells=mesh.cells[elements.kind], velocities=velocities
-        )
         case = {
             "element": elements.theirs,
             "order": elements.order,
@@ -117,45 +110,16 @@ class InKratos:
             "step": step,
             "steps": n_steps,
         }
-        (folder / "case.json").write_text(json.dumps(case), encoding="utf-8")
-        script = Path(__file__).with_name("kratos_run.py").resolve()
-        with (folder / "log").open("w") as log:
-            self._process = subprocess.Popen(
-                [interpreter, script, folder],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=log,
-                text=True,
-                cwd=folder,
-            )
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        self._asked, self._answers = self._process.stdin, self._process.stdout
-        self.versions = self._told()
-        self.costs: list[tuple[float, float]] = []
-
-    def turn(self) -> None:
-        """March once more, from the start."""
-        print(file=self._asked, flush=True)
-        told = self._told()
-        self.costs.append((told["processor"], told["wall"]))
+        arrays = {"points": mesh.nodes, "cells": mesh.cells[elements.kind], "velocities": velocities}
+        super().__init__(
+            "Kratos", interpreter, "kratos_run.py", case, lambda at: np.savez(at / "case.npz", **arrays)
+        )
+        self.versions = self.ready
 
     @property
     def places(self) -> np.ndarray:
         """(N, 3) of the nodes at the end of the last turn."""
-        return np.load(Path(self._folder.name, "places.npy"))
-
-    def _told(self) -> dict[str, Any]:
-        answer = self._answers.readline()
-        if not answer:
-            sys.exit("Kratos stopped:\n" + Path(self._folder.name, "log").read_text()[-2000:])
-        return json.loads(answer)
-
-    def close(self) -> None:
-        """Let it end."""
-        self._asked.close()
-        self._process.wait()
-        self._folder.cleanup()
+        return np.load(self.folder / "places.npy")
 
 
 def rows_of(
