@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from fixtures.explicit_bars import SOFT
+from fixtures.frame_momentum import nodal_momentum
 
 from supple.body import flexible_body
 from supple.errors import ModelError, ResultFileError
@@ -52,17 +53,7 @@ def momenta(own, solution, engine):
     h = solution.bodies["steps"].values[:, 0]
     fe, modal = solution.bodies["fe"], solution.bodies["modal"]
     body = own.part("modal").subdomain
-    long = (h * solution.bodies["steps"].values[:, 1])[:, None, None]
-    now = part_positions(body, modal)
-    moved = type(modal)(
-        modal.points - long * modal.point_rates,
-        modal.coordinates - long[:, 0] * modal.coordinate_rates,
-        modal.point_rates,
-        modal.coordinate_rates,
-    )
-    before = part_positions(body, moved)
-    M = body.body.nodal_mass[::3][:, ::3]
-    push = np.einsum("nm,tmi->tni", M.toarray(), (now - before) / long)
+    before, push = nodal_momentum(body, modal, h * solution.bodies["steps"].values[:, 1])
     m = np.asarray(built.model.mass)[built.nodes["fe"]][:, None]
     x = fe.nodes - h[:, None, None] * fe.velocities
     linear = push.sum(axis=1) + (m * fe.velocities).sum(axis=1)

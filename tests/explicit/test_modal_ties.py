@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.explicit_bars import SOFT
+from fixtures.frame_momentum import nodal_momentum
 from jax import lax
 from scipy import linalg
 
@@ -90,16 +91,7 @@ def modal_momenta(system, solution, name):
     """Linear and angular momentum (t, 6) over the step before each output time, from the nodes."""
     body, motion = system.part(name).subdomain, solution.bodies[name]
     steps = solution.bodies["steps"].values
-    h = np.maximum(steps[:, 0] * steps[:, 1], 1e-300)[:, None, None]  # zero at the start
-    before = type(motion)(
-        motion.points - h * motion.point_rates,
-        motion.coordinates - h[:, 0] * motion.coordinate_rates,
-        motion.point_rates,
-        motion.coordinate_rates,
-    )
-    old = part_positions(body, before)
-    M = body.body.nodal_mass[::3][:, ::3]
-    push = np.einsum("nm,tmi->tni", M.toarray(), (part_positions(body, motion) - old) / h)
+    old, push = nodal_momentum(body, motion, steps[:, 0] * steps[:, 1])
     return np.column_stack([push.sum(axis=1), np.cross(old, push).sum(axis=1)])[1:]
 
 
