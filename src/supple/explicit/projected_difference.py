@@ -152,6 +152,7 @@ class _Frozen(NamedTuple):
 
     The modes are eliminated first; the links make the rest regular, even where modes repeat a uniform strain.
 
+    unit : a mass, for scale;   factor : of the links, so that their rows are as large as the masses
     spun : (6, k) impulse of the spin's stiffness per product of angular velocity after t_n, or None
     after : h, s
     """
@@ -161,20 +162,12 @@ class _Frozen(NamedTuple):
     t: _Tangent
     right: Generalized
     modal_mass: Array | float
+    unit: Array
+    factor: Array
     border: Array
     inverse: Array
     spun: Array | None
     after: Array | float
-
-    @property
-    def unit(self) -> Array:
-        """A mass, for scale."""
-        return self.t.sums.Xi[0, 0] + self.t.sums.Xi[1, 1]
-
-    @property
-    def factor(self) -> Array:
-        """Of the links, so that their rows are as large as the masses."""
-        return self.unit / jnp.sqrt(self.model.squared_lengths[0])
 
 
 def _frozen(model: FrameModel, state: FrameState, force: Generalized, steps: Steps) -> _Frozen:
@@ -192,12 +185,13 @@ def _frozen(model: FrameModel, state: FrameState, force: Generalized, steps: Ste
         # Half of the spin before t_n and half of that after it: second order, and reversible.
         spun = -0.5 * h * mean * (model.spin_stiffness @ y)
         right_y = right_y + spin_products(p, vp) @ spun
+    unit = t.sums.Xi[0, 0] + t.sums.Xi[1, 1]
+    factor = unit / jnp.sqrt(model.squared_lengths[0])
+    S = jnp.kron(t.sums.Xi, jnp.eye(3)) - t.A_py @ t.A_py.T / (1 + drag)
+    border = t.G * factor
+    inverse = jnp.linalg.inv(jnp.block([[S, -border.T], [border, jnp.zeros((6, 6))]]))
     right = Generalized(right_p, right_y)
-    own = _Frozen(model, p, t, right, 1 + drag, jnp.zeros(0), jnp.zeros(0), spun, h)
-    S = jnp.kron(t.sums.Xi, jnp.eye(3)) - t.A_py @ t.A_py.T / own.modal_mass
-    border = t.G * own.factor
-    saddle = jnp.block([[S, -border.T], [border, jnp.zeros((6, 6))]])
-    return own._replace(border=border, inverse=jnp.linalg.inv(saddle))
+    return _Frozen(model, p, t, right, 1 + drag, unit, factor, border, inverse, spun, h)
 
 
 def _missing(f: _Frozen, d: Generalized, links: Array) -> tuple[Array, Array, Array]:
