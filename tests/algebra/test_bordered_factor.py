@@ -53,3 +53,11 @@ def test_constraints_that_repeat_are_refused(system):
     twice = sparse.csr_array(sparse.vstack([constraint, constraint[:1]]))
     with pytest.raises(AccuracyError, match="singular"):
         bordered_factor(matrix, twice, INTERIOR)
+
+
+def test_a_pivot_of_exactly_zero_is_refused(system):
+    """A constraint of nothing: no rounding stands between the elimination and a division by zero."""
+    matrix, constraint, _ = system
+    nothing = sparse.csr_array(sparse.vstack([constraint, sparse.csr_array((1, N))]))
+    with pytest.raises(AccuracyError, match="pivot of zero"):
+        bordered_factor(matrix, nothing, INTERIOR)

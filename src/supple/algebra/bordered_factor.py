@@ -9,6 +9,7 @@ columns `W` are few, and left over when the interior is eliminated.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -63,7 +64,7 @@ class BorderedFactor:
         inner = self.factor.solve(right[self.interior])
         rows, columns = self.scales
         left = rows[:, None] * (right[self.border] - self.rows @ inner)
-        outer = columns[:, None] * scipy.linalg.lu_solve(self.remainder, left)
+        outer = columns[:, None] * scipy.linalg.lu_solve(self.remainder, left, check_finite=False)
         solution = np.empty_like(right)
         solution[self.interior] = inner - self.responses @ outer
         solution[self.border] = outer
@@ -78,9 +79,8 @@ class BorderedFactor:
         change = self._once(right - self.matrix @ solution)
         moved, size = (np.linalg.norm(np.sqrt(diagonal) * part[: self.n, 0]) for part in (change, solution))
         if not moved < LARGEST_REFINEMENT * size:  # NaN fails too
-            raise AccuracyError(
-                f"the bordered matrix of {self.n} freedoms is singular to working precision: one refinement "
-                f"changes a solution by {moved / size if size else np.nan:.1e} of its size"
+            raise _singular(
+                self.n, f"one refinement changes a solution by {moved / size if size else np.nan:.1e} of it"
             )
 
 
@@ -127,10 +127,19 @@ def bordered_factor(
     responses[:, touched] = factor.solve(coupling[:, touched].toarray())
     left = whole[border][:, border].toarray() - rows @ responses
     scales = _balanced(left)
-    remainder = scipy.linalg.lu_factor(scales[0][:, None] * left * scales[1], check_finite=False)
+    with warnings.catch_warnings():
+        # A pivot of exactly zero is a matter of rounding: told as every other singular system is.
+        warnings.simplefilter("ignore", scipy.linalg.LinAlgWarning)
+        remainder = scipy.linalg.lu_factor(scales[0][:, None] * left * scales[1], check_finite=False)
+    if not remainder[0].diagonal().all():
+        raise _singular(n, "what constraints and columns leave has a pivot of zero")
     bordered = BorderedFactor(whole, n, interior, border, factor, responses, rows, remainder, scales)
     bordered.check()
     return bordered
+
+
+def _singular(n: int, seen: str) -> AccuracyError:
+    return AccuracyError(f"the bordered matrix of {n} freedoms is singular to working precision: {seen}")
 
 
 def _balanced(matrix: Array) -> tuple[Array, Array]:
