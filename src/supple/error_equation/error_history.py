@@ -360,8 +360,8 @@ class ErrorEquation:
         columns = Z @ motion.chosen
         polynomial = force_polynomial(body, columns, Z)
         force = polynomial(motion.coordinates)
-        tangents = tangent_history(body, Z @ bent.chosen, bent.coordinates, Z)
         time = 0.0 if judged.damping is None else judged.damping.retardation_time
+        tangents = tangent_history(body, Z @ bent.chosen, bent.coordinates, Z, material=time > 0)
         if time:
             viscous = strain_rate_polynomial(body, columns, Z, polynomial)
             force += time * viscous(motion.coordinates, motion.rates)
@@ -376,8 +376,8 @@ class ErrorEquation:
 
         gain = ElasticGain(
             start,
-            stiffness=padded(tangents.material + tangents.geometric),
-            viscous=time * padded(tangents.material if time else tangents.material[:0]),
+            stiffness=padded(tangents.whole),
+            viscous=time * padded(tangents.material),
             viscous_stiffness=time * padded(rates.samples),
         )
         return gain, GainHistory(
