@@ -26,14 +26,14 @@ from supple.errors import AccuracyError
 from supple.integrate import StepFactors
 from supple.multibody.full.full_state import Evaluation, FullState
 from supple.multibody.full.full_system import FullSystem
-from supple.multibody.full.kept_tangent import KeptTangent, kept_tangent
+from supple.multibody.full.kept_tangent import KeptTangent, kept_tangent, serves
 
 __all__ = ["MissingMotion", "MissingMotionSearch"]
 
-SETTLED = 3e-3
-"""What is left to correct, over the motion found, below which a correction is the last."""
+SETTLED = 1e-3
+"""A correction over the motion found, below which it is the last."""
 IRRELEVANT = 1e-7
-"""Of the deformation itself: what is left as small does not matter, whatever the motion found."""
+"""Of the deformation itself: a correction as small is the last, whatever the motion found."""
 FAST, SLOW = 0.3, 0.8
 """What a correction may be over the one before, with a kept tangent and with a new one."""
 MOST_CORRECTIONS = 12
@@ -81,8 +81,6 @@ class MissingMotionSearch:
     def __init__(self, machine: FullSystem, by_position: float) -> None:
         self._machine = machine
         self._by_position = by_position
-        self._factors = StepFactors(by_position=by_position, by_velocity=0.0)
-        self._seen = self._told_by(machine)
         self._last: MissingMotion | None = None
         self._tangent: KeptTangent | None = None
         self._relaxations = 0
@@ -93,74 +91,64 @@ class MissingMotionSearch:
     def at(self, state: FullState) -> MissingMotion | None:
         """What balances a state; None where no search converges, or the tangents are singular."""
         for search, begin in self._searches(state):
-            found = self._found(search, state, begin)
+            try:
+                found = search(state, begin)
+            except AccuracyError as error:
+                self.singular, self._tangent = error, None
+                continue
             if found is not None:
+                self._last = found
                 return found
         return None
 
-    def _found(self, search: Search, state: FullState, begin: MissingMotion) -> MissingMotion | None:
-        try:
-            found = search(state, begin)
-        except AccuracyError as error:
-            self.singular, self._tangent = error, None
-            return None
-        self._last = found or self._last
-        return found
-
     def _searches(self, state: FullState) -> Iterator[tuple[Search, MissingMotion]]:
-        begin = self._begin(state)
-        yield self._corrected, begin
+        none = MissingMotion(
+            np.zeros(self._machine.n),
+            np.zeros_like(state.multipliers),
+            tuple(np.zeros(6) for _ in self._machine.interiors),
+        )
+        begin = none
         if self._last is not None:
-            yield self._corrected, self._nothing(state)
+            # The deformation alone: frames have moved on since, and the directions of forces with them.
+            deformation = self._last.displacement.copy()
+            for part in self._machine.slices:
+                deformation[part.start : part.start + 6] = 0.0
+            begin = replace(none, displacement=deformation)
+            yield self._corrected, begin
+        yield self._corrected, none
         if self._relaxations < MOST_RELAXATIONS:
             self._relaxations += 1
             yield self._relaxed, begin
 
-    def _nothing(self, state: FullState) -> MissingMotion:
-        frames = tuple(np.zeros(6) for _ in self._machine.interiors)
-        return MissingMotion(np.zeros(self._machine.n), np.zeros_like(state.multipliers), frames)
-
-    def _begin(self, state: FullState) -> MissingMotion:
-        """The last answer's deformation alone: frames have moved on since, and with them forces."""
-        begin = self._nothing(state)
-        if self._last is None:
-            return begin
-        deformation = self._last.displacement.copy()
-        for part in self._machine.slices:
-            deformation[part.start : part.start + 6] = 0.0
-        return replace(begin, displacement=deformation)
-
     def _corrected(self, state: FullState, begin: MissingMotion) -> MissingMotion | None:
         """Modified Newton's method; None where it does not converge."""
-        at, before, strikes = begin, None, 0
+        factors = StepFactors(by_position=self._by_position, by_velocity=0.0)
+        if self._tangent is not None and not serves(self._tangent, factors):
+            self._tangent = None
+        at, before, strikes = begin, np.inf, 0
         for _ in range(MOST_CORRECTIONS):
             evaluation = self._evaluated(state, at)
             new = self._tangent is None
-            more = self._more(evaluation, self._tangent_at(evaluation))
+            if self._tangent is None:
+                self._tangent = self._factored(evaluation, factors)
+            more = self._more(evaluation, self._tangent)
             size = self._size(more)
-            rate = None if before is None else size / before
-            before = size
+            rate, before = size / before, size
             if not np.isfinite(size):
                 return None
-            if rate is not None and rate > FAST:
+            if rate > FAST:
                 self._tangent = None
                 strikes += new and rate > SLOW
                 if strikes > 1:
                     return None
                 if not new and rate > SLOW:
                     # The old tangent led astray: the same place once more with its own.
-                    before = None
+                    before = np.inf
                     continue
             at = at + more
-            if self._is_settled(state, at, size, rate):
+            if self._is_settled(state, at, size):
                 return at
         return None
-
-    def _tangent_at(self, evaluation: Evaluation) -> KeptTangent:
-        """The one that is kept, or made here."""
-        if self._tangent is None:
-            self._tangent = self._factored(evaluation, self._factors)
-        return self._tangent
 
     def _relaxed(self, state: FullState, begin: MissingMotion) -> MissingMotion | None:
         """Downhill, by implicit steps that grow into Newton's: into an equilibrium that is stable."""
@@ -207,26 +195,10 @@ class MissingMotionSearch:
         )
         return MissingMotion(by_position * step, multipliers, frame_multipliers)
 
-    @staticmethod
-    def _told_by(machine: FullSystem) -> np.ndarray:
-        """Coordinates whose convergence counts: without frames, where joints do not say where they are."""
-        seen = np.ones(machine.n, dtype=bool)
-        if len(machine.model.active) < 6 * len(machine.system.bodies):
-            for part in machine.slices:
-                seen[part.start : part.start + 6] = False
-        return seen
-
     def _size(self, motion: MissingMotion) -> float:
-        return float(
-            np.linalg.norm(motion.displacement[self._seen] / self._machine.position_scale[self._seen])
-        )
+        return float(np.linalg.norm(motion.displacement / self._machine.position_scale))
 
-    def _is_settled(
-        self, state: FullState, found: MissingMotion, last: float, rate: float | None = None
-    ) -> bool:
-        """Whether corrections that go on as the last one and its part of the one before add nothing."""
-        if rate is not None:
-            last = last * rate / (1 - rate) if rate < 1 else np.inf
+    def _is_settled(self, state: FullState, found: MissingMotion, last: float) -> bool:
         return last <= max(SETTLED * self._size(found), IRRELEVANT * self._deformation(state))
 
     def _factored(self, at: Evaluation, factors: StepFactors) -> KeptTangent:

@@ -12,7 +12,7 @@ from supple.error_equation.linearised_march import ErrorState
 
 __all__ = ["Told", "is_finite", "is_small", "settled"]
 
-SMALL_SECOND = 0.05
+SMALL_SECOND = 0.02
 """A second correction below it is not made: the first is right to as much."""
 SWEEPS = 3
 """About the corrected motion, at most."""
