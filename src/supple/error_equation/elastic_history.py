@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,20 +153,20 @@ def tangent_history(
     g = coordinates * scale
     monomials = np.hstack([g, pair_products(g, g)])
     chosen, others = few_instants(monomials, SMALLEST_MONOMIAL, MOST_SAMPLES)
-    at_rest = onto.T @ (body.stiffness @ onto)
+    at_rest = _projected(body.stiffness, onto)
     through_strains, whole = [], []
     for i in chosen:
         q = motion @ coordinates[i]
         if not material:
-            whole.append(onto.T @ (body.assembly.tangent(q) @ onto) - at_rest)
+            whole.append(_projected(body.assembly.tangent(q), onto) - at_rest)
             continue
-        of_strains, of_stress = (onto.T @ (part @ onto) for part in body.assembly.tangent_parts(q))
+        of_strains, of_stress = (_projected(part, onto) for part in body.assembly.tangent_parts(q))
         through_strains.append(of_strains - at_rest)
         whole.append(of_strains + of_stress - at_rest)
     weights = weights_of_instants(monomials, chosen, monomials)
     missed = 0.0
     for other in others:
-        exact = onto.T @ (body.assembly.tangent(motion @ coordinates[other]) @ onto) - at_rest
+        exact = _projected(body.assembly.tangent(motion @ coordinates[other]), onto) - at_rest
         told = np.tensordot(weights[other], whole, axes=1)
         missed = max(missed, float(linalg.norm(told - exact) / max(float(linalg.norm(exact)), 1e-300)))
     return TangentHistory(np.array(whole), np.reshape(through_strains, (-1, k, k)), weights, missed)
@@ -203,10 +204,14 @@ def strain_rate_history(
     monomials = np.hstack([rate, (g[:, :, None] * rate[:, None]).reshape(t, -1)])
     chosen = few_instants(monomials, SMALLEST_RATE, MOST_SAMPLES).chosen
     samples = [
-        onto.T @ (body.assembly.strain_rate_tangent(motion @ coordinates[i], motion @ rates[i]) @ onto)
+        _projected(body.assembly.strain_rate_tangent(motion @ coordinates[i], motion @ rates[i]), onto)
         for i in chosen
     ]
     return StrainRateHistory(np.array(samples), weights_of_instants(monomials, chosen, monomials))
+
+
+def _projected(matrix: Any, onto: Array) -> Array:
+    return onto.T @ (matrix @ onto)
 
 
 def _unit_energies(body: FlexibleBody, motion: Array, coordinates: Array) -> Array | None:
