@@ -33,7 +33,7 @@ def along():
 
 def test_the_force_is_that_of_the_elements(along):
     body, motion, onto, coordinates, _ = along
-    gained = force_polynomial(body, motion, onto)(coordinates)
+    gained = force_polynomial(body.assembly.works(motion, onto))(coordinates)
     for row in (1, 20, 59):
         q = motion @ coordinates[row]
         exact = onto.T @ (body.assembly.internal_force(q) - body.stiffness @ q)
@@ -44,8 +44,7 @@ def test_tangents_between_the_chosen_instants_are_those_of_the_elements(along):
     body, motion, onto, coordinates, _ = along
     tangents = tangent_history(body, motion, coordinates, onto, material=True)
     assert len(tangents.whole) < N_STEPS / 2
-    assert tangents.missed < 1e-5
-    for row in (2, 23, 47):
+    for row in range(1, N_STEPS):
         q = motion @ coordinates[row]
         whole = onto.T @ ((body.assembly.tangent(q) - body.stiffness) @ onto)
         geometric = onto.T @ (body.assembly.tangent(q, material=0.0) @ onto)
@@ -59,9 +58,7 @@ def test_tangents_between_the_chosen_instants_are_those_of_the_elements(along):
 
 def test_the_force_of_strain_rates_is_that_of_the_elements(along):
     body, motion, onto, coordinates, rates = along
-    gained = strain_rate_polynomial(body, motion, onto, force_polynomial(body, motion, onto))(
-        coordinates, rates
-    )
+    gained = strain_rate_polynomial(body.assembly.works(motion, onto))(coordinates, rates)
     for row in (1, 20, 59):
         q, rate = motion @ coordinates[row], motion @ rates[row]
         exact = onto.T @ (body.assembly.strain_rate_force(q, rate) - body.stiffness @ rate)
@@ -92,4 +89,4 @@ def test_a_body_that_does_not_deform_gains_nothing(along):
     tangents = tangent_history(body, motion, 0 * coordinates, onto)
     assert tangents.whole.shape == tangents.material.shape == (0, 9, 9)
     assert strain_rate_history(body, motion, 0 * coordinates, 0 * rates, onto).samples.shape == (0, 9, 9)
-    assert not force_polynomial(body, motion, onto)(0 * coordinates).any()
+    assert not force_polynomial(body.assembly.works(motion, onto))(0 * coordinates).any()

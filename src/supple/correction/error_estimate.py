@@ -13,7 +13,7 @@ from supple.body import FullBody, ModalDamping
 from supple.correction.basis_error import FIRST_ORDER, BasisError, BodyError
 from supple.correction.looked_at_instants import followed, jittered, striking
 from supple.correction.residual_correction import ResidualCorrections, system_corrections
-from supple.correction.settled_error import Told, is_finite, is_small, settled
+from supple.correction.settled_error import Told, is_clearly_larger, is_finite, is_small, settled
 from supple.error_equation import (
     ErrorEquation,
     ErrorHistory,
@@ -132,11 +132,13 @@ class ErrorEstimator:
         solution: Solution,
         *,
         instants: int = INSTANTS,
+        allowed: Mapping[str, float] | None = None,
         progress: Progress | None = None,
     ) -> ErrorEstimate:
         """What the bases of one run cost; parameters as for `estimate_error`.
 
         instants : at which the residual is balanced, beside those where loads peak or kink
+        allowed : RMS over the nodes, by body: errors that are clearly larger are told to first order
         """
         fulls = self._judged(bases)
         # A run that broke off tells what its bases miss, but not what that costs.
@@ -152,6 +154,7 @@ class ErrorEstimator:
             bases,
             steps.solution,
             along,
+            wanted=both,
             progress=None if progress is None else lambda fraction: progress(0.7 * fraction),
         )
         missed = {name: own.at(np.searchsorted(along, both)) for name, own in every.items()}
@@ -173,7 +176,7 @@ class ErrorEstimator:
             self.active(solution),
             start,
         )
-        told = _told(equation, every)
+        told = _told(equation, every, allowed or {})
         if told is None:
             return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
         found, histories, second = told
@@ -313,10 +316,13 @@ def _start_error(
     return StartError(position, moving)
 
 
-def _told(equation: ErrorEquation, missed: Mapping[str, ResidualCorrections]) -> Told | None:
+def _told(
+    equation: ErrorEquation, missed: Mapping[str, ResidualCorrections], allowed: Mapping[str, float]
+) -> Told | None:
     """The differences of the true motion and the run's, and by body what the last sweep changed.
 
     None where they grow far beyond the deformation itself: not even their order of magnitude is known then.
+    allowed : as for `ErrorEstimator.judge`
     """
     found = equation.first()
     histories = equation.histories(found)
@@ -324,8 +330,8 @@ def _told(equation: ErrorEquation, missed: Mapping[str, ResidualCorrections]) ->
     bounded = _are_bounded(histories)
     if bounded:
         second = {name: second_correction(history) for name, history in histories.items()}
-        small = is_small(histories, second)
-        told = (found, histories, second) if small else settled(equation, found, histories)
+        known = is_small(histories, second) or is_clearly_larger(histories, second, allowed)
+        told = (found, histories, second) if known else settled(equation, found, histories)
     nonlinear = not all(history.body.full.is_linear for history in histories.values())
     if nonlinear and max(told[2].values()) > FIRST_ORDER:
         # The run may be no place to take tangents at: walls that should have buckled, and in the run have

@@ -29,7 +29,7 @@ import numpy as np
 from supple.algebra import read_only
 from supple.body import BodyForm, MeanAxisFrame, frame_projector, in_space
 from supple.body.full_body import FullBody
-from supple.correction.missing_motion import MissingMotionSearch
+from supple.correction.missing_motion import FOLLOWED, SETTLED, MissingMotionSearch
 from supple.errors import ModelError, RedundantConstraintWarning
 from supple.integrate import Progress, Solution, StepFactors
 from supple.integrate.motion import FloatingMotion
@@ -107,6 +107,7 @@ def system_corrections(
     solution: Solution,
     instants: np.ndarray,
     *,
+    wanted: np.ndarray | None = None,
     progress: Progress | None = None,
 ) -> dict[str, ResidualCorrections]:
     """Motion that the bases of a finished run miss at some of its output times, by body.
@@ -121,6 +122,8 @@ def system_corrections(
     solution : Solution         of the run
     instants : int array (k,)   output times to look at, by their number; the motion missed at one is where
                                 the search at the next begins (`MissingMotionSearch`)
+    wanted : int array          those of the instants whose motion is to settle; at the others it is followed,
+                                to a tenth; none: all
     progress : function         called with the completed fraction of the instants
 
     Raises
@@ -134,8 +137,9 @@ def system_corrections(
     search = MissingMotionSearch(prepared, seen.by_position)
     states = [seen.state(row) for row in range(len(instants))]
     steps, settled = np.zeros((len(instants), prepared.n)), np.zeros(len(instants), dtype=bool)
+    settles = np.isin(instants, instants if wanted is None else wanted)
     for done, row in enumerate(np.argsort(instants, kind="stable"), start=1):
-        missing = search.at(states[row])
+        missing = search.at(states[row], SETTLED if settles[row] else FOLLOWED)
         if missing is not None:
             steps[row], settled[row] = missing.displacement, True
         if progress is not None:

@@ -10,10 +10,13 @@ from supple.correction.basis_error import FIRST_ORDER
 from supple.error_equation import ErrorEquation, ErrorHistory, TangentMotion
 from supple.error_equation.linearised_march import ErrorState
 
-__all__ = ["Told", "is_finite", "is_small", "settled"]
+__all__ = ["Told", "is_clearly_larger", "is_finite", "is_small", "settled"]
 
 SMALL_SECOND = 0.02
 """A second correction below it is not made: the first is right to as much."""
+CLEAR_SECOND = 0.1
+"""A second correction below it is not made of an error that is `CLEARLY` larger than what is allowed."""
+CLEARLY = 2.0
 SWEEPS = 3
 """About the corrected motion, at most."""
 SMALL_TURN = 0.02
@@ -56,8 +59,25 @@ def is_finite(histories: Mapping[str, ErrorHistory]) -> bool:
 
 def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
     """Whether errors are small, by their second corrections and the turns of the frames."""
-    turned = max(float(np.abs(history.turn).max()) for history in histories.values())
-    return max(second.values()) <= SMALL_SECOND and turned <= SMALL_TURN
+    return max(second.values()) <= SMALL_SECOND and _largest_turn(histories) <= SMALL_TURN
+
+
+def is_clearly_larger(
+    histories: Mapping[str, ErrorHistory], second: Mapping[str, float], allowed: Mapping[str, float]
+) -> bool:
+    """Whether an error is so much larger than what is allowed to its body that its first order says enough.
+
+    Rounds of a self-correction that cannot be the last take a sweep less, which is a third of their cost.
+    """
+    small = max(second.values()) <= CLEAR_SECOND and _largest_turn(histories) <= CLEAR_SECOND
+    return small and any(
+        history.rms.max() > CLEARLY * allowed.get(name, np.inf) for name, history in histories.items()
+    )
+
+
+def _largest_turn(histories: Mapping[str, ErrorHistory]) -> float:
+    """Of the frames' errors, rad."""
+    return max(float(np.abs(history.turn).max()) for history in histories.values())
 
 
 def _change(first: ErrorHistory, again: ErrorHistory) -> float:

@@ -20,7 +20,7 @@ from supple.correction.correction_rounds import (
     SelfCorrectionError,
 )
 from supple.correction.error_estimate import ErrorEstimate, ErrorEstimator
-from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
+from supple.correction.judged_quantity import JudgedQuantity, WholeBody, quantity_distance
 from supple.correction.round_archive import MissedMotion, RoundArchive, RoundBases
 from supple.correction.stopping import is_useless, missed_part
 from supple.errors import ConvergenceError, LockingWarning
@@ -210,6 +210,11 @@ def _enriched(problem: Problem, estimator: ErrorEstimator, run: _Run) -> RoundBa
         model.bases.bases,
         run.solution,
         instants=max(problem.target(name).instants for name in problem.fulls),
+        allowed={
+            name: _allowed(problem, name, run)
+            for name in problem.fulls
+            if isinstance(problem.target(name).quantity(name), WholeBody)
+        },
         progress=lambda fraction: problem.report(step, fraction),
     )
     bases, said = {}, {}
@@ -243,9 +248,8 @@ def _error(quantity: JudgedQuantity, name: str, run: _Run, estimate: ErrorEstima
 
 def _judge(problem: Problem, name: str, before: list[_Judged], run: _Run, after: RoundBases) -> _Judged:
     """What a run said of its own error, against what is asked."""
-    target = problem.target(name)
     missed = after.missed[name]
-    allowed = target.allowed(target.quantity(name).size(run.model.system, run.solution))
+    allowed = _allowed(problem, name, run)
     errors = [*(each.round.estimated_error for each in before), missed.error]
     was_met = any(each.met for each in before)
     after_useless = bool(before) and before[-1].round.useless and not was_met
@@ -264,6 +268,12 @@ def _judge(problem: Problem, name: str, before: list[_Judged], run: _Run, after:
         ),
         missed.error <= allowed - problem.spent.get(name, 0.0) and not after_useless,
     )
+
+
+def _allowed(problem: Problem, name: str, run: _Run) -> float:
+    """The error to reach, in the unit of what it is of."""
+    target = problem.target(name)
+    return target.allowed(target.quantity(name).size(run.model.system, run.solution))
 
 
 def _result(past: Mapping[str, list[_Judged]], run: _Run) -> CorrectedSystem:

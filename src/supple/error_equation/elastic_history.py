@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
 
 from supple.body import FlexibleBody
 from supple.error_equation.products_of_run import few_instants, pair_products, weights_of_instants
+from supple.fem import StrainWorks
 
 __all__ = [
     "ForcePolynomial",
@@ -63,17 +63,14 @@ class ForcePolynomial:
         return gained
 
 
-def force_polynomial(body: FlexibleBody, motion: Array, onto: Array) -> ForcePolynomial:
-    """The exact polynomial of a body's nonlinear force, from the strains of its elements.
+def force_polynomial(works: StrainWorks) -> ForcePolynomial:
+    """The exact polynomial of a body's nonlinear force, from the works of its elements' strains.
 
-    motion : (n, s) columns X;  onto : (n, k) columns Z
+    works : of the columns X of the motion on Z (`Assembly.works`)
     """
-    first, second = np.triu_indices(motion.shape[1])
-    once = np.where(first == second, 0.5, 1.0)
-    assembly = body.assembly
-    quadratic = onto.T @ assembly.pair_forces(motion)
-    cubic = [onto.T @ assembly.triple_forces(motion, i) for i in range(motion.shape[1])]
-    return ForcePolynomial(quadratic * once, np.array(cubic) * once)
+    first, second, once = _pairs(works)
+    turned = works.turned[:, first, second] + works.turned[:, second, first]
+    return ForcePolynomial((works.linear + turned) * once, works.cubic * once)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,13 +102,19 @@ class StrainRatePolynomial:
         return gained
 
 
-def strain_rate_polynomial(
-    body: FlexibleBody, motion: Array, onto: Array, elastic: ForcePolynomial
-) -> StrainRatePolynomial:
-    """The exact polynomial, whose cubic part is that of the elastic force in the same columns."""
-    at_rest = np.zeros(len(motion))
-    bilinear = [onto.T @ (body.assembly.strain_rate_tangent(at_rest, rate) @ motion) for rate in motion.T]
-    return StrainRatePolynomial(np.stack(bilinear, axis=2).reshape(onto.shape[1], -1), elastic.cubic)
+def strain_rate_polynomial(works: StrainWorks) -> StrainRatePolynomial:
+    """The exact polynomial; works as for `force_polynomial`."""
+    first, second, once = _pairs(works)
+    bilinear = works.turned.copy()
+    bilinear[:, first, second] += works.linear * once
+    bilinear[:, second, first] += works.linear * once
+    return StrainRatePolynomial(bilinear.reshape(len(bilinear), -1), works.cubic * once)
+
+
+def _pairs(works: StrainWorks) -> tuple[Any, Any, Array]:
+    """First and second of the pairs, and what each counts: twice, or once of equals."""
+    first, second = np.triu_indices(works.turned.shape[2])
+    return first, second, np.where(first == second, 0.5, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,13 +128,11 @@ class TangentHistory:
     whole : (m, k, k)
     material : (m, k, k)    through the strains alone; (0, k, k) where that was not asked for
     weights : (t, m)
-    missed : float          part of the gain that was missed at an instant that was not chosen
     """
 
     whole: Array
     material: Array
     weights: Array
-    missed: float
 
 
 def tangent_history(
@@ -139,8 +140,7 @@ def tangent_history(
 ) -> TangentHistory:
     """Tangents along q = X g(t) from those at a few instants, chosen so that all others follow from them.
 
-    The monomials (g, g g) of the run are factored with column pivoting, which picks the instants; then
-    tangents at other instants are compared, and join in where they are missed.
+    The monomials (g, g g) of the run are factored with column pivoting, which picks the instants.
 
     motion : (n, s) X;  coordinates : (t, s);  onto : (n, k) Z
     material : bool     whether the part through the strains is wanted as well, as damping by their rate does
@@ -149,10 +149,10 @@ def tangent_history(
     scale = _unit_energies(body, motion, coordinates)
     if scale is None:
         none = np.zeros((0, k, k))
-        return TangentHistory(none, none, np.zeros((len(coordinates), 0)), 0.0)
+        return TangentHistory(none, none, np.zeros((len(coordinates), 0)))
     g = coordinates * scale
     monomials = np.hstack([g, pair_products(g, g)])
-    chosen, others = few_instants(monomials, SMALLEST_MONOMIAL, MOST_SAMPLES)
+    chosen = few_instants(monomials, SMALLEST_MONOMIAL, MOST_SAMPLES)
     at_rest = _projected(body.stiffness, onto)
     through_strains, whole = [], []
     for i in chosen:
@@ -164,12 +164,7 @@ def tangent_history(
         through_strains.append(of_strains - at_rest)
         whole.append(of_strains + of_stress - at_rest)
     weights = weights_of_instants(monomials, chosen, monomials)
-    missed = 0.0
-    for other in others:
-        exact = _projected(body.assembly.tangent(motion @ coordinates[other]), onto) - at_rest
-        told = np.tensordot(weights[other], whole, axes=1)
-        missed = max(missed, float(linalg.norm(told - exact) / max(float(linalg.norm(exact)), 1e-300)))
-    return TangentHistory(np.array(whole), np.reshape(through_strains, (-1, k, k)), weights, missed)
+    return TangentHistory(np.array(whole), np.reshape(through_strains, (-1, k, k)), weights)
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +197,7 @@ def strain_rate_history(
         return StrainRateHistory(np.zeros((0, k, k)), np.zeros((t, 0)))
     g, rate = coordinates * scale, rates * scale
     monomials = np.hstack([rate, (g[:, :, None] * rate[:, None]).reshape(t, -1)])
-    chosen = few_instants(monomials, SMALLEST_RATE, MOST_SAMPLES).chosen
+    chosen = few_instants(monomials, SMALLEST_RATE, MOST_SAMPLES)
     samples = [
         _projected(body.assembly.strain_rate_tangent(motion @ coordinates[i], motion @ rates[i]), onto)
         for i in chosen

@@ -358,13 +358,12 @@ class ErrorEquation:
         body, Z = judged.full.body, judged.space.vectors
         k, size = judged.space.size, self._places[name].stop - start
         columns = Z @ motion.chosen
-        polynomial = force_polynomial(body, columns, Z)
-        force = polynomial(motion.coordinates)
+        works = body.assembly.works(columns, Z)
+        force = force_polynomial(works)(motion.coordinates)
         time = 0.0 if judged.damping is None else judged.damping.retardation_time
         tangents = tangent_history(body, Z @ bent.chosen, bent.coordinates, Z, material=time > 0)
         if time:
-            viscous = strain_rate_polynomial(body, columns, Z, polynomial)
-            force += time * viscous(motion.coordinates, motion.rates)
+            force += time * strain_rate_polynomial(works)(motion.coordinates, motion.rates)
         moving = motion.rates if time else 0 * motion.rates
         rates = strain_rate_history(body, columns, motion.coordinates, moving, Z)
 

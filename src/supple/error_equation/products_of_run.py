@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-__all__ = ["FewInstants", "few_instants", "pair_products", "weights_of_instants"]
+__all__ = ["few_instants", "pair_products", "weights_of_instants"]
 
 Array = NDArray[np.float64]
 
@@ -16,14 +14,7 @@ CANDIDATES = 400
 """Instants among which those few are chosen."""
 
 
-class FewInstants(NamedTuple):
-    """Numbers of steps: those chosen, and of the others the three that they tell worst."""
-
-    chosen: NDArray[np.intp]
-    others: NDArray[np.intp]
-
-
-def few_instants(monomials: Array, smallest: float, most: int) -> FewInstants:
+def few_instants(monomials: Array, smallest: float, most: int) -> NDArray[np.intp]:
     """Instants whose monomials span all those of a run, by factoring them with column pivoting.
 
     monomials : (t, m)
@@ -34,7 +25,7 @@ def few_instants(monomials: Array, smallest: float, most: int) -> FewInstants:
     R, order = linalg.qr(monomials[looked].T, mode="r", pivoting=True)  # pyright: ignore[reportAssignmentType]
     sizes = np.abs(np.diag(R))
     number = min(int(np.sum(sizes > smallest * sizes[0])), most)
-    return FewInstants(looked[order[:number]], looked[order[number : number + 3]])
+    return looked[order[:number]]
 
 
 def weights_of_instants(monomials: Array, chosen: NDArray[np.intp], wanted: Array) -> Array:

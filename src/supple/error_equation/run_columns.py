@@ -77,7 +77,7 @@ def run_columns(
         return RunColumns(basis.vectors, *own, shown=gamma)
     scale = 1 / np.maximum(np.abs(gamma).max(axis=0), 1e-12 * np.abs(gamma).max())
     products = pair_products(gamma * scale, gamma * scale)
-    chosen = few_instants(products, SMALLEST_PRODUCT, MOST_SAMPLES).chosen
+    chosen = few_instants(products, SMALLEST_PRODUCT, MOST_SAMPLES)
     sampled = Condensation(body, basis).bilinear(gamma[chosen], gamma[chosen])
     columns = np.hstack([basis.vectors, _leading(body, basis, sampled, float(np.linalg.norm(gamma[chosen])))])
     # z is not M-orthogonal to V, from which it differs in energy alone.

@@ -1,6 +1,6 @@
 """Finite elements as quadratic-strain arrays: materials, one element per module, mass, assembly, stress."""
 
-from supple.fem.assembly import Assembly, assemble, assemble_strains
+from supple.fem.assembly import Assembly, StrainWorks, assemble, assemble_strains
 from supple.fem.beam_section import BeamSection
 from supple.fem.mass import CellMass
 from supple.fem.material import Isotropic
@@ -39,6 +39,7 @@ __all__ = [
     "Section",
     "ShellKinematics",
     "ShellSection",
+    "StrainWorks",
     "StressRecovery",
     "assemble",
     "assemble_strains",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,20 @@ SparseArray = Any
 
 # Numbers held at once while many elements are evaluated: 2 MiB, within a processor's cache.
 CHUNK = 2**18
+
+
+class StrainWorks(NamedTuple):
+    """Works of the parts of the internal force of q = X g on k columns z; pairs j <= l in the order of
+    numpy.triu_indices(m).
+
+    linear : (k, p)     sum w (B z)^T D N(G x_j, G x_l)
+    turned : (k, m, m)  sum w N(G z, G x_j)^T D B x_l
+    cubic : (m, k, p)   sum w N(G z, G x_i)^T D N(G x_j, G x_l)
+    """
+
+    linear: FloatArray
+    turned: FloatArray
+    cubic: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,29 +144,25 @@ class Assembly:
                 forces[own] += rows[:, own].T @ pairs.reshape(-1, forces.shape[1])
         return forces
 
-    def triple_forces(self, X: FloatArray, own: int) -> FloatArray:
-        """Forces of the quadratic strains of pairs of columns of X (n, m), turned along one column.
-
-            f_jk = sum w G^T N(G x_own)^T D N(G x_j, G x_k)
-
-        The cubic part of the internal force at q = X g is their sum, times g_own g_j g_k / 2, over all three.
-
-        Returns
-        -------
-        float array (n, m(m+1)/2)   j <= k in the order of numpy.triu_indices(m)
-        """
-        m = X.shape[1]
-        forces = np.zeros((self.n, m * (m + 1) // 2))
+    def works(self, X: FloatArray, onto: FloatArray) -> StrainWorks:
+        """Works of the parts of the internal force of q = X g, X (n, m), on columns `onto` (n, k)."""
+        m, k = X.shape[1], onto.shape[1]
+        n_pairs = m * (m + 1) // 2
+        linear, turned = np.zeros((k, n_pairs)), np.zeros((m, k, m))
+        cubic = np.zeros((m, k, n_pairs))
+        sums = (linear, *turned, *cubic)
         for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, n_points, s, n_e = block.B.shape
-            each = n_points * (s + block.G.shape[2]) * 2 * m + n_e * forces.shape[1]
+            each = n_points * s * (n_pairs + m * n_e) + n_e * n_pairs
             for elements in _ranges(n_elements, each):
                 rows = gather[elements.start * n_e : elements.stop * n_e]
                 directions = (rows @ X).reshape(-1, n_e, m)
-                triples = quadratic_strain.triple_forces(block.of(elements), directions, own)
                 reached = np.unique(rows.indices)  # a portion reaches few of the freedoms
-                forces[reached] += rows[:, reached].T @ triples.reshape(-1, forces.shape[1])
-        return forces
+                to_reached, seen = rows[:, reached].T, onto[reached].T
+                parts = quadratic_strain.force_parts(block.of(elements), directions)
+                for total, part in zip(sums, parts, strict=True):
+                    np.add(total, seen @ (to_reached @ part.reshape(-1, part.shape[-1])), out=total)
+        return StrainWorks(linear, turned.swapaxes(0, 1), cubic)
 
     def strain_pair_forces(self, X: FloatArray, first: IntArray, second: IntArray) -> FloatArray:
         """Forces that balance the quadratic strain of pairs of columns of X by linear strains alone.

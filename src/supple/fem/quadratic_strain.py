@@ -11,6 +11,7 @@ elements of a block at once and accept complex q (for complex-step differentiati
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -191,30 +192,25 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
     return forces
 
 
-def triple_forces(block: QuadraticStrain, X: FloatArray, own: int) -> FloatArray:
-    """Forces of the stress of all pairs of directions, through the rotation along one of them.
+def force_parts(block: QuadraticStrain, X: FloatArray) -> Iterator[FloatArray]:
+    """The parts of the internal force in m directions, one after the other; pairs j <= k are p in number.
 
-        f_jk = sum_g w G^T N(G x_own)^T D N(G x_j, G x_k)
+        sum_g w B^T D N(G x_j, G x_k)                       (E, n, p)   first
+        sum_g w G^T N(G x_j)^T D B x_k                      (E, n, m)   of every j
+        sum_g w G^T N(G x_i)^T D N(G x_j, G x_k)            (E, n, p)   of every i
 
     Parameters
     ----------
-    X : float array (E, n, m)       m directions
-    own : int                       one of them
-    Returns
-    -------
-    float array (E, n, m(m+1)/2)    pairs j <= k in the order of numpy.triu_indices(m)
+    X : float array (E, n, m)       directions; pairs in the order of numpy.triu_indices(m)
     """
     m = X.shape[2]
     a = _directions(block.G, X)
-    turned = _contract(block.N, a[..., own]).swapaxes(2, 3) @ block.weighted_D
-    forces = np.empty((*block.dofs.shape, m * (m + 1) // 2))
-    start = 0
-    for j in range(m):
-        pairs = slice(start, start + m - j)
-        second_strain = _contract(block.N, a[..., j]) @ a[..., j:]
-        forces[..., pairs] = _gather_directions(block.G, turned @ second_strain)
-        start = pairs.stop
-    return forces
+    stress = block.weighted_D @ _directions(block.B, X)
+    second_strain = np.concatenate([_contract(block.N, a[..., j]) @ a[..., j:] for j in range(m)], axis=-1)
+    yield _gather_directions(block.weighted_D @ block.B, second_strain)
+    turned = [_contract(block.N, a[..., j]) @ block.G for j in range(m)]
+    yield from (_gather_directions(each, stress) for each in turned)
+    yield from (_gather_directions(block.weighted_D @ each, second_strain) for each in turned)
 
 
 def strain_pair_forces(
