@@ -14,11 +14,12 @@ INSTALL_FAILED := echo "Installing failed, see above. Remedy: check the network 
 # One thread per process: the test workers share the cores between them.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
-.PHONY: help demo test soak lint format clean
+.PHONY: help demo test test-all soak lint format clean
 
 help:
 	@echo "make demo   set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
-	@echo "make test   set up, then check style, types, layers and run every test"
+	@echo "make test   set up, then check style, types, layers and run the tests (ten minutes on two cores)"
+	@echo "make test-all  the same with the slow tests: half an hour; before every release"
 	@echo "make soak   kill runs and damage files by the hundred, the longest quick benchmarks: an hour"
 	@echo "make lint   style, types and layers only"
 	@echo "make format rewrite the sources in the project's style"
@@ -33,6 +34,9 @@ demo: $(VENV)/.ready
 
 test: lint
 	$(ONE_THREAD) $(BIN)/python -m pytest -n $(WORKERS)
+
+test-all: lint
+	$(ONE_THREAD) $(BIN)/python -m pytest -n $(WORKERS) -m 'not soak'
 
 soak: $(VENV)/.ready-dev
 	$(ONE_THREAD) $(BIN)/python -m pytest -n $(WORKERS) -m soak

@@ -4,7 +4,8 @@ Run with one thread: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/chain.py [
 Rods on ball joints, hung at one end, fall from rest along x. Rigid rods, and slender solid ones by eight
 fixed-interface modes and the constraint modes of their two ends, in a mean-axis frame. All seconds are of the
 processor. Compiling is measured in a process without kept programs, steps in turns with Exudyn, which solves
-the same equations at the same step and tolerance, by modified and by full Newton: the faster one counts.
+the same equations at the same step and tolerance, by modified and by full Newton, with its dense and with its
+sparse solver: the fastest of the four counts.
 MuJoCo has no flexible body of this kind; its rigid chain takes steps of Runge-Kutta's fourth order.
 """
 
@@ -17,6 +18,7 @@ import sys
 from dataclasses import replace
 from importlib.metadata import version
 from importlib.util import find_spec
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
@@ -130,7 +132,7 @@ def compile_seconds(kind: str, n: int) -> float:
     return float(shown.stdout.split()[-1])
 
 
-def in_exudyn(rod: Any, n: int, file: Path, *, modified_newton: bool) -> TimedRun:
+def in_exudyn(rod: Any, n: int, file: Path, *, modified_newton: bool, linear_solver: str) -> TimedRun:
     import exudyn as exu
     from exudyn import itemInterface as items  # noqa: N813
     from exudyn.FEM import ObjectFFRFreducedOrderInterface
@@ -197,6 +199,7 @@ def in_exudyn(rod: Any, n: int, file: Path, *, modified_newton: bool) -> TimedRu
         output_step=OUTPUT_STEP,
         tolerance=TOLERANCE,
         modified_newton=modified_newton,
+        linear_solver=linear_solver,
     )
 
 
@@ -206,8 +209,10 @@ RODS = {"rigid": rigid_rod, "flexible": flexible_rod}
 def row(kind: str, rod: Any, n: int, file: Path) -> dict[str, Any]:
     runs = {"supple": in_supple(rod, n)}
     if find_spec("exudyn"):
-        for newton in (True, False):
-            runs[f"exudyn {newton}"] = in_exudyn(rod, n, file, modified_newton=newton)
+        for newton, solver in product((True, False), ("EXUdense", "EigenSparse")):
+            runs[f"exudyn {newton} {solver}"] = in_exudyn(
+                rod, n, file, modified_newton=newton, linear_solver=solver
+            )
     if MUJOCO and kind == "rigid":
         across, along = rod.inertia[1, 1], rod.inertia[0, 0]
         runs["mujoco"] = in_mujoco(

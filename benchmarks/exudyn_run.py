@@ -32,8 +32,12 @@ def timed_run(
     output_step: float,
     tolerance: float,
     modified_newton: bool,
+    linear_solver: str = "EXUdense",
 ) -> TimedRun:
-    """Run an assembled system by generalized-alpha, rho_inf = 0.8, as often as called."""
+    """Run an assembled system by generalized-alpha, rho_inf = 0.8, as often as called.
+
+    linear_solver : str     a member of Exudyn's `LinearSolverType`
+    """
     exu = exudyn()
     settings = exu.SimulationSettings()
     settings.timeIntegration.numberOfSteps = round(duration / step)
@@ -45,6 +49,7 @@ def timed_run(
     settings.solution.file.write = False
     settings.solution.sensors.writePeriod = output_step
     settings.parallel.numberOfThreads = 1
+    settings.linearSolver.solverType = getattr(exu.LinearSolverType, linear_solver)
 
     def run() -> Outcome:
         began = perf_counter()

@@ -44,6 +44,7 @@ def _four_points(body, largest):
     return part_positions(part, solution.bodies["box"])
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.SuppleWarning")
 def test_free_flight_agrees_and_the_difference_is_that_of_the_steps(body):
     reference = _floating(body, 4000)

@@ -51,6 +51,7 @@ def _four_points(body, largest):
     return part_positions(part, solution.bodies["shaft"])
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.SuppleWarning")
 def test_a_pushed_rotor_agrees_and_the_difference_is_that_of_the_steps(body):
     reference = _floating(body, 2000)

@@ -98,6 +98,7 @@ def test_a_place_is_an_interface_or_the_nodes_of_a_set(case_folder):
     np.testing.assert_array_equal(nodes, case.meshes["strip"].nodes_of("TIP"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("linear", [False, True])
 def test_a_nastran_file_is_read_and_assembled_once_a_run(tmp_path, bulk, monkeypatch, linear):
     """Whatever its connections, checks, pictures and animation need of it."""

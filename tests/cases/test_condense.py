@@ -34,6 +34,7 @@ def rewritten(folder, *changes):
     return path
 
 
+@pytest.mark.slow
 def test_a_condensed_strip_swings_as_the_whole_one(case_folder, tmp_path):
     """Under its weight, small enough that a floating frame is right as well."""
     whole = run_case(read_case(case_folder / "strip.toml"), tmp_path / "whole").tracked["strip.TIP"]
@@ -48,6 +49,7 @@ def test_a_condensed_strip_swings_as_the_whole_one(case_folder, tmp_path):
     assert report["bodies"]["strip"]["stations"] == 5
 
 
+@pytest.mark.slow
 def test_stress_and_pictures_are_those_of_any_body(case_folder, tmp_path):
     path = rewritten(
         case_folder,
@@ -118,6 +120,7 @@ ON_HUB = (
 )
 
 
+@pytest.mark.slow
 def test_a_strip_on_a_turning_hub_moves_as_the_whole_one(case_folder, tmp_path):
     """Bent little, so that a floating frame is right as well, and turned by a motor on the hub."""
     path = case_folder / "strip.toml"
@@ -138,6 +141,7 @@ def test_a_strip_on_a_turning_hub_moves_as_the_whole_one(case_folder, tmp_path):
     assert np.abs(forces[0] - forces[1]).max() < 0.05 * np.abs(forces[1]).max()
 
 
+@pytest.mark.slow
 def test_a_strip_hangs_by_its_tip_once_it_is_released(case_folder, tmp_path):
     """Still there where a joint holds it, and falling about that point as a rigid rod does at first."""
     path = rewritten(

@@ -187,6 +187,7 @@ def test_what_a_function_must_give(tmp_path, function, message):
         case.controlled(case.system, allow_code=True)
 
 
+@pytest.mark.slow
 def test_a_controller_acts_at_rest_where_its_code_may_run(tmp_path):
     """Its state rests at 9 N m, and turns the wheel by 9 / 30."""
     (tmp_path / "controller.py").write_text(CONTROLLER)
@@ -213,6 +214,7 @@ def test_control_names_a_file_and_a_function(tmp_path):
         read_case(written(tmp_path, control='control = "absent.py:controllers"'))
 
 
+@pytest.mark.slow
 def test_a_killed_run_is_resumed_to_the_last_bit(tmp_path):
     (tmp_path / "controller.py").write_text(CONTROLLER)
     path = written(tmp_path, control='control = "controller.py:controllers"')

@@ -90,6 +90,7 @@ def written(tmp_path):
     return write
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
 def test_the_slider_moves_as_its_crank_and_the_motor_does_the_work(written, tmp_path):
     result = run_case(written(), tmp_path)

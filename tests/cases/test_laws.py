@@ -81,6 +81,7 @@ def test_a_table_builds_what_a_script_would_write(tmp_path, table, law):
         np.testing.assert_array_equal(leaf, other)
 
 
+@pytest.mark.slow
 def test_a_load_that_jumps_does_not_swing(tmp_path):
     """A step of 1 kN within a millisecond: between its rows the force stays between them, as in a script."""
     rows = "0,0\n0.5,0\n0.501,1000\n1,1000\n"

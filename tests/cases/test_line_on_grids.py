@@ -95,6 +95,7 @@ def wing(tmp_path, line):
     return write
 
 
+@pytest.mark.slow
 def test_a_line_of_matrices_sags_as_a_cantilever(wing, tmp_path):
     """At rest, by P (3 L x^2 - x^3) / 6 EI; cubic beams are exact at their nodes."""
     result = run_case(read_case(wing()), tmp_path / "out", errors=False)

@@ -50,6 +50,7 @@ def case(case_folder):
     return path
 
 
+@pytest.mark.slow
 def test_a_run_writes_what_its_sensors_read(case, tmp_path):
     out = tmp_path / "out"
     result = CliRunner().invoke(app, ["run", str(case), "-o", str(out), "--no-errors"])

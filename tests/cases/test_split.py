@@ -22,6 +22,7 @@ def rewritten(folder, *changes):
     return path
 
 
+@pytest.mark.slow
 def test_a_split_strip_bends_as_the_whole_one(case_folder, tmp_path):
     """Slow bending under its weight, small enough that one frame is right as well."""
     short = ("duration = 0.4", "duration = 0.1"), ("-9.81", "-2.0")

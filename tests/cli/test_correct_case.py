@@ -45,6 +45,7 @@ def accuracy(case, text):
     case.write_text(case.read_text().replace("damping =", f"reduction = {text}\ndamping =", 1))
 
 
+@pytest.mark.slow
 def test_a_case_without_sizes_corrects_itself(case):
     """Rounds in the output, the report, the result file and on disk; the accepted run is one of them."""
     case.write_text(case.read_text().replace("pictures = false", "pictures = true"))
@@ -82,6 +83,7 @@ def test_a_case_without_sizes_corrects_itself(case):
     assert read_reduced_body(out / "strip-reduced.h5").r == rounds[-1]["size"]
 
 
+@pytest.mark.slow
 def test_an_error_that_is_not_met_keeps_the_rounds_and_names_the_best(case):
     accuracy(
         case, '{ basis = "craig-bampton", accuracy = { absolute = 1e-12, max_rounds = 1, instants = 5 } }'
@@ -96,6 +98,7 @@ def test_an_error_that_is_not_met_keeps_the_rounds_and_names_the_best(case):
     assert not (out / "strip.h5").exists()
 
 
+@pytest.mark.slow
 def test_a_correction_that_was_cut_off_goes_on_with_its_rounds(case):
     """What a run left behind that was killed after its second round began; then nothing is left to do."""
     accuracy(case, '{ basis = "craig-bampton", accuracy = { relative = 1e-2, instants = 5 } }')
@@ -115,6 +118,7 @@ def test_a_correction_that_was_cut_off_goes_on_with_its_rounds(case):
     assert again[-1]["estimated_error"] == pytest.approx(whole[-1]["estimated_error"], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_strict_judges_the_run_that_is_accepted(case):
     accuracy(case, '{ basis = "craig-bampton", accuracy = { relative = 0.1, instants = 5 } }')
     text = (

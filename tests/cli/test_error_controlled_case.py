@@ -77,6 +77,7 @@ def test_a_linear_body_has_no_derivatives(case):
     assert "a linear body has no modal derivatives" in call("reduce", case, "-o", case.parent, code=2)
 
 
+@pytest.mark.slow
 def test_a_run_says_what_is_proven_and_bends_as_a_beam_does(case):
     """At rest the clamp carries the weight, and the tip hangs by w L^4 / (8 E I)."""
     weight, stiffness = 7850.0 * 0.1 * 0.01 * 9.81, 2.1e11 * 0.1 * 0.01**3 / 12

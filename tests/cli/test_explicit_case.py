@@ -87,6 +87,7 @@ def bar(tmp_path):
     return written
 
 
+@pytest.mark.slow
 def test_a_run_writes_its_motion_numbers_pictures_and_films(bar, tmp_path):
     folder = tmp_path / "out"
     result = CliRunner().invoke(app, ["run", str(bar()), "-o", str(folder)])
@@ -109,6 +110,7 @@ def test_a_run_writes_its_motion_numbers_pictures_and_films(bar, tmp_path):
     assert "--force replaces" in again.output
 
 
+@pytest.mark.slow
 def test_a_run_that_was_cut_off_is_resumed_to_the_last_bit(bar, tmp_path):
     path = bar(PLAIN)
     run_explicit_case(read_explicit_case(path), tmp_path / "whole")

@@ -56,6 +56,7 @@ def test_run_writes_results_and_prints_tables(case_folder):
     assert numbers["tracked"]["strip.root"]["last deflection"] == pytest.approx([0, 0, 0], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_run_coloured_by_stress_draws_its_contours(case_folder):
     case = case_folder / "strip.toml"
     text = case.read_text().replace("animation = false", 'colour = "von-mises"')
@@ -150,6 +151,7 @@ def test_a_run_that_was_cut_off_is_continued_to_the_same_end(case_folder):
     np.testing.assert_allclose(*ends, atol=1e-3 * np.abs(ends[0]).max())
 
 
+@pytest.mark.slow
 def test_pictures_and_animation_are_drawn(case_folder, monkeypatch):
     monkeypatch.setattr("supple.viz.run_pictures.N_FRAMES", 4)
     case = case_folder / "strip.toml"
@@ -170,6 +172,7 @@ def test_pictures_and_animation_are_drawn(case_folder, monkeypatch):
     }
 
 
+@pytest.mark.slow
 def test_strict_stops_at_a_motion_beyond_the_shell_s_validity(case_folder):
     case = case_folder / "strip.toml"
     case.write_text(case.read_text().replace("2.1e11", "5e8"))

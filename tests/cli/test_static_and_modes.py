@@ -54,6 +54,7 @@ def run(tmp_path):
     return of
 
 
+@pytest.mark.slow
 def test_a_pendulum_hangs_and_swings(run):
     result, folder = run("static")
     assert result.exit_code == 0, result.output

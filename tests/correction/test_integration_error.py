@@ -72,6 +72,7 @@ def truth(system, run, solution, quantity, finer):
     return quantity_distance(quantity, system, solution, system, simulate(system, finer))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SYSTEMS)
 @pytest.mark.parametrize("kind", STEPS)
 def test_the_step_costs_what_is_said(small, name, kind):
@@ -84,6 +85,7 @@ def test_the_step_costs_what_is_said(small, name, kind):
     assert 0.7 < told.value / true < 1.4
 
 
+@pytest.mark.slow
 def test_of_another_integrator_and_other_quantities(small):
     system = pushed(small)
     run = Run(0.6, 0.02, step=FixedStep(0.01), method=Newmark(), tolerances=Tolerances(1e-9))
@@ -106,6 +108,7 @@ def test_of_a_rigid_pendulum():
     assert 0.7 < told.step.value / true < 1.4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_newtons_tolerance_costs_what_is_said_or_less_than_the_floor(small, name):
     """A loose tolerance leaves an error above the floor in some systems, below it in others."""
@@ -138,6 +141,7 @@ def test_a_run_that_breaks_off_has_no_known_error(small):
     assert told.newton.value == np.inf
 
 
+@pytest.mark.slow
 def test_full_bodies_are_told_of_as_well(small):
     wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
     ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))

@@ -79,6 +79,7 @@ def hanging(body):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.StartWarning")  # the joints take the lump along
 @pytest.mark.parametrize("name", FRAMES)
 def test_a_complete_basis_misses_nothing(beam, name):
@@ -123,6 +124,7 @@ def in_space(full, missed):
     return full.expand(missed.deformation[:, 0]) + missed.origin[0] + np.cross(missed.rotation[0], full.nodes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FRAMES)
 def test_a_large_missing_motion_is_the_full_equilibrium(beam, name):
     """A body that should bend by a quarter of its length: one Newton step would be far off."""
@@ -200,6 +202,7 @@ def test_from_rest_it_is_the_static_deflection_with_the_joint_held(beam, name):
     assert np.abs(D @ missed.deformation).max() < 1e-9 * np.abs(D).max() * size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FRAMES)
 def test_a_closed_loop_stays_closed(beam, name):
     """Held at both ends, where the joint forces are not known from balance alone; redundant rows included."""

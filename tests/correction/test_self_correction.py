@@ -103,6 +103,7 @@ def test_estimates_are_the_true_errors(beam, name):
     assert result.estimated_error == estimated[-1]
 
 
+@pytest.mark.slow
 def test_a_relative_error_is_that_over_the_largest_displacement(beam):
     """What 1e-5 m are to the tip's deflection is met by the same round."""
     result, _ = corrected(beam, FRAMES["nodal-fixed"], absolute=None, relative=ALLOWED / 0.086)

@@ -132,6 +132,7 @@ def test_an_initial_deformation_is_projected_on_the_bases(two_strips):
     assert system.bodies[1] is second
 
 
+@pytest.mark.slow
 def test_one_body_that_is_never_met_is_named(two_strips):
     """The other one is no longer mentioned once it is good enough."""
     strict = starts(max_rounds=1, instants=5)

@@ -112,6 +112,7 @@ def test_every_part_of_a_plain_run_is_the_truth(plain):
     assert solution.bodies["beam"].error is solution.errors["beam"]
 
 
+@pytest.mark.slow
 def test_the_sum_of_a_plain_run_holds_against_a_full_run_with_an_eighth_of_the_step(plain):
     full, system, run, solution = plain
     whole = pushed(full, 0.5)
@@ -224,6 +225,7 @@ def test_the_model_costs_what_the_mean_axes_save(beam):
     assert parts["mean"] < 0.2 * parts["root"]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.SuppleWarning")
 def test_the_model_costs_the_same_in_a_basis_that_locks(beam):
     """The kinematics are those of the elements: how well a basis follows them is another part.
@@ -250,6 +252,7 @@ def test_the_model_costs_the_same_in_a_basis_that_locks(beam):
     assert parts[1] == pytest.approx(parts[0], rel=0.1)
 
 
+@pytest.mark.slow
 def test_beside_controllers_the_model_is_told_by_its_limit_and_no_basis_is(beam):
     """Both are answers of the equations at an instant, of which controllers are no part."""
     full = FullBody(beam, NodalFixedFrame("root"), DAMPING)

@@ -147,6 +147,7 @@ TABLE = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("case", "scheme", "error", "energy"), TABLE)
 def test_several_time_steps_stay_within_twice_the_table(case, scheme, error, energy):
     h = LIMIT / 40

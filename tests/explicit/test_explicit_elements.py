@@ -49,6 +49,7 @@ def forces(subdomain, x, dx=None):
     return np.asarray(out.forces[:2])[:, :, numbers], out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 def test_a_patch_of_uniform_strain_leaves_its_inner_nodes_alone(kind, law):
@@ -111,6 +112,7 @@ def true_limit(part):
     return 2 / np.sqrt(np.linalg.eigvalsh(K / root[:, None] / root)[-1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 def test_the_step_limit_is_below_the_true_one_and_near_it(kind):
     part = explicit_bar(kind, counts=(5, 2, 2))

@@ -29,6 +29,7 @@ def balance(solution):
     return np.abs(total - total[0]).max() / np.abs(e).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 def test_a_bar_that_flies_turns_and_bounces_keeps_its_balance(kind):
     part = Part(explicit_bar(kind), velocity=(0.5, 0, 0), angular_velocity=(0.1, 0, 0.3))
@@ -82,6 +83,7 @@ def test_the_same_force_in_equal_parts_of_a_held_bar_settles_at_the_static_solut
     assert balance(solution) < 1e-12
 
 
+@pytest.mark.slow
 def test_stiffness_damping_takes_the_vibration_and_leaves_the_flight():
     part = Part(explicit_bar(CellType.HEXA8, damping=LinearRayleighDamping(0.0, 0.01)), velocity=(0.5, 0, 0))
     wall = Contact(At("bar", "tip"), RigidPlane((4.01, 0, 0), (-1, 0, 0)))
@@ -93,6 +95,7 @@ def test_stiffness_damping_takes_the_vibration_and_leaves_the_flight():
     assert e[-1, 0] == pytest.approx(0.5 * 4 * v[0] ** 2, rel=0.05)
 
 
+@pytest.mark.slow
 def test_elements_are_deleted_at_their_plastic_strain():
     law = J2Plasticity(SOFT, LinearHardening(1.0, 1.0))
     part = explicit_bar(CellType.HEXA8, law, deletion=0.1)
@@ -123,6 +126,7 @@ def test_a_step_above_the_limit_is_refused():
         marched(ExplicitSystem([part]), 1.0, options=ExplicitOptions(step=1.1 * part.step_limit))
 
 
+@pytest.mark.slow
 def test_energy_from_nothing_stops_the_run():
     """A neo-Hookean bar that is crushed hardens beyond what a fixed step allows."""
     part = Part(explicit_bar(CellType.HEXA8, NeoHookean(SOFT), (8, 2, 2)), velocity=(9.0, 0, 0))

@@ -38,6 +38,7 @@ def marched(system, span, n=10, **options):
     return engine, run(engine, Run(span, span / n).times)
 
 
+@pytest.mark.slow
 def test_small_deformation_has_the_forces_of_the_models_stiffness():
     body = plate()
     engine = ExplicitEngine(ExplicitSystem([body]), Run(1.0, 1.0))
@@ -130,6 +131,7 @@ def swing(cells):
     return solution.bodies["plate"].nodes[:, :, 2] @ first, expected, solution.bodies["plate"]
 
 
+@pytest.mark.slow
 def test_a_cantilever_under_a_sudden_load_swings_as_the_full_model():
     """What lumping changes over a period goes with the square of the element."""
     errors = []

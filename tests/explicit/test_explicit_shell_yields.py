@@ -54,6 +54,7 @@ def turned(triads, angles):
     return jnp.asarray(triads + np.sin(size) * cross + (1 - np.cos(size)) * again)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "hardening", [LinearHardening(1.0), LinearHardening(1.0, 50.0), PowerHardening(1.0, 2.0, 0.3)]
 )
@@ -74,6 +75,7 @@ def test_what_yields_returns_to_the_yield_surface_along_its_normal(hardening):
     np.testing.assert_allclose(work, (stress * state.tensor).sum(axis=0), atol=1e-15)
 
 
+@pytest.mark.slow
 def test_tension_beyond_yield_follows_linear_hardening(force):
     """Stretched with free contraction, sigma = sigma_y + E H / (E + H) (eps - sigma_y / E).
 
@@ -97,6 +99,7 @@ def test_tension_beyond_yield_follows_linear_hardening(force):
     np.testing.assert_allclose(layered_von_mises(law, block, moved, triads, out.state), expected, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_bending_beyond_yield_has_the_moment_of_the_plastic_hinge(force):
     """M / M_y = 3/2 - 1/2 (kappa_y / kappa)^2 of a rectangular section that does not harden.
 

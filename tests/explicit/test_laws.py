@@ -61,6 +61,7 @@ def _pulled(law, stretch, n):
     return stress, float(state.strain[0]), dissipated
 
 
+@pytest.mark.slow
 def test_uniaxial_plastic_strain_follows_its_closed_form():
     """sigma_eq = 2 mu e - 3 mu p = s0 + H p in logarithmic strain e, sigma_x = K e + 2/3 sigma_eq."""
     law = J2Plasticity(METAL, LinearHardening(1.0, 30.0))

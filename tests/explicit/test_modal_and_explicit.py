@@ -61,6 +61,7 @@ def momenta(own, solution, engine):
     return np.column_stack([linear, angular])[1:]
 
 
+@pytest.mark.slow
 def test_a_spinning_pair_in_equal_steps_keeps_momentum_energy_and_continuity():
     own = system()
     span = Run(40.0, 4.0)
@@ -79,6 +80,7 @@ def test_a_spinning_pair_in_equal_steps_keeps_momentum_energy_and_continuity():
     assert np.abs(gap).max() < 1e-14 * 100
 
 
+@pytest.mark.slow
 def test_longer_steps_of_the_modes_change_little():
     span = Run(20.0, 5.0)
     ends = []
@@ -111,6 +113,7 @@ def test_meshes_that_do_not_match_pass_the_patch_test():
     assert np.abs(at - x @ strain.T).max() < np.abs(left).max() + 1e-12
 
 
+@pytest.mark.slow
 def test_a_ball_hits_the_modal_part_and_momentum_goes_over():
     ball = RigidSphere((2.0, 0.5, 1.05), 0.5, velocity=(0.0, 0.0, -0.5), mass=0.5)
     own = system(spin=(0, 0, 0), contacts=[Contact(At("modal", "z_max"), ball)])
@@ -154,6 +157,7 @@ def test_interfaces_that_do_not_meet_are_refused():
         ExplicitEngine(system(start=4.5), Run(1.0, 1.0))
 
 
+@pytest.mark.slow
 def test_a_run_that_was_cut_off_goes_on_to_the_last_bit(tmp_path):
     own, span = system(), Run(2.0, 0.2)
     whole = simulate_explicit(own, span, file=tmp_path / "whole.h5")

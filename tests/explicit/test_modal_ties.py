@@ -134,6 +134,7 @@ def test_mean_displacement_and_mean_turn_of_the_joint_are_equal(flight):
     assert 1e-6 < np.abs(gap).max() < 5e-3  # of a side of 1: sections may warp apart
 
 
+@pytest.mark.slow
 def test_meshes_that_do_not_match_keep_momenta_and_balance():
     system = pair(half(*LEFT), half(*RIGHT, cells=(3, 3, 3)))
     solution = marched(system, 10.0)[1]
@@ -155,6 +156,7 @@ PERIOD = 5.0
 """Of the first bending mode, about: omega_1 = 1.25."""
 
 
+@pytest.mark.slow
 def test_a_bar_cut_in_two_moves_like_one_modal_part_and_like_explicit_elements():
     """A pushed free bar. A mean joint lets its sections warp; nodal mass is lumped in explicit elements."""
     model = _model(0, 8, (8, 2, 2))

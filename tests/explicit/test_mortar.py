@@ -73,6 +73,7 @@ def test_collocation_hands_a_constant_traction_of_the_coarser_side_to_few_nodes(
     assert np.abs(W.T @ tributary(points, faces, len(points)) - expected).max() > 0.5 * expected.max()
 
 
+@pytest.mark.slow
 def test_both_sides_are_equal_in_the_mean_over_dual_functions():
     """int psi_i (W u - u) dA = 0 for any u on the fixed side, by a quadrature of many points."""
     mesh, points, faces = sides(FINE, COARSE)

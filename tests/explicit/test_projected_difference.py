@@ -28,6 +28,7 @@ SCHEME = ProjectedDifference()
 TURN = 5.8e-3  # rad in a step
 
 
+@pytest.mark.slow
 def test_free_flight_over_twenty_turns_keeps_links_momentum_and_energy():
     box = modal_box()
     axis = jnp.array([0.3, 0.5, 1.0])

@@ -42,6 +42,7 @@ def nodal_momentum(engine, solution, name):
     return np.einsum("n,tni->ti", m, motion.velocities)
 
 
+@pytest.mark.slow
 def test_equal_rods_exchange_their_velocities_in_the_time_of_two_wave_travels():
     """1-D bar impact (St. Venant): contact lasts 2 L / c, then the first stands still and the second flies.
 
@@ -67,6 +68,7 @@ def test_equal_rods_exchange_their_velocities_in_the_time_of_two_wave_travels():
     assert done[1] == pytest.approx(duration, rel=0.03)
 
 
+@pytest.mark.slow
 def test_an_oblique_hit_keeps_both_momenta_and_the_energy():
     """A turning cube hits the side of a finer one off its centre, meshes unlike."""
     hitting = explicit_subdomain(solid_model(block(1, 1, 1, 2, 2, 2, CellType.HEXA8), SOFT), name="cube")
@@ -95,6 +97,7 @@ def test_an_oblique_hit_keeps_both_momenta_and_the_energy():
     assert np.abs(total / total[0] - 1).max() < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [(2, 2), (3, 2), (1, 3)])
 def test_the_stated_limit_is_below_the_true_one_with_all_contacts_closed(cells):
     """Penalties of all nodes on the faces below them, along the normal, against the bound on the step."""
@@ -120,6 +123,7 @@ def test_the_stated_limit_is_below_the_true_one_with_all_contacts_closed(cells):
     assert 0.1 * float(model.model.contact_rate) < largest <= (1 + 1e-9) * float(model.model.contact_rate)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["nodes", "surface"])
 def test_the_face_of_a_modal_part_takes_part(which):
     """A cube hits a modal block: momenta go over exactly in equal steps, and it bounces."""

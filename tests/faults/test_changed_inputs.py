@@ -114,6 +114,7 @@ def with_global(time):
     return SPEED * time**2
 
 
+@pytest.mark.slow
 def test_a_script_that_changed_is_refused_by_what_changed(tmp_path, monkeypatch):
     run, path = Run(duration=0.2, output_step=0.05), tmp_path / "run.h5"
     simulate(motor(turning(2.0)), run, file=path)

@@ -41,6 +41,7 @@ def test_it_is_an_error_when_strict(rod):
         simulate_batch([hinged(rod, velocity=[5.0, 0, 0])], strict)
 
 
+@pytest.mark.slow
 def test_two_equal_bodies_of_which_one_moves_lose_half(rod):
     """Perfectly inelastic: the energy of the relative motion goes, half of it all."""
     bodies = (Placed(rod("a", 1.0), velocity=[4.0, 0, 0]), Placed(rod("b", 1.0), position=[1.0, 0, 0]))

@@ -102,6 +102,7 @@ def check_mutations(written, folder, seed, n):
     return sum(check_nothing_wrong(folder / "bad.h5", mutated(data, draw), whole) > 0 for _ in range(n))
 
 
+@pytest.mark.slow
 def test_no_single_mutation_reads_silently_wrong(tmp_path, written, at_once):
     assert check_mutations(written, tmp_path, 1, 40) > 20  # and the mutations do hit
 

@@ -32,6 +32,7 @@ def soon(monkeypatch):
     assert time.perf_counter() - began < 60.0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("soon")
 def test_a_reduced_body_over_which_hdf5_never_ends():
     assert not holds_reduced_body(ENDLESS)

@@ -48,6 +48,7 @@ def _outputs_in(path):
         return 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_command_says_what_it_keeps_and_can_be_resumed(tmp_path, number, code):
     (tmp_path / "bar.toml").write_text(LONG)
@@ -64,6 +65,7 @@ def test_a_command_says_what_it_keeps_and_can_be_resumed(tmp_path, number, code)
     assert [each.name for each in path.parent.iterdir()] == ["bar.h5"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, -signal.SIGINT), (signal.SIGTERM, 143)])
 def test_a_script_says_what_it_keeps(tmp_path, number, code):
     path = tmp_path / "run.h5"

@@ -102,6 +102,7 @@ def check_correcting(path, seed, whole, n_reports):
     assert bits(read_solution(path)) == whole
 
 
+@pytest.mark.slow
 def test_a_killed_self_correction_goes_on_to_the_same_bits(tmp_path, corrected):
     check_correcting(tmp_path / "run.h5", 5, *corrected)
 

@@ -45,6 +45,7 @@ def run(*arguments):
     return CliRunner().invoke(app, [str(each) for each in arguments])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["[/bold] [red", "a/../b", "x$y^{ $", "\\", "%2F", "Łódź °"])
 def test_names_with_markup_and_slashes(name, tmp_path):
     """Printed as they are, drawn as they are, and all files within the folder."""

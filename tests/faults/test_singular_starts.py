@@ -86,6 +86,7 @@ def chain(rod, sag):
     return System(bodies, joints, gravity=(3.0, -9.81, 0))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
 @pytest.mark.parametrize(
     ("system", "joint"),
@@ -101,6 +102,7 @@ def test_a_dead_point_is_refused_by_name(rod, system, joint):
         simulate(system(rod), RUN)
 
 
+@pytest.mark.slow
 def test_beside_it_a_parallelogram_stays_one(rod):
     """The rocker turns as the crank does, and the coupler stays level."""
     system = parallelogram(rod, 0.3)
@@ -112,6 +114,7 @@ def test_beside_it_a_parallelogram_stays_one(rod):
     assert abs(joint_residuals(system, solution)).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_beside_it_a_slider_crank_follows_its_path(rod):
     """x = 2 cos(angle) for equal links, through the dead point at pi / 2 where inertia carries it on."""
     system = slider_crank(rod, 1.2)
@@ -122,6 +125,7 @@ def test_beside_it_a_slider_crank_follows_its_path(rod):
     np.testing.assert_allclose(x, 2 * np.cos(angle), atol=1e-5)
 
 
+@pytest.mark.slow
 def test_beside_it_a_chain_swings_and_keeps_its_pins(rod):
     system = chain(rod, 0.2)
     solution = simulate(system, RUN)
@@ -151,6 +155,7 @@ def test_a_parallelogram_is_driven_through_its_dead_point(rod):
     )
 
 
+@pytest.mark.slow
 def test_a_slider_crank_is_driven_through_all_its_dead_points(rod):
     """A whole turn and more: folded at pi / 2 and 3 pi / 2, stretched at pi and 2 pi."""
     system = slider_crank(rod, 1.2)
@@ -190,6 +195,7 @@ def test_a_chain_slightly_bent_moves_as_a_four_bar_linkage(rod):
     np.testing.assert_allclose(kinetic, work, atol=2e-3 * kinetic.max())
 
 
+@pytest.mark.slow
 def test_joints_that_repeat_others_everywhere_are_left_out(rod):
     """A bar on two hinges of one axis: five equations twice, wherever it turns to."""
     bar = Placed(rod("bar", 1.0), position=[0.5, 0, 0])

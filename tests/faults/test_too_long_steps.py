@@ -76,6 +76,7 @@ def test_the_turn_of_a_step_is_kept_and_warned_of(speed, warned):
             simulate(spinning(speed), Run(0.2, 0.02, validity=Validity(strict=True)))
 
 
+@pytest.mark.slow
 def test_the_local_error_of_a_step_is_kept():
     """Of x = A cos(w t) it is (beta - 1/6) h^3 w^3 A at most, over the machine's size."""
     h, system = 5e-4, oscillator()

@@ -74,6 +74,7 @@ def test_the_case_of_a_batch_that_varies_fastest_is_looked_at():
         simulate_batch(cases, Run(0.02, 0.01, step=FixedStep(2e-3)))
 
 
+@pytest.mark.slow
 def test_a_load_that_steps_see_passes():
     """Twenty steps a period; and a jump that a step meets."""
     for law in (Sine(1.0, 25.0), lambda t: jnp.where(t < 0.01, 0.0, 1.0), Ramp(1.0, 0.02), 3.0):
@@ -90,6 +91,7 @@ PULSES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", PULSES)
 def test_a_pulse_between_fixed_steps_is_named(kind):
     law, _ = PULSES[kind]
@@ -97,6 +99,7 @@ def test_a_pulse_between_fixed_steps_is_named(kind):
         simulate(pushed(law), Run(1.0, 0.5, step=FixedStep(0.01)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", PULSES)
 def test_adaptive_steps_meet_a_pulse(kind):
     """Momentum is the impulse. Left to their errors alone they would jump over it: nothing moves before."""

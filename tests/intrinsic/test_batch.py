@@ -80,24 +80,28 @@ def assert_same(cases, run, **options):
     assert min(np.abs(places[0] - other).max() for other in places[1:]) > 1e-4  # cases do differ
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("machine", [held, flying, driven])
 def test_runge_kutta_steps_cases_together_as_one_by_one(machine):
     run = Run(0.1, 0.02, step=FixedStep(1e-3), method=RungeKutta4())
     assert_same([machine(number) for number in (0.5, 1.0, 2.0)], run, chunk=2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [ResidualRungeKutta4(5), GeneralizedAlpha(1.0)])
 def test_other_rules_are_mapped_over_cases(method):
     run = Run(0.06, 0.02, step=FixedStep(1e-3), method=method)
     assert_same([held(number) for number in (0.5, 1.0)], run)
 
 
+@pytest.mark.slow
 def test_cases_may_have_bodies_of_their_own():
     """Stiffer ones, so that they share no modes."""
     run = Run(0.06, 0.02, step=FixedStep(1e-3), method=RungeKutta4())
     assert_same([held(1.0), held(1.0, body=beam(CLAMPED, EI=1.3))], run)
 
 
+@pytest.mark.slow
 def test_a_case_that_fails_stops_at_the_last_time_that_it_reached():
     hasty = Run(
         0.2,

@@ -110,6 +110,7 @@ def centre_error(n):
     return np.sqrt(np.mean(np.sum((centre - exact) ** 2, axis=1)))
 
 
+@pytest.mark.slow
 def test_the_centre_of_mass_moves_as_newton_says_to_second_order_in_the_stations():
     coarse, fine = centre_error(4), centre_error(8)
     assert fine < 5e-3
@@ -185,6 +186,7 @@ def test_a_prescribed_turn_at_constant_speed_stretches_as_the_formula_says():
     assert np.arctan2(tip[1], tip[0]) == pytest.approx(speed * 0.5, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_residual_modes_are_nearer_to_the_whole_than_truncated_ones():
     """A moment at the middle, of which few modes are not enough."""
     load = [

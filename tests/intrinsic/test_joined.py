@@ -86,6 +86,7 @@ def test_released_modes_hold_those_of_the_support_and_of_the_free_body():
     assert free.modes.velocities.reshape(line.n * 6, -1) @ weights == pytest.approx(shapes, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_ball_joint_holds_a_free_root_as_a_support_does():
     """The same steps to round-off: modes of a support and rigid motion are those of the free body."""
     held = intrinsic_body(beam_line(straight(1.0, 4), **SOFT), BALL)

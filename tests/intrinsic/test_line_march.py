@@ -37,12 +37,14 @@ def tip_after():
     return tip
 
 
+@pytest.mark.slow
 def test_cases_are_marched_together(tip_after):
     forces = np.array([[0, 0, 1.0], [0, 0.5, 2.0], [1.0, 0, 0]])
     together = jax.vmap(tip_after)(forces)
     assert np.asarray(together) == pytest.approx(np.array([tip_after(f) for f in forces]), abs=1e-13)
 
 
+@pytest.mark.slow
 def test_the_tip_is_differentiated_by_the_load(tip_after):
     force, step = jnp.array([0.1, 0.2, 3.0]), 1e-6
     slope = jax.grad(lambda f: tip_after(f)[2])(force)

@@ -21,6 +21,7 @@ def tip_at_rest(n, load, *, points=None, n_steps=4, **section):
     return positions[0, -1], rotations[0, -1]
 
 
+@pytest.mark.slow
 def test_the_elastica_is_met_to_second_order():
     """P L^2 / EI = 10."""
     along, across, _ = elastica(1.0, 1.0, 10.0)

@@ -24,6 +24,7 @@ def held(n_modes):
     return body, System([body], [CLAMP], [load])
 
 
+@pytest.mark.slow
 def test_the_estimate_is_what_the_modes_left_out_are_when_they_are_kept():
     run = Run(0.6, 0.1, step=FixedStep(5e-3), method=GeneralizedAlpha(0.9))
     whole, complete = held(None)
@@ -47,6 +48,7 @@ def test_a_body_without_more_modes_is_refused():
         truncation_error(system, solution, [body])
 
 
+@pytest.mark.slow
 def test_as_many_modes_are_taken_as_the_tolerance_asks_for():
     """Of 48; half as many miss it. Forces jump at the moment and need many modes, the tip's place few."""
     run = Run(0.6, 0.2, step=FixedStep(5e-3), method=GeneralizedAlpha(0.9))

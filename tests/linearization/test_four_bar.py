@@ -91,6 +91,7 @@ def frequencies_by_hand(coupler):
     return np.sqrt(squares)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("form", "tolerance"), [("full", 1e-7), (6 * N - 6, 1e-7), (8, 2e-3)])
 def test_a_four_bar_with_a_flexible_coupler_has_the_modes_of_its_equations(coupler, form, tolerance):
     """In full and by all modes the same numbers; by eight modes from above."""

@@ -83,6 +83,7 @@ def slowest(machine, number):
     return values[np.argsort(abs(values))[:number]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("frame", "damping"),
     [
@@ -122,6 +123,7 @@ def half(name, first, last):
     return FullBody(flexible_body(name, model, faces).linearized(), MeanAxisFrame())
 
 
+@pytest.mark.slow
 def test_two_welded_halves_are_a_clamped_beam():
     """Of each family the first: 3.516, 22.03, 61.70 flapwise, within 0.5 %."""
     joints = (
@@ -171,6 +173,7 @@ def test_what_a_full_body_cannot_do_says_what_to_do(body):
     assert len(few.eigenvalues) == linear.size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("load", "flutters"), [(20.0, False), (20.1, True)])
 def test_a_column_under_a_following_force_flutters_at_becks_load(load, flutters):
     """[Beck1952] `20.05 E I / l^2`, where frequencies meet at `11.02` in UNIT: stiffness is unsymmetric."""

@@ -37,6 +37,7 @@ def rod(name, mass=2.0, length=1.0):
     return RigidBody(name=name, mass=mass, inertia=inertia, centre=np.zeros(3), points=points)
 
 
+@pytest.mark.slow
 def test_a_double_pendulum_has_two_frequencies_and_no_other():
     """Uniform rods: `3 g / 2 l (...)`, the eigenvalues of [[4/3, 1/2], [1/2, 1/3]] and g/l diag(3/2, 1/2)."""
     turned = (0, np.pi / 2, 0)  # along -z
@@ -141,6 +142,7 @@ def test_the_reference_is_the_published_one():
     assert exact_flap(12.0)[:3] == pytest.approx([13.1702, 37.6031, 79.6145], abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("frame", "basis"),
     [
@@ -204,6 +206,7 @@ def rotor():
     return machine, mass, polar, transverse, 192 * bending / span**3, 16 * bending / span
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
 def test_a_rotor_whirls_forward_and_backward(rotor):
     """Jeffcott's rotor: translation at `sqrt(k/m)`, tilt at the roots of `I w^2 - I_p W w - k_t = 0`.
@@ -236,6 +239,7 @@ def test_modes_are_followed_over_speed(rotor):
             assert np.min(abs(found - expected)) < 1e-4 * centre
 
 
+@pytest.mark.slow
 def test_what_has_no_constant_equations_is_refused(flat_strip):
     machine = spun(reduce(flat_strip, NodalFixedFrame("root"), CraigBampton(4)))
     heavy = System(machine.bodies, machine.joints, gravity=(9.81, 0.0, 0.0))

@@ -114,6 +114,7 @@ def crane(force=0.0):
     return System((Placed(pedestal), Placed(boom)), joints, loads, gravity=(0, 0, -9.81))
 
 
+@pytest.mark.slow
 def test_a_small_push_moves_the_machine_as_its_linear_equations_say():
     """A step of force at the tip, 0.05 s after it: equal to 1e-7 as the time step shrinks."""
     resting = equilibrium(crane()).system

@@ -75,6 +75,7 @@ def test_an_interface_across_a_cut_is_refused():
         split_body("arm", model, AlongAxis(2), (RigidInterface("axis", "axis"),))
 
 
+@pytest.mark.slow
 def test_a_split_cantilever_vibrates_as_the_whole_one_where_both_are_right():
     """Small deflections: the tip answers a harmonic force between its first two frequencies alike.
 

@@ -45,6 +45,7 @@ def swing(bar, frame, damping, h, duration=0.6):
     return full.positions(simulate(system, run).bodies["bar"], push.nodes)[:, :, 2].mean(axis=1)
 
 
+@pytest.mark.slow
 def test_damping_by_strain_rate_does_not_know_the_frame(bar):
     """What is left are the integrator's different paths, of order h^2; beta K makes another machine of it."""
 

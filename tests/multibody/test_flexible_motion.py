@@ -31,6 +31,7 @@ def tumbling(floating_blade):
     return System((placed,))
 
 
+@pytest.mark.slow
 def test_free_body_keeps_energy_and_momenta_at_order_two(tumbling):
     """The trapezoidal rule takes nothing on purpose; the frame's origin is at no special point."""
 
@@ -105,6 +106,7 @@ def spun(body, speed, duration):
     return System((Placed(body),), (motor,))
 
 
+@pytest.mark.slow
 def test_steady_spin_stretches_a_bar():
     """E u'' + rho w^2 (x + u) = 0, u(0) = 0, u'(L) = 0: u(L) = tan(k L)/k - L, k^2 = rho w^2 / E."""
     length, modulus, density, speed = 1.0, 1e7, 1000.0, 6.0

@@ -44,6 +44,7 @@ def incline(angle, coefficient, width=1e-5, velocity=0.0):
     return System((Placed(block, velocity=velocity * down),), (slide,), (friction,), gravity=(0, 0, -G)), down
 
 
+@pytest.mark.slow
 def test_a_block_slides_down_an_incline_with_the_acceleration_of_its_formula():
     """`g (sin a - mu cos a)`, its normal force being the joint's."""
     angle, mu = 0.6, 0.3
@@ -100,6 +101,7 @@ def exact_pendulum(times, coefficient, radius, width):
     return found.y
 
 
+@pytest.mark.slow
 def test_friction_in_a_hinge_follows_its_force():
     """Two swings: angle and rate as by another integrator of the same law, the error of second order."""
     mu, radius, width = 0.4, 0.05, 0.05
@@ -148,6 +150,7 @@ def slider_crank(coefficient):
     return System(bodies, joints, (friction,), gravity=(0, 0, -G))
 
 
+@pytest.mark.slow
 def test_inverse_dynamics_knows_friction():
     """The motor's torque as in a run that is integrated, once its sudden start has died out."""
     machine = slider_crank(0.3)
@@ -178,6 +181,7 @@ def test_a_pin_that_jams_is_refused():
         simulate(moving, Run(0.1, 0.1))
 
 
+@pytest.mark.slow
 def test_a_batch_and_a_run_start_alike():
     machine, _ = incline(0.6, 0.3, velocity=0.1)
     other, _ = incline(0.6, 0.3, velocity=0.1)

@@ -62,6 +62,7 @@ def test_speeds_and_accelerations_are_derivatives_of_the_closed_form(turned_twic
     np.testing.assert_allclose(slider.acceleration[:, 0], expected, atol=1e-11 * abs(expected).max())
 
 
+@pytest.mark.slow
 def test_forces_are_those_of_the_integrated_machine(rod):
     """Inverse dynamics against a run in time, which converges towards it with the square of its step."""
     own = simulate(slider_crank(rod), kinematic(1.0, 10))
@@ -86,6 +87,7 @@ def test_the_motor_does_the_work(turned_twice, rod):
     np.testing.assert_allclose(power, rate, atol=1e-11 * abs(rate).max())
 
 
+@pytest.mark.slow
 def test_a_run_cut_in_two_is_the_same_run(rod):
     run = kinematic(2.0, 40)
     legs = []
@@ -97,6 +99,7 @@ def test_a_run_cut_in_two_is_the_same_run(rod):
     np.testing.assert_array_equal(rest.joint_forces["pin"], whole.joint_forces["pin"][-again:])
 
 
+@pytest.mark.slow
 def test_what_the_joints_leave_free_is_refused(rod):
     system = slider_crank(rod)
     hinge = Revolute(first=GROUND, second=At("crank", "left"), axis=Z, name="motor")
@@ -104,6 +107,7 @@ def test_what_the_joints_leave_free_is_refused(rod):
         simulate(replace(system, joints=(hinge, *system.joints[1:])), kinematic(1.0, 10))
 
 
+@pytest.mark.slow
 def test_a_dead_point_ends_the_run_with_its_time(rod):
     """A rod shorter than the crank cannot follow beyond the angle whose sine is its length."""
     system = slider_crank(rod, 0.8, lambda t: t)
@@ -113,6 +117,7 @@ def test_a_dead_point_ends_the_run_with_its_time(rod):
     assert np.arcsin(0.8) - 0.021 < kept.times[-1] <= np.arcsin(0.8)
 
 
+@pytest.mark.slow
 def test_a_step_that_is_too_long_is_warned_of(rod):
     """Between instants the crank turns by 1.2 rad: another configuration may be nearer than the right one."""
     with pytest.warns(ResolutionWarning, match="turn"):

@@ -25,6 +25,7 @@ def _until_half(time):
     return jnp.where(time < 0.5, time**3, jnp.nan)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cause", ["angle", "force"])
 def test_nan_in_a_law_is_an_error(cause):
     hinge = PrescribedRotation(first=GROUND, second=("rod", "end"), axis=(0.0, 0.0, 1.0), angle=_until_half)

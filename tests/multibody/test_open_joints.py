@@ -45,6 +45,7 @@ def open_by_a_little(request, body, rod):
     return System((first, Placed(second, position=[1.0 + OPEN_BY, 0, 0])), joints, gravity=(0, 0, -9.81))
 
 
+@pytest.mark.slow
 def test_they_are_closed_and_energy_is_kept(open_by_a_little):
     """The trapezoidal rule conserves to the order of the step; an open joint made 0.07 J in the first one."""
     run = Run(0.05, 0.005, step=FixedStep(5e-4), method=Newmark(), tolerances=Tolerances(1e-10))

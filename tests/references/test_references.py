@@ -26,6 +26,7 @@ def at_the_tip(beam, *load):
     return loads
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", [4, 5])
 def test_an_end_moment_rolls_the_beam_up(axis):
     """M = pi E I / L bends half a circle, about either axis; the nodes approach it with fourth order."""

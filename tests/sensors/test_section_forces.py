@@ -60,6 +60,7 @@ def read(system, solution, sensor):
     return read_sensors([sensor], system, solution)[0].values
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("form", "kind"),
     [("full", "beams"), ("full", "shell"), ("full", "solid"), ("linear", "shell"), ("reduced", "solid")],
@@ -77,6 +78,7 @@ def test_a_tip_force_is_carried_as_shear_and_moment(form, kind):
     assert read(system, found.solution, other)[0] == pytest.approx(-seen, abs=1e-9 * np.linalg.norm(force))
 
 
+@pytest.mark.slow
 def test_own_weight_is_carried_as_shear_and_moment(tmp_path):
     """`F = w (L - x)`, `M = w (L - x)^2 / 2`; the consistent loads of beams give both at every node."""
     weight = 9.81e-3 * 2700.0 * 0.03
@@ -98,6 +100,7 @@ def test_own_weight_is_carried_as_shear_and_moment(tmp_path):
         assert np.asarray(file["at 4"].attrs["axes"]).tolist() == ["axes of beam"] * 6
 
 
+@pytest.mark.slow
 def test_an_intrinsic_body_carries_the_elastica():
     """`P L^2 / EI = 10`: the force is P wherever it is cut, the moment P times the way to the tip along x."""
     station = 10

@@ -42,6 +42,7 @@ def test_a_triangle_closes_at_the_cosine_rules_angle(rod):
     np.testing.assert_allclose(corner, [9 / 5, 12 / 5, 0.0], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_all_joints_fit_wherever_bodies_are_drawn(rod):
     found = assemble(triangle(rod, apart=0.7))
     solution = simulate(found.system, Run(1e-3, 1e-3, step=FixedStep(1e-3)))

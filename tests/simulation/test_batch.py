@@ -55,6 +55,7 @@ def cases(turned):
 RUN = Run(1.0, 0.1, step=FixedStep(0.02))
 
 
+@pytest.mark.slow
 def test_batch_is_the_same_as_one_by_one(cases):
     together = simulate_batch(cases, RUN).check()
     for system, own in zip(cases, together.solutions, strict=True):
@@ -135,6 +136,7 @@ def driven(amplitude, frequency, height, speed, last):
     return System((Placed(bob, position=[0, 0, -0.8]),), (drive,), loads)
 
 
+@pytest.mark.slow
 def test_cases_that_differ_in_the_numbers_of_their_laws_compile_once(monkeypatch):
     """The march is a Python function that runs only while JAX traces it for a new program."""
     traced = []
@@ -161,6 +163,7 @@ def test_cases_that_differ_in_the_numbers_of_their_laws_compile_once(monkeypatch
     batch._mapped_march.cache_clear()
 
 
+@pytest.mark.slow
 def test_a_last_chunk_of_fewer_cases_and_another_duration_share_the_program(monkeypatch):
     """A single case is left over: what differs between the others is stacked of it, too."""
     traced = []
@@ -214,6 +217,7 @@ def pushes(clamped_blade):
 FLEXIBLE_RUN = Run(0.1, 0.02, step=FixedStep(0.005))
 
 
+@pytest.mark.slow
 def test_flexible_cases_that_differ_in_loads_start_and_go_on_as_alone(pushes):
     """Their starts are mapped: they have accelerations and hub forces of their own from the first instant."""
     together = simulate_batch(pushes, FLEXIBLE_RUN, chunk=2).check()

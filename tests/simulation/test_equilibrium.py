@@ -54,6 +54,7 @@ def tip(found):
     return placed.position + placed.rotation @ local
 
 
+@pytest.mark.slow
 def test_a_chain_of_links_hangs_straight_down():
     link = [
         RigidBody(
@@ -109,6 +110,7 @@ def test_a_damped_swing_ends_in_the_equilibrium():
     assert abs(rest.rotation[2, 0]) > 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["full", "complete"])
 def test_a_bar_that_turns_is_stretched(form):
     """`E u'' + rho w^2 (x + u) = 0`, u(0) = 0, u'(L) = 0: `u(L) = tan(k L)/k - L`, `k^2 = rho w^2 / E`."""
@@ -138,6 +140,7 @@ def test_small_deflections_are_those_of_a_beam(frame):
     assert tip(found)[2] == pytest.approx(expected, rel=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reduced", [False, True], ids=["full", "reduced"])
 def test_a_run_from_the_equilibrium_stays_there(reduced):
     system = cantilever(2.0, NodalFixedFrame("root"), reduced)

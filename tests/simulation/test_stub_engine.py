@@ -112,6 +112,7 @@ def test_another_run_is_not_taken_for_it(stone, tmp_path):
         simulate(replace(stone, gravity=(0.0, 0.0, -1.62)), RUN, file=path)
 
 
+@pytest.mark.slow
 def test_it_is_drawn_and_exported(stone, tmp_path):
     motion = simulate(stone, RUN)
     body = stone.bodies[0].body

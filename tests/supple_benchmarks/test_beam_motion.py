@@ -107,6 +107,7 @@ def test_tip_lags_by_the_published_amount(speed, published):
         assert motion.times[peak] == pytest.approx(6.76, abs=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [6.0, 12.0])
 def test_steady_extension_balances_the_centrifugal_force(speed):
     # u = rho A omega^2 L^3 / (3 EA): 5.143e-4 m at 6 rad/s, and rho A (omega L)^2 / EA < 1e-3 of it more,

@@ -32,6 +32,7 @@ def test_stress_is_read_in_megapascals():
     assert "MPa" in field.label
 
 
+@pytest.mark.slow
 def test_a_field_is_drawn_in_at_most_so_many_bands(tmp_path, plate):
     field = NodalField("x (m)", plate.nodes[:, 0])
     few = colours(plot_contour(tmp_path / "5.png", plate.nodes, skin_of(plate), field, n_bands=5))[1]
@@ -41,6 +42,7 @@ def test_a_field_is_drawn_in_at_most_so_many_bands(tmp_path, plate):
     assert (few > 0.05 * few[0]).sum() < (many > 0.05 * many[0]).sum()
 
 
+@pytest.mark.slow
 def test_the_largest_value_is_marked_where_it_is(tmp_path, plate):
     """The dark ring and text lie in the half of the picture where the peak is."""
     dark = []
@@ -57,6 +59,7 @@ def test_the_largest_value_is_marked_where_it_is(tmp_path, plate):
     assert dark[1][1] > dark[0][1]
 
 
+@pytest.mark.slow
 def test_values_inside_a_solid_are_not_its_largest(tmp_path):
     mesh = block(1.0, 1.0, 1.0, 2, 2, 2, CellType.HEXA8)
     inside = np.ones(mesh.n_nodes)

@@ -79,6 +79,7 @@ def test_drawing_leaves_the_settings_of_matplotlib_alone(tmp_path):
     assert settings() == before
 
 
+@pytest.mark.slow
 def test_drawing_needs_neither_pyplot_nor_a_window(tmp_path):
     script = "import sys, numpy as np; from supple.viz import *; t = np.arange(3.0)\n"
     script += f"plot_time_history({str(tmp_path / 'a.png')!r}, [Panel('u', [Series('a', t, t)])])\n"
@@ -142,6 +143,7 @@ def test_bad_errors(tmp_path):
 # --- surfaces
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cell_type", [CellType.TETRA10, CellType.HEXA8])
 def test_mesh_of_a_solid(tmp_path, ink, cell_type):
     mesh = block(2.0, 1.0, 0.5, 4, 2, 2, cell_type)

@@ -22,6 +22,7 @@ def swinging(clamped_blade):
     return System(bodies=(Placed(clamped_blade),)), solution, {"blade": strip(1.0, 0.1, 6, 2)}
 
 
+@pytest.mark.slow
 def test_pictures_of_a_body_and_of_what_is_tracked(tmp_path, ink, swinging, blade):
     system, solution, _ = swinging
     tip = tracked_motion(system.bodies[0].body, solution.bodies["blade"], "tip")
@@ -31,6 +32,7 @@ def test_pictures_of_a_body_and_of_what_is_tracked(tmp_path, ink, swinging, blad
     assert all(ink(path) > 0.001 for path in pictures)
 
 
+@pytest.mark.slow
 def test_without_elements_there_is_no_stress(tmp_path, swinging):
     assert "blade-stress.png" not in [path.name for path in draw_run(tmp_path, *swinging)]
 

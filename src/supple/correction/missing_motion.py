@@ -140,7 +140,7 @@ class MissingMotionSearch:
                 self._tangent = self._factored(evaluation, factors)
             more = self._more(evaluation, self._tangent)
             size = self._size(more)
-            rate, before = size / before, size
+            rate, foretells, before = size / before, np.isfinite(before), size
             if not np.isfinite(size):
                 return None
             if rate > FAST:
@@ -153,7 +153,8 @@ class MissingMotionSearch:
                     before = np.inf
                     continue
             at = at + more
-            if size <= self._last_correction(state, at, settled):
+            # The next correction would be smaller by the same rate.
+            if size * (min(rate, 1.0) if foretells else 1.0) <= self._last_correction(state, at, settled):
                 return at
         return None
 

@@ -108,11 +108,13 @@ def _operators(model: Model, bodies: tuple[ElasticGain, ...], motion: SystemMoti
         lambda factors: tangent(model, motion, terms.linearization, still, factors)
     )(StepFactors(by_position=jnp.array([0.0, 0.0, 1.0]), by_velocity=jnp.array([0.0, 1.0, 0.0])))
     residual, damping, stiffness = terms.residual, with_damping - mass, with_stiffness - mass
+    n = model.n_velocities
     for body, (force, gained, viscous) in zip(bodies, gains, strict=True):
-        own = slice(body.start, body.start + force.shape[0])
-        residual = residual.at[own].add(force)
-        damping = damping.at[own, own].add(viscous)
-        stiffness = stiffness.at[own, own].add(gained)
+        # Padded and added: written into their places they would go in one by one, a millisecond a step.
+        around = (body.start, n - body.start - force.shape[0])
+        residual = residual + jnp.pad(force, around)
+        damping = damping + jnp.pad(viscous, (around, around))
+        stiffness = stiffness + jnp.pad(gained, (around, around))
     rows = constraint_rows(model, terms.linearization.joints)
     return _Operators(residual, terms.constraint_residual, mass, damping, stiffness, rows)
 

@@ -204,7 +204,7 @@ CASES: tuple[TrustCase, ...] = (
     ),
     TrustCase("plate, slow load and a blow", _of(plate, *_SLOW_AND_BLOW), 0.5, 50, 1e-3),
     TrustCase(
-        "plate, blow between outputs", _of(plate, struck(17, blow(400.0, 0.1015, 0.002))), 0.3, 60, 1e-2
+        "plate, blow between outputs", _of(plate, struck(17, blow(400.0, 0.1015, 0.002))), 0.15, 30, 1e-2
     ),
     TrustCase("plate, load in step", _of(plate, struck(13, every(60.0, 0.02, 0.008))), 0.4, 100, 1e-2),
     TrustCase("laminate, step", _of(laminate, pushed(lambda t: 0.5 + 0.0 * t)), 0.6, 100, 1e-2),

@@ -75,6 +75,7 @@ def test_balls_bounce_with_the_energy_that_their_law_says():
     assert motion["lossy"].velocity[-1, 2] < 0.6 * speed
 
 
+@pytest.mark.slow
 def test_a_ball_that_slides_comes_to_roll():
     """Friction keeps the angular momentum about the line of contact: `v_1 = v_0 m r^2 / (m r^2 + I)`."""
     radius, speed, stiffness = 0.3, 1.0, 1e5
@@ -95,6 +96,7 @@ def test_a_ball_that_slides_comes_to_roll():
     np.testing.assert_allclose(motion.angular_velocity[-1], [0, rolling / lever, 0], atol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_block_creeps_below_the_friction_angle_and_slides_above():
     """The incline is a plane whose normal is tilted; weights press on it as the penalty's spring says."""
     coefficient, width, stiffness = 0.4, 5e-3, 1e6
@@ -133,6 +135,7 @@ def test_a_block_creeps_below_the_friction_angle_and_slides_above():
     assert downhill("sliding") == pytest.approx(free, rel=2e-2)
 
 
+@pytest.mark.slow
 def test_friction_in_joints_takes_what_its_preload_says():
     """Far above the width a wheel slows down evenly, and a slider too."""
     wheel, slider = lump("wheel"), lump("slider")
@@ -153,6 +156,7 @@ def test_friction_in_joints_takes_what_its_preload_says():
     assert motion["slider"].velocity[-1, 2] == pytest.approx(9 - 2 * 4.0 / MASS, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_a_cam_lifts_its_follower_harmonically():
     """An eccentric disc under a flat face: y = R + e sin(phi) - N/k, N its weight and inertia."""
     radius, eccentricity, stiffness, speed = 0.1, 0.02, 1e7, 12.0
@@ -189,6 +193,7 @@ def test_a_cam_lifts_its_follower_harmonically():
     np.testing.assert_allclose((height - radius - lift + pressed)[late], 0, atol=2e-9)
 
 
+@pytest.mark.slow
 def test_a_jeffcott_rotor_whirls_as_its_bearing_says():
     """m z'' + c z' + (k - i q) z = 0, z = x + i y: it grows where q > c sqrt(k/m).
 
@@ -224,6 +229,7 @@ def test_a_jeffcott_rotor_whirls_as_its_bearing_says():
         assert np.sign(np.round(roots.real.max(), 9)) == {"below": -1, "at the limit": 0, "above": 1}[name]
 
 
+@pytest.mark.slow
 def test_an_unbalance_drives_a_rotor_at_its_speed():
     """Steady whirl `U Omega^2 / (k - m Omega^2 + i c Omega)`; the rotor starts on it."""
     stiffness, damping, speed, moment = 900.0, 6.0, 15.0, 0.004

@@ -140,6 +140,7 @@ def test_what_is_stored_is_given_back(name):
         np.testing.assert_allclose(given, -rate, rtol=1e-10, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("teeth", [(17, 40), (17, -40)])
 def test_a_gear_gives_back_what_it_stores_whatever_its_carrier_does(teeth):
     """Parallel axes at a constant distance, the line of centres turning."""

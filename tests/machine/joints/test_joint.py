@@ -53,6 +53,7 @@ def equations(joint, value, motion):
     return joint.constraint(first, second, value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", JOINTS)
 def test_joint_leaves_free_what_it_says_and_nothing_else(name):
     """The null space of the Jacobian is spanned by the free motions."""

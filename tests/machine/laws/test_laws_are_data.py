@@ -69,6 +69,7 @@ def test_laws_can_be_mapped_over(pair):
     )
 
 
+@pytest.mark.slow
 @each_pair
 def test_derivatives_are_those_of_finite_differences(pair):
     """Central differences of step h are off by O(h^2) and round-off/h."""

@@ -197,6 +197,7 @@ def bent(body, modes):
     return modes @ (weights / np.linalg.norm(weights))
 
 
+@pytest.mark.slow
 def test_a_free_full_body_keeps_energy_and_momenta_at_order_two(arm, complete):
     bending = bent(arm.body, complete.vectors[:, :6])
     thrown = Placed(
@@ -226,6 +227,7 @@ def shoulder():
     return Ball(first=GROUND, second=At("arm", "root"), name="shoulder")
 
 
+@pytest.mark.slow
 def test_a_swinging_full_body_keeps_its_energy_at_order_two(arm):
     system = System((Placed(arm),), (shoulder(),), gravity=GRAVITY)
 
@@ -238,6 +240,7 @@ def test_a_swinging_full_body_keeps_its_energy_at_order_two(arm):
     np.testing.assert_allclose(np.log2(coarse / fine), 2.0, atol=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.StartWarning")  # the lump is set in motion
 def test_full_and_rigid_bodies_in_one_system(arm, complete):
     """A lump hinged to the arm's tip; at every output as with the arm in its complete basis."""

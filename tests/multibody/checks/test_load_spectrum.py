@@ -183,6 +183,7 @@ def test_the_wind_on_the_blade_stays_below_its_first_modes(beam, small):
     assert spectrum.steady > 10 * spectrum.mean_squares.sum()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.ResolutionWarning")  # coarse steps
 def test_self_correction_looks_at_the_loads(beam):
     """A harmonic force near the third mode, where the start has one."""

@@ -65,12 +65,14 @@ def seen(states):
     return np.asarray(states.relative_residual).max(axis=1) <= TOLERANCE
 
 
+@pytest.mark.slow
 def test_most_steps_of_a_smooth_machine_are_not_evaluated_and_good_all_the_same():
     states, residuals = marched(double_pendulum())
     assert np.mean(~seen(states)) > 0.8
     assert residuals.max() < 0.1 * TOLERANCE
 
 
+@pytest.mark.slow
 def test_a_load_that_jumps_is_seen():
     """By ten thousand times the weight: the residual to correct is larger than any that was measured."""
     times = np.array([0.0, 0.0299, 0.0301, 1.0])
@@ -82,6 +84,7 @@ def test_a_load_that_jumps_is_seen():
     assert residuals.max() <= TOLERANCE
 
 
+@pytest.mark.slow
 def test_force_elements_may_have_kinks_and_are_always_evaluated():
     spring = SpringDamper(
         first=GROUND, second=At("lower", "far"), anchor=(2.0, 1.0, 0.0), stiffness=50.0, rest_length=0.5

@@ -172,6 +172,7 @@ def test_a_recorded_part_without_a_tangent_is_continued(rod):
     assert np.allclose(own, resumed, rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_cases_of_a_batch_keep_none_and_move_alike(rod):
     system, run = turning(rod), Run(0.05, 0.01, step=FixedStep(STEP))
     batch = simulate_batch([system, system], run).check()
@@ -227,6 +228,7 @@ def _matrices_at(model: Model, start: State) -> Any:
 _at = KeptProgram(_matrices_at, STARTING)
 
 
+@pytest.mark.slow
 def test_a_solution_by_parts_is_that_of_the_whole_matrix(smooth):
     state = jax.tree.map(lambda leaf: leaf[N_STEPS // 2], smooth.states)
     point = Point(smooth.model, *_at(smooth.model, state))

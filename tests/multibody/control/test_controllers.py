@@ -152,6 +152,7 @@ MOTOR = {"motor": m.TorqueBetween(first="ground", second="wheel.axle", axis=AXIS
 HINGE = {"hinge": m.JointReading("hinge")}
 
 
+@pytest.mark.slow
 def test_states_of_a_controller_are_of_second_order():
     """PI control of the speed through a filter: a linear system with three states, solved exactly."""
 
@@ -180,6 +181,7 @@ def test_states_of_a_controller_are_of_second_order():
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, atol=0.15)
 
 
+@pytest.mark.slow
 def test_a_batch_marches_the_states_of_its_controllers():
     """Wheels of three inertias, turning and carrying integrators from different starts: each as if alone."""
 
@@ -212,6 +214,7 @@ def test_a_batch_marches_the_states_of_its_controllers():
         simulate_batch([replace(each, controllers=[sampled]) for each in cases], run)
 
 
+@pytest.mark.slow
 def test_angles_that_are_read_count_whole_turns():
     seen = []
 
@@ -247,6 +250,7 @@ SAMPLED = m.SampledController(
 )
 
 
+@pytest.mark.slow
 def test_a_sampled_controller_holds_what_it_gave():
     """Against SciPy, instant by instant; output times and instants do not meet."""
     state, total, duration = np.zeros(4), np.zeros(2), 0.4
@@ -315,6 +319,7 @@ def test_a_run_that_was_killed_goes_on_to_the_last_bit(tmp_path):
     assert whole.engine_state["control.memory.0.calls"] == 30
 
 
+@pytest.mark.slow
 def test_energy_is_what_the_controller_gave():
     """Work of the torques by the trapezoidal rule over its outputs."""
     system = arm(FOLLOWING)
@@ -362,6 +367,7 @@ def holding(_time, reads, _states):
     }
 
 
+@pytest.mark.slow
 def test_an_arm_that_its_controller_holds_rests_and_vibrates_as_its_equations_say():
     """Weights against gains at rest; eigenvalues of the closed loop from the same independent equations."""
     weight = 9.81
@@ -414,6 +420,7 @@ def test_what_a_traced_law_must_give(outputs, message):
         simulate(system, Run(duration=0.1, output_step=0.1, **options(0.1)))
 
 
+@pytest.mark.slow
 def test_a_law_that_gives_no_number_ends_the_run_in_words():
     def broken(time, _reads, _states):
         return {"motor": jnp.where(time > 0.05, jnp.nan, 1.0)}

@@ -84,6 +84,7 @@ def turned(placed):
     return np.arctan2(placed.rotation[1, 0], placed.rotation[0, 0])
 
 
+@pytest.mark.slow
 def test_an_integrator_holds_a_pendulum_where_it_shall_be():
     found = equilibrium(pendulum([PID]))
     weight = MASS * GRAVITY * ARM
@@ -96,6 +97,7 @@ def test_an_integrator_holds_a_pendulum_where_it_shall_be():
     np.testing.assert_allclose(eigenvalues(pendulum([PID])), expected, rtol=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "time", "mass"), [(1e3, 1e3, 1.0), (1e6, 1e9, 1e3)], ids=["ms", "ns"])
 def test_eigenvalues_are_those_of_any_units(length, time, mass):
     """Millimetres, milliseconds, kilograms; micrometres, nanoseconds, grams."""
@@ -114,6 +116,7 @@ def test_eigenvalues_are_those_of_any_units(length, time, mass):
     np.testing.assert_allclose(time * eigenvalues(system), eigenvalues(pendulum([PID])), rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_run_from_the_equilibrium_stays_there():
     system = equilibrium(pendulum([PID])).system
     run = Run(duration=0.5, output_step=0.1, step=FixedStep(0.01), tolerances=Tolerances(residual=1e-11))
@@ -122,6 +125,7 @@ def test_a_run_from_the_equilibrium_stays_there():
     assert abs(solution.bodies["arm"].acceleration).max() < 1e-7
 
 
+@pytest.mark.slow
 def test_a_filter_of_the_rate_is_in_the_loop():
     """`J s^2 + D s / (T s + 1) + P`."""
     lag = 0.08
@@ -134,6 +138,7 @@ def test_a_filter_of_the_rate_is_in_the_loop():
     np.testing.assert_allclose(eigenvalues(pendulum([own], gravity=0.0)), expected, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_filter_of_the_place_makes_the_loop_unstable():
     """`J s^2 (T s + 1) + P`: two roots with positive real parts, whose equilibrium is found all the same."""
     lag = 0.08
@@ -149,6 +154,7 @@ def test_a_filter_of_the_place_makes_the_loop_unstable():
     assert modes.unstable.any()
 
 
+@pytest.mark.slow
 def test_two_controllers_stand_beside_each_other():
     """A PID without its D, which a second controller gives through a filter, with its states before."""
     lag = 0.05
@@ -225,6 +231,7 @@ def two_arms(controllers):
     return m.System(bodies, joints, controllers=controllers)
 
 
+@pytest.mark.slow
 def test_the_tangent_of_resting_controllers_is_that_of_finite_differences():
     """Readings of places, axes and velocities of bodies that turn; forces that follow what they push."""
 
@@ -293,6 +300,7 @@ def rotor(controllers):
     return m.System([body], [joint], controllers=controllers)
 
 
+@pytest.mark.slow
 def test_a_speed_loop_turns_steadily():
     """`J s^2 + 1.5 s + 6` of the rate, and the free angle at zero; the same at each rate."""
     modes = machine_modes(linearize(rotor([speed_loop(2.0)]), spin=m.Spin(2.0, AXIS)))
@@ -301,6 +309,7 @@ def test_a_speed_loop_turns_steadily():
     np.testing.assert_allclose(modes.kinetic_shares, 1.0, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_controller_without_rest_is_named():
     few = StaticSearch(max_iterations=20)
     with pytest.raises(
@@ -315,6 +324,7 @@ def test_a_controller_without_rest_is_named():
     np.testing.assert_allclose(found.system.controllers[0].initial, [0.5], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_controller_that_sees_the_angle_of_the_turn_is_refused():
     def watching(reads, z):
         return jnp.stack([jnp.sin(reads["hinge"].angle) - z[0]])
@@ -326,6 +336,7 @@ def test_a_controller_that_sees_the_angle_of_the_turn_is_refused():
         linearize(rotor([seeing]), spin=m.Spin(2.0, AXIS))
 
 
+@pytest.mark.slow
 def test_modes_in_which_a_controller_changes_alone():
     """A clock that leaks and drives nothing beside a stiff spring: its pole has no shape."""
     slow = 1e-4
@@ -350,6 +361,7 @@ def test_an_integrator_that_drives_nothing_counts_once_at_zero():
     np.testing.assert_array_equal(values, [0.0, 0.0])
 
 
+@pytest.mark.slow
 def test_a_campbell_diagram_follows_the_modes_of_a_closed_loop():
     spins = [m.Spin(rate, AXIS) for rate in (2.0, 2.5, 3.0)]
 

@@ -63,6 +63,7 @@ def markers(turned):
     return jax.tree.map(jnp.asarray, (one(0), one(2)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", JOINTS)
 def test_linearization_is_that_of_the_equations(markers, name):
     """Value, first derivatives by local freedoms, and second ones, twelve directions at each end."""

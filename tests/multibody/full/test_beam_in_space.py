@@ -78,6 +78,7 @@ def tip(n, frame):
     return node_positions(body, simulate(system, run).bodies["box"], [n])[:, 0]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings(f"ignore::{SuppleWarning.__module__}.{SuppleWarning.__name__}")
 @pytest.mark.parametrize(
     "frame", [MeanAxisFrame(), NodalFixedFrame("root")], ids=["mean-axis", "nodal-fixed"]

@@ -81,6 +81,7 @@ def places(system, solution):
     return motion.position[:, None] + np.einsum("tij,tnj->tni", motion.rotation, local)
 
 
+@pytest.mark.slow
 def test_a_full_body_moves_as_its_complete_basis(body):
     """With an integrator and a filter in the loop: places and states alike, in as many steps."""
     systems = [hinged(form(body)) for form in (full, complete)]
@@ -111,6 +112,7 @@ def test_a_run_in_two_parts_is_one_run(body, tmp_path):
     np.testing.assert_array_equal(after.bodies["strip"].coordinates, whole.bodies["strip"].coordinates)
 
 
+@pytest.mark.slow
 def test_a_full_body_rests_where_its_complete_basis_does(body):
     """Held by the integrator; states, and the modes of the closed loop, alike."""
     systems = [equilibrium(hinged(form(body))).system for form in (full, complete)]

@@ -102,6 +102,7 @@ def test_the_beam_bends(full, full_runs):
     assert np.abs(tip).max() > 0.05 * LENGTH
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FRAMES)
 def test_full_order_is_the_complete_basis_in_other_coordinates(name, full, full_runs, complete):
     """The same discrete equations: equal to what Newton's method leaves."""
@@ -125,6 +126,7 @@ def loose_ends():
     return [reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives()) for frame in FRAMES.values()]
 
 
+@pytest.mark.slow
 def test_frames_agree_at_order_two(loose_ends):
     """With Green-Lagrange strains the frame is a matter of description; the step's error is all there is.
 

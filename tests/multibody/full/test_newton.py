@@ -211,6 +211,7 @@ def test_no_iteration_converges_and_the_run_says_so(full):
         simulate(pendulum(full, spin=(0.5, -6.0, 2.0)), run)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cut", [0.1, 0.2])
 def test_a_resumed_run_goes_on_bit_by_bit(full, cut):
     """With the tangent it had kept, made again, and the accelerations that it extrapolates."""
