@@ -19,13 +19,14 @@ from error_equation.machines import (
 from supple.body import FullBody, RayleighDamping
 from supple.correction.residual_correction import _expanded, _expanded_motion
 from supple.error_equation import ErrorEquation, ErrorSpace, JudgedBody, run_columns
-from supple.error_equation.linearised_march import _operators, _weighted
+from supple.error_equation.linearised_march import _linearized, _weighted
+from supple.integrate import StepFactors
 from supple.machine import Placed
 from supple.multibody.full.full_system import FullSystem
 from supple.reduction import CompleteBasis, NoDerivatives, project, reduction_basis
 from supple.simulation import simulate
 
-pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::supple.errors.LockingWarning")]
+pytestmark = pytest.mark.filterwarnings("ignore::supple.errors.LockingWarning")
 
 
 def complete(body, frame, motion):
@@ -71,15 +72,15 @@ def test_its_residual_is_that_of_the_full_equations(spun):
     evaluation = prepared.evaluate(_expanded(prepared, solution, expanded, 0, row), 0.0)
     whole = np.asarray(evaluation.interior_residuals[0])
     Z = equation.bodies["strip"].space.vectors
-    told, _ = operators_at(equation, row)
+    told = linearized_at(equation, row)
     np.testing.assert_allclose(np.asarray(told.gap), evaluation.constraint_residual, atol=1e-10)
     exact = np.concatenate([whole[:6], Z.T @ whole[6:]])
     got = np.asarray(told.residual)[: len(exact)]
     np.testing.assert_allclose(got, exact, atol=1e-6 * np.abs(exact).max())
 
 
-def operators_at(equation, row):
-    """Operators of the linearised step at one instant, and the motion there."""
+def linearized_at(equation, row):
+    """The linearised step at one instant, from differences of zero."""
     point = equation.point
     gained = [equation.gained(name, own) for name, own in point.bodies.items()]
     bodies = tuple(each[0] for each in gained)
@@ -88,7 +89,8 @@ def operators_at(equation, row):
         for body, (_, history) in zip(bodies, gained, strict=True)
     ]
     motion = jax.tree.map(lambda leaf: leaf[row], point.motion)
-    return _operators(equation.model, bodies, motion, here), motion
+    none = np.zeros(equation.model.n_velocities)
+    return _linearized(equation.model, bodies, here, motion, none, StepFactors(1.0, 1.0), (none, none))
 
 
 @pytest.mark.parametrize("frame", [NODAL, MEAN], ids=["nodal-fixed", "mean-axis"])

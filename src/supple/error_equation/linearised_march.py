@@ -30,12 +30,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.kept_programs import KeptProgram
-from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_jacobian
+from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_jacobian, skew
 from supple.integrate import Coefficients, StepFactors, StepRule
 from supple.multibody.compiled.elimination import solve_bordering_column
 from supple.multibody.equations.balance import balance, tangent
 from supple.multibody.equations.compiler_options import MARCHING
-from supple.multibody.equations.configuration import AnyArray, SystemMotion
+from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import STATIC, Model
 
@@ -90,33 +90,71 @@ class ErrorState(NamedTuple):
     """(m,)"""
 
 
-class _Operators(NamedTuple):
+class _Linearized(NamedTuple):
+    """The run's equations at one state, and what differences that are known make of them."""
+
+    matrix: jax.Array
+    """M + v C + p K T"""
     residual: jax.Array
-    gap: jax.Array
-    mass: jax.Array
-    damping: jax.Array
-    stiffness: jax.Array
+    """r + K eps_p + C w_p"""
     rows: jax.Array
+    """G"""
+    columns: jax.Array
+    """G T"""
+    gap: jax.Array
+    """g + G eps_p"""
 
 
-def _operators(model: Model, bodies: tuple[ElasticGain, ...], motion: SystemMotion, gains: Any) -> _Operators:
-    """Residuals and tangents of the run's equations at one state."""
-    terms = balance(model, motion)
-    still = jnp.zeros(model.n_velocities)
-    # Of the mass, of mass and damping, of mass and stiffness: written once, for three pairs of factors.
-    mass, with_damping, with_stiffness = jax.vmap(
-        lambda factors: tangent(model, motion, terms.linearization, still, factors)
-    )(StepFactors(by_position=jnp.array([0.0, 0.0, 1.0]), by_velocity=jnp.array([0.0, 1.0, 0.0])))
-    residual, damping, stiffness = terms.residual, with_damping - mass, with_stiffness - mass
+def _linearized(
+    model: Model,
+    bodies: tuple[ElasticGain, ...],
+    gains: Any,
+    motion: SystemMotion,
+    increments: jax.Array,
+    factors: StepFactors,
+    known: tuple[jax.Array, jax.Array],
+) -> _Linearized:
+    """Residuals and tangents of the run's equations at one state.
+
+    increments : (n,)   of the run's frames in the step, for T
+    known : eps_p, w_p
+    """
+
+    def equations(configuration: Configuration, velocity: jax.Array) -> Any:
+        terms = balance(model, motion._replace(configuration=configuration, velocity=velocity))
+        return (terms.residual, terms.constraint_residual), terms.linearization
+
+    # Derived in the one direction of the known differences, for less than K and C would take.
+    at, along = (motion.configuration, motion.velocity), (_turning(model, motion, known[0]), known[1])
+    (residual, gap), (more, moved), linearization = jax.jvp(equations, at, along, has_aux=True)
+    residual = residual + more
+    matrix = tangent(model, motion, linearization, increments, factors)
     n = model.n_velocities
     for body, (force, gained, viscous) in zip(bodies, gains, strict=True):
-        # Padded and added: written into their places they would go in one by one, a millisecond a step.
         around = (body.start, n - body.start - force.shape[0])
-        residual = residual + jnp.pad(force, around)
-        damping = damping + jnp.pad(viscous, (around, around))
-        stiffness = stiffness + jnp.pad(gained, (around, around))
-    rows = constraint_rows(model, terms.linearization.joints)
-    return _Operators(residual, terms.constraint_residual, mass, damping, stiffness, rows)
+        own = slice(around[0], n - around[1])
+        # Padded and added: written into their places they would go in one by one, a millisecond a step.
+        residual = residual + jnp.pad(force + gained @ known[0][own] + viscous @ known[1][own], around)
+        more = factors.by_position * gained + factors.by_velocity * viscous
+        matrix = matrix + jnp.pad(more, (around, around))
+    joints = linearization.joints
+    return _Linearized(
+        matrix,
+        residual,
+        constraint_rows(model, joints),
+        constraint_rows(model, joints, increments),
+        gap + moved,
+    )
+
+
+def _turning(model: Model, motion: SystemMotion, position: jax.Array) -> Configuration:
+    """Differences of positions (n,) as those of the configuration, to first order."""
+    frames = model.frames.take(position)
+    return Configuration(
+        frames[:, :3],
+        motion.configuration.rotations @ jax.vmap(skew)(frames[:, 3:]),
+        jnp.concatenate([position[part.start + 6 : part.stop] for part in model.slices]),
+    )
 
 
 def _weighted(body: ElasticGain, history: GainHistory) -> tuple[jax.Array, jax.Array, jax.Array]:
@@ -197,7 +235,6 @@ def _march_error(
     def one_step(before: ErrorState, step: Any) -> tuple[ErrorState, ErrorState]:
         (h, motion, turn), own_gains = step
         turned, turns = jax.vmap(lambda psi: (rotation_exp(-psi), rotation_right_jacobian(psi)))(turn)
-        at = _operators(model, bodies, motion, own_gains)
         rule = StepRule(coefficients, h)
         by_position, by_velocity = rule.factors
         # What the rule makes of no new acceleration is the part that is known.
@@ -205,15 +242,18 @@ def _march_error(
         increment = rule.increment(before.velocity, before.auxiliary, known)
         position = _on_rotations(model, turned, before.position) + _on_rotations(model, turns, increment)
         velocity = rule.new_velocity(before.velocity, before.auxiliary, known)
-        by_increment = _on_rotations(model, turns.swapaxes(1, 2), at.stiffness.T).T
+        steps_increment = jnp.zeros_like(velocity).at[model.frames.index[:, 3:]].set(turn)
+        at = _linearized(
+            model, bodies, own_gains, motion, steps_increment, rule.factors, (position, velocity)
+        )
         acceleration, multipliers = _solved(
             model,
-            at.mass + by_velocity * at.damping + by_position * by_increment,
+            at.matrix,
             at.rows,
-            _on_rotations(model, turns.swapaxes(1, 2), at.rows.T).T,
-            at.residual + at.stiffness @ position + at.damping @ velocity,
+            at.columns,
+            at.residual,
             # A step of no length moves nothing, and accelerations close no gap.
-            jnp.where(h > 0, (at.gap + at.rows @ position) / jnp.where(h > 0, by_position, 1.0), 0.0),
+            jnp.where(h > 0, at.gap / jnp.where(h > 0, by_position, 1.0), 0.0),
         )
         increment = increment + by_position * acceleration
         after = ErrorState(
