@@ -20,7 +20,7 @@ from error_equation.machines import (
 )
 
 from supple.body import FullBody, ModalDamping, RayleighDamping
-from supple.correction import ErrorEstimator, estimate_error
+from supple.correction import ErrorEstimator, estimate_error, system_corrections
 from supple.correction.basis_error import FIRST_ORDER
 from supple.errors import ModelError
 from supple.integrate import AdaptiveStep, FixedStep
@@ -83,6 +83,41 @@ def test_columns_are_made_of_the_error_where_it_has_settled(size):
     for name, missed in told.missed.items():
         corrections = told.corrections[name].deformation
         assert missed.shape[1] > corrections.shape[1] if settled else missed.shape == corrections.shape
+
+
+def test_an_error_clearly_above_what_is_allowed_is_told_to_first_order():
+    """By what it says of its second order: no more than that is between it and the settled one."""
+    system, run = spinning(NODAL)
+    small, bases = reduced(system, 3, 3)
+    solution, estimator = simulate(small, run), ErrorEstimator(system, run)
+    settled = estimator.judge(small, bases, solution).error.bodies["strip"]
+    for allowed, is_clear in ((settled.rms / 3, True), (settled.rms / 1.5, False)):
+        told = estimator.judge(small, bases, solution, allowed={"strip": allowed}).error.bodies["strip"]
+        assert (told.rms != settled.rms) == is_clear
+        assert told.rms == pytest.approx(settled.rms, rel=told.second)
+        assert told.second < 0.1
+
+
+def test_missed_motion_is_the_same_where_it_is_only_followed_in_between():
+    system, run = spinning(NODAL)
+    small, bases = reduced(system, 3, 3)
+    fulls = tuple(system.bodies_of(FullBody).values())
+    instants = np.arange(1, 41)
+    wanted = instants[4::9]
+    solution = simulate(small, run)
+    every, followed = (
+        system_corrections(small, fulls, bases, solution, instants, wanted=each)["strip"]
+        for each in (None, wanted)
+    )
+
+    def apart(rows):
+        difference = every.deformation[:, rows] - followed.deformation[:, rows]
+        return np.linalg.norm(difference, axis=0) / np.linalg.norm(every.deformation[:, rows], axis=0)
+
+    at_wanted, elsewhere = np.isin(instants, wanted), ~np.isin(instants, wanted)
+    # Corrections that shrink to two thirds leave twice the last one, which is a tenth.
+    assert apart(at_wanted).max() < 5e-3 < apart(elsewhere).max() < 0.2
+    assert followed.factorizations <= every.factorizations
 
 
 @pytest.mark.parametrize("frame", [NODAL, MEAN], ids=["nodal-fixed", "mean-axis"])

@@ -153,8 +153,9 @@ class MissingMotionSearch:
                     before = np.inf
                     continue
             at = at + more
-            # The next correction would be smaller by the same rate.
-            if size * (min(rate, 1.0) if foretells else 1.0) <= self._last_correction(state, at, settled):
+            # Where corrections shrink fast, the next one would be smaller by the same rate.
+            left = rate * size if foretells and rate < FAST else size
+            if left <= self._last_correction(state, at, settled):
                 return at
         return None
 
