@@ -189,6 +189,7 @@ def _shifted_factor(
         if 1e-5 * estimate <= shift <= estimate:
             return constrained, shift
         shift = 0.1 * estimate
+        factor.release()  # not two of them at a time: of a large body they are gigabytes
 
 
 def _certified_modes(
@@ -208,6 +209,8 @@ def _certified_modes(
         if gap is None:
             missing, verdict = max(GUARD_MODES, n_modes - values.size), "the modes found end inside a cluster"
             continue
+        # Not beside the factor that counts, either; it is made again if modes are missing.
+        inverse.grounded.factor.release()
         count = _count_below(0.5 * (values[gap - 1] + values[gap]), mass, inverse, shift, solver)
         if count == gap:
             worst = float(np.max(residuals[:n_modes]))
