@@ -4,13 +4,13 @@ The cases are systems of the same bodies, joints and kinds of loads that differ 
 initial motion, gravity, even stiffness. Numbers that all cases share are kept once; the others get a leading
 axis, and the compiled march is mapped over it (`jax.vmap`), but for the solution of Newton's equations, where
 cases take turns and converged ones have none (`in_turn`). Cases go in chunks of one size, the last one filled
-up: a chunk as large as the processor's cache serves best, about 64 cases of a body with 25 coordinates.
+up. Those that keep their tangents on a processor are not mapped (`cases_one_by_one`).
 """
 
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -47,6 +47,7 @@ from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, filled_up, laws_of, stepping_instants
 from supple.simulation.batch_of_lines import batch_of_lines
 from supple.simulation.batch_solution import BatchSolution
+from supple.simulation.cases_one_by_one import one_by_one
 from supple.simulation.watched_run import check_laws_cover, warn_of_unseen_laws
 
 __all__ = ["simulate_batch"]
@@ -178,12 +179,14 @@ def _marched_together(
     """March the cases of a chunk; its starts may go on with repeated cases."""
     began = clock.perf_counter()
     models, states = starts
-    start = jax.tree.map(lambda *items: np.stack([np.asarray(item) for item in items]), *states)
     ends, outputs = stops.on_the_way(float(run.times[0]), run.times[1:])
-    arguments = stacked(models, axes), settings, start, filled_up(ends)
-    program = _mapped_march(jax.tree.structure(models[0]), axes).compiled(*arguments)
+    if states[0].kept is None:
+        compiled_march = _side_by_side(models, axes, settings, states, filled_up(ends))
+    else:
+        alone = slice(len(cases))
+        compiled_march = one_by_one(models[alone], settings, states[alone], filled_up(ends))
     ready = clock.perf_counter()
-    final, history = jax.device_get(program(*arguments))
+    final, history = compiled_march()
     seconds = clock.perf_counter() - ready
     solutions = []
     for own, (system, model, first) in enumerate(zip(cases, models, states, strict=False)):
@@ -191,7 +194,7 @@ def _marched_together(
             steps=int(final.steps[own]),
             iterations=int(final.iterations[own]),
             rejected_steps=int(final.rejected_steps[own]),
-            factorizations=int(final.iterations[own]),
+            factorizations=int((final.iterations if final.kept is None else final.kept.made)[own]),
             seconds=seconds / len(cases),
             largest_error=float(final.largest_error[own]),
             largest_turn=float(final.largest_turn[own]),
@@ -204,6 +207,16 @@ def _marched_together(
         for own in np.flatnonzero(final.failed[: len(cases)])
     }
     return _Part(solutions, failures, seconds, ready - began)
+
+
+def _side_by_side(
+    models: Sequence[Model], axes: Axes, settings: Controls, states: Sequence[State], stops: np.ndarray
+) -> Callable[[], tuple[State, State]]:
+    """The march of cases that are mapped together, compiled."""
+    start = jax.tree.map(lambda *items: np.stack([np.asarray(item) for item in items]), *states)
+    arguments = stacked(models, axes), settings, start, stops
+    program = _mapped_march(jax.tree.structure(models[0]), axes).compiled(*arguments)
+    return lambda: jax.device_get(program(*arguments))
 
 
 def _check_alike(models: Sequence[Model]) -> None:
@@ -228,7 +241,7 @@ def _require_memory(starts: BatchStart, axes: Axes, chunk: int, n_times: int) ->
         np.size(leaf) * (1 if axis is None else chunk)
         for leaf, axis in zip(jax.tree.leaves(model), axes, strict=True)
     ]
-    history = 3 * n_times * sum(np.size(leaf) for leaf in jax.tree.leaves(state))
+    history = 3 * n_times * sum(np.size(leaf) for leaf in jax.tree.leaves(state._replace(kept=None)))
     tangents = _TANGENTS * (model.n_velocities + len(model.active)) ** 2
     require_memory(
         8 * (2 * sum(numbers) + chunk * (history + tangents)),
@@ -240,6 +253,8 @@ def _require_memory(starts: BatchStart, axes: Axes, chunk: int, n_times: int) ->
 def _case_solution(system: System, model: Model, first: State, history: State, cost: Statistics) -> Solution:
     good = int(np.sum(~history.failed))
     states = jax.tree.map(
-        lambda begun, leaf: np.concatenate([np.asarray(begun)[None], leaf[:good]]), first, history
+        lambda begun, leaf: np.concatenate([np.asarray(begun)[None], leaf[:good]]),
+        first._replace(kept=None),
+        history,
     )
     return as_solution(system, model, states, cost)

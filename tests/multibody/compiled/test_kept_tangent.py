@@ -172,14 +172,18 @@ def test_a_recorded_part_without_a_tangent_is_continued(rod):
     assert np.allclose(own, resumed, rtol=0, atol=1e-9)
 
 
-@pytest.mark.slow
-def test_cases_of_a_batch_keep_none_and_move_alike(rod):
-    system, run = turning(rod), Run(0.05, 0.01, step=FixedStep(STEP))
-    batch = simulate_batch([system, system], run).check()
-    alone = simulate(system, run)
-    assert "tangent.made" not in batch.solutions[0].engine_state
-    own, single = batch.solutions[1].bodies["rod"].position, alone.bodies["rod"].position
-    assert np.allclose(own, single, rtol=0, atol=1e-8)
+def test_cases_of_a_batch_keep_their_own_and_move_as_alone(rod):
+    systems, run = [turning(rod, newtons=own) for own in (0.0, 50.0, 400.0)], Run(0.1, 0.01, FixedStep(STEP))
+    batch = simulate_batch(systems, run, chunk=2).check()
+    for system, own in zip(systems, batch.solutions, strict=True):
+        alone = simulate(system, run)
+        np.testing.assert_allclose(
+            own.bodies["rod"].coordinates, alone.bodies["rod"].coordinates, rtol=0, atol=1e-12
+        )
+        assert own.statistics.iterations == alone.statistics.iterations
+        assert own.statistics.factorizations == alone.statistics.factorizations < own.statistics.iterations
+    bent = [np.abs(own.bodies["rod"].coordinates).max() for own in batch.solutions]
+    assert bent[0] < 0.9 * bent[2]
 
 
 def test_a_dear_tangent_of_a_smooth_machine_is_kept(rod):
