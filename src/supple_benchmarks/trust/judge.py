@@ -133,7 +133,9 @@ def _round_record(each: Round, system: System, full_runs: _FullRuns) -> dict[str
     # Of the same steps, but solved tighter: the reference's own remainders are no error of the run.
     full = full_runs.at(with_tolerance(run, TIGHT * run.tolerances.residual))
     true = np.inf
-    if each.solution.stopped is None and full.stopped is None:
+    # A run that had to cut a step has taken others than any full run: between them is a part of the step's.
+    taken = each.solution.statistics.steps, full.statistics.steps
+    if each.solution.stopped is None and full.stopped is None and taken[0] == taken[1]:
         true = largest_distance(
             each.body, each.solution.bodies[name], _fulls(system)[name], full.bodies[name]
         )
