@@ -53,6 +53,10 @@ __all__ = [
 _SLOWNESS = 100.0
 """How many times slower than the body's lowest vibration the missing motion is taken to be: slow enough that
 M / p changes no deflection by a per cent, fast enough that a free body's tangent is regular."""
+_SLOWNESS_IN_FLIGHT = (3.0, 30.0)
+"""The same where joints leave rigid motion free; less of bodies that spin. Nothing but M / p resists rigid
+motion there: slower, what the run's tolerance leaves out of balance turned a spinning beam by a radian."""
+_SLOWER_THAN_SPIN = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +167,7 @@ def corrections_of(
     rotations = np.array([state.configuration.rotations for state in states])
     times = np.array([state.time for state in states])
     prepared = seen.prepared
-    determined = len(prepared.model.active) >= 6 * len(prepared.system.bodies)
+    determined = _holds_all(prepared)
     return {
         full.name: _of_body(
             full,
@@ -219,14 +223,28 @@ def expanded_states(
         full.name: _expanded_motion(full, body, bases[full.name], solution.bodies[full.name], instants)
         for full, body in zip(fulls, reduced, strict=True)
     }
+    prepared = FullSystem(replace(system, bodies=placed), active)
+    lowest = min(body.lowest_frequency() for body in reduced)
+    slowness = _SLOWNESS if _holds_all(prepared) else _slowness_in_flight(solution, lowest)
     return ExpandedStates(
-        prepared=FullSystem(replace(system, bodies=placed), active),
+        prepared=prepared,
         indices=indices,
-        by_position=(_SLOWNESS / min(body.lowest_frequency() for body in reduced)) ** 2,
+        by_position=(slowness / lowest) ** 2,
         solution=solution,
         instants=instants,
         expanded=expanded,
     )
+
+
+def _slowness_in_flight(solution: Solution, lowest: float) -> float:
+    """By the spin of the bodies: the forces of it would be more than what M / p resists."""
+    spins = [float(np.linalg.norm(own.angular_velocity, axis=1).max()) for own in solution.bodies.values()]
+    return float(np.clip(lowest / (_SLOWER_THAN_SPIN * max([*spins, 1e-300])), *_SLOWNESS_IN_FLIGHT))
+
+
+def _holds_all(machine: FullSystem) -> bool:
+    """Whether the joints determine all rigid motion."""
+    return len(machine.model.active) >= 6 * len(machine.system.bodies)
 
 
 def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, BodyForm]:
