@@ -17,13 +17,13 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 .PHONY: help demo test test-all soak lint format clean
 
 help:
-	@echo "make demo   set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
-	@echo "make test   set up, then check style, types, layers and run the tests (a quarter of an hour on two cores)"
+	@echo "make demo      set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
+	@echo "make test      set up, then check style, types, layers and run the tests (a quarter of an hour on two cores)"
 	@echo "make test-all  the same with the slow tests: half an hour; before every release"
-	@echo "make soak   kill runs and damage files by the hundred, the longest quick benchmarks: an hour"
-	@echo "make lint   style, types and layers only"
-	@echo "make format rewrite the sources in the project's style"
-	@echo "make clean  remove the environment and the results"
+	@echo "make soak      kill runs and damage files by the hundred, the longest quick benchmarks: an hour"
+	@echo "make lint      style, types and layers only"
+	@echo "make format    rewrite the sources in the project's style"
+	@echo "make clean     remove the environment and the results"
 
 demo: $(VENV)/.ready
 	@$(BIN)/supple benchmark rotating-beam --quick -o $(RESULTS)/rotating-beam

@@ -140,7 +140,7 @@ class MissingMotionSearch:
                 self._tangent = self._factored(evaluation, factors)
             more = self._more(evaluation, self._tangent)
             size = self._size(more)
-            rate, foretells, before = size / before, np.isfinite(before), size
+            rate, before = size / before, size
             if not np.isfinite(size):
                 return None
             if rate > FAST:
@@ -153,8 +153,9 @@ class MissingMotionSearch:
                     before = np.inf
                     continue
             at = at + more
-            # Where corrections shrink fast, the next one would be smaller by the same rate.
-            left = rate * size if foretells and rate < FAST else size
+            # Where corrections shrink fast, the next one would be smaller by the same rate; of the first, no
+            # rate is known.
+            left = rate * size if 0.0 < rate < FAST else size
             if left <= self._last_correction(state, at, settled):
                 return at
         return None

@@ -57,6 +57,7 @@ _SLOWNESS_IN_FLIGHT = (3.0, 30.0)
 """The same where joints leave rigid motion free; less of bodies that spin. Nothing but M / p resists rigid
 motion there: slower, what the run's tolerance leaves out of balance turned a spinning beam by a radian."""
 _SLOWER_THAN_SPIN = 3.0
+"""How many times: where spin is fast, its forces would be more than what M / p resists."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +238,7 @@ def expanded_states(
 
 
 def _slowness_in_flight(solution: Solution, lowest: float) -> float:
-    """By the spin of the bodies: the forces of it would be more than what M / p resists."""
+    """How many times slower than the body's lowest vibration, by how fast the bodies spin."""
     spins = [float(np.linalg.norm(own.angular_velocity, axis=1).max()) for own in solution.bodies.values()]
     return float(np.clip(lowest / (_SLOWER_THAN_SPIN * max([*spins, 1e-300])), *_SLOWNESS_IN_FLIGHT))
 

@@ -141,9 +141,11 @@ def correct(problem: Problem) -> CorrectedSystem:
     while True:
         run = _simulated(problem, model)
         number = model.number + 1
-        next_bases = problem.archive.read_bases(number, problem.fulls) or _enriched(problem, estimator, run)
+        allowed = {name: _allowed(problem, name, run) for name in problem.fulls}
+        kept = problem.archive.read_bases(number, problem.fulls)
+        next_bases = kept or _enriched(problem, estimator, run, allowed)
         for name, judged in past.items():
-            judged.append(_judge(problem, name, judged, run, next_bases))
+            judged.append(_judge(problem, name, judged, run, next_bases, allowed[name]))
             if problem.announce is not None:
                 problem.announce(judged[-1].round)
         if all(judged[-1].met for judged in past.values()):
@@ -199,7 +201,9 @@ def _simulated(problem: Problem, model: _Model) -> _Run:
     return _Run(model, solution, solution.stopped is None, seconds)
 
 
-def _enriched(problem: Problem, estimator: ErrorEstimator, run: _Run) -> RoundBases:
+def _enriched(
+    problem: Problem, estimator: ErrorEstimator, run: _Run, allowed: Mapping[str, float]
+) -> RoundBases:
     """The bases of the next run, and what this one said of its own error."""
     began = perf_counter()
     model = run.model
@@ -211,8 +215,8 @@ def _enriched(problem: Problem, estimator: ErrorEstimator, run: _Run) -> RoundBa
         run.solution,
         instants=max(problem.target(name).instants for name in problem.fulls),
         allowed={
-            name: _allowed(problem, name, run)
-            for name in problem.fulls
+            name: error
+            for name, error in allowed.items()
             if isinstance(problem.target(name).quantity(name), WholeBody)
         },
         progress=lambda fraction: problem.report(step, fraction),
@@ -246,10 +250,11 @@ def _error(quantity: JudgedQuantity, name: str, run: _Run, estimate: ErrorEstima
     return difference * (told.estimate / told.rms if told.rms else 1.0)
 
 
-def _judge(problem: Problem, name: str, before: list[_Judged], run: _Run, after: RoundBases) -> _Judged:
+def _judge(
+    problem: Problem, name: str, before: list[_Judged], run: _Run, after: RoundBases, allowed: float
+) -> _Judged:
     """What a run said of its own error, against what is asked."""
     missed = after.missed[name]
-    allowed = _allowed(problem, name, run)
     errors = [*(each.round.estimated_error for each in before), missed.error]
     was_met = any(each.met for each in before)
     after_useless = bool(before) and before[-1].round.useless and not was_met

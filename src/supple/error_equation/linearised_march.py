@@ -30,12 +30,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.kept_programs import KeptProgram
-from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_jacobian, skew
+from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_jacobian
 from supple.integrate import Coefficients, StepFactors, StepRule
 from supple.multibody.compiled.elimination import solve_bordering_column
 from supple.multibody.equations.balance import balance, tangent
 from supple.multibody.equations.compiler_options import MARCHING
-from supple.multibody.equations.configuration import AnyArray, Configuration, SystemMotion
+from supple.multibody.equations.configuration import AnyArray, SystemMotion, advance
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import STATIC, Model
 
@@ -120,13 +120,14 @@ def _linearized(
     known : eps_p, w_p
     """
 
-    def equations(configuration: Configuration, velocity: jax.Array) -> Any:
-        terms = balance(model, motion._replace(configuration=configuration, velocity=velocity))
+    def equations(position: jax.Array, velocity: jax.Array) -> Any:
+        moved = advance(model, motion.configuration, position)
+        terms = balance(model, motion._replace(configuration=moved, velocity=velocity))
         return (terms.residual, terms.constraint_residual), terms.linearization
 
     # Derived in the one direction of the known differences, for less than K and C would take.
-    at, along = (motion.configuration, motion.velocity), (_turning(model, motion, known[0]), known[1])
-    (residual, gap), (more, moved), linearization = jax.jvp(equations, at, along, has_aux=True)
+    at = jnp.zeros_like(known[0]), motion.velocity
+    (residual, gap), (more, moved), linearization = jax.jvp(equations, at, known, has_aux=True)
     residual = residual + more
     matrix = tangent(model, motion, linearization, increments, factors)
     n = model.n_velocities
@@ -144,16 +145,6 @@ def _linearized(
         constraint_rows(model, joints),
         constraint_rows(model, joints, increments),
         gap + moved,
-    )
-
-
-def _turning(model: Model, motion: SystemMotion, position: jax.Array) -> Configuration:
-    """Differences of positions (n,) as those of the configuration, to first order."""
-    frames = model.frames.take(position)
-    return Configuration(
-        frames[:, :3],
-        motion.configuration.rotations @ jax.vmap(skew)(frames[:, 3:]),
-        jnp.concatenate([position[part.start + 6 : part.stop] for part in model.slices]),
     )
 
 

@@ -42,6 +42,21 @@ class StrainWorks(NamedTuple):
     cubic: FloatArray
 
 
+class _Portion(NamedTuple):
+    """Some elements of a block, along m directions."""
+
+    block: QuadraticStrain
+    directions: FloatArray
+    """(e, n_e, m), of the elements' freedoms"""
+    reached: IntArray
+    """Freedoms q that they reach: few of all"""
+    to_reached: SparseArray
+
+    def summed(self, forces: FloatArray) -> FloatArray:
+        """Forces (e, n_e, p) of the elements as those of the freedoms reached."""
+        return self.to_reached @ forces.reshape(-1, forces.shape[-1])
+
+
 @dataclass(frozen=True, eq=False)
 class Assembly:
     """Sums over the elements of a body, prepared once for one expansion T (nodal freedoms u = T q).
@@ -132,16 +147,8 @@ class Assembly:
         """
         m = X.shape[1]
         forces = np.zeros((self.n, m * (m + 1) // 2))
-        for block, gather in zip(self.blocks, self.gathers, strict=True):
-            n_elements, n_points, s, n_e = block.B.shape
-            d = block.G.shape[2]
-            each = n_points * (s + d) * (d + 3 * m) + n_e * forces.shape[1]
-            for elements in _ranges(n_elements, each):
-                rows = gather[elements.start * n_e : elements.stop * n_e]
-                directions = (rows @ X).reshape(-1, n_e, m)
-                pairs = quadratic_strain.pair_forces(block.of(elements), directions)
-                own = np.unique(rows.indices)  # a portion reaches few of the freedoms
-                forces[own] += rows[:, own].T @ pairs.reshape(-1, forces.shape[1])
+        for own in self._along(X, lambda block: _pair_numbers(block, m, forces.shape[1])):
+            forces[own.reached] += own.summed(quadratic_strain.pair_forces(own.block, own.directions))
         return forces
 
     def works(self, X: FloatArray, onto: FloatArray) -> StrainWorks:
@@ -151,17 +158,16 @@ class Assembly:
         linear, turned = np.zeros((k, n_pairs)), np.zeros((m, k, m))
         cubic = np.zeros((m, k, n_pairs))
         sums = (linear, *turned, *cubic)
-        for block, gather in zip(self.blocks, self.gathers, strict=True):
-            n_elements, n_points, s, n_e = block.B.shape
-            each = n_points * s * (n_pairs + m * n_e) + n_e * n_pairs
-            for elements in _ranges(n_elements, each):
-                rows = gather[elements.start * n_e : elements.stop * n_e]
-                directions = (rows @ X).reshape(-1, n_e, m)
-                reached = np.unique(rows.indices)  # a portion reaches few of the freedoms
-                to_reached, seen = rows[:, reached].T, onto[reached].T
-                parts = quadratic_strain.force_parts(block.of(elements), directions)
-                for total, part in zip(sums, parts, strict=True):
-                    np.add(total, seen @ (to_reached @ part.reshape(-1, part.shape[-1])), out=total)
+
+        def numbers(block: QuadraticStrain) -> int:
+            _, n_points, s, n_e = block.B.shape
+            return n_points * s * (n_pairs + m * n_e) + n_e * n_pairs
+
+        for own in self._along(X, numbers):
+            seen = onto[own.reached].T
+            parts = quadratic_strain.force_parts(own.block, own.directions)
+            for total, part in zip(sums, parts, strict=True):
+                np.add(total, seen @ own.summed(part), out=total)
         return StrainWorks(linear, turned.swapaxes(0, 1), cubic)
 
     def strain_pair_forces(self, X: FloatArray, first: IntArray, second: IntArray) -> FloatArray:
@@ -180,16 +186,9 @@ class Assembly:
         """
         m, n_pairs = X.shape[1], len(first)
         forces = np.zeros((self.n, n_pairs))
-        for block, gather in zip(self.blocks, self.gathers, strict=True):
-            n_elements, n_points, s, n_e = block.B.shape
-            d = block.G.shape[2]
-            each = n_points * (s + d) * (d + 3 * m) + n_e * n_pairs
-            for elements in _ranges(n_elements, each):
-                rows = gather[elements.start * n_e : elements.stop * n_e]
-                directions = (rows @ X).reshape(-1, n_e, m)
-                pairs = quadratic_strain.strain_pair_forces(block.of(elements), directions, first, second)
-                own = np.unique(rows.indices)  # a portion reaches few of the freedoms
-                forces[own] += rows[:, own].T @ pairs.reshape(-1, n_pairs)
+        for own in self._along(X, lambda block: _pair_numbers(block, m, n_pairs)):
+            pairs = quadratic_strain.strain_pair_forces(own.block, own.directions, first, second)
+            forces[own.reached] += own.summed(pairs)
         return forces
 
     def pattern_data(self, matrix: SparseArray) -> Array:
@@ -226,6 +225,16 @@ class Assembly:
             each = (n_points * (s + d) + n_e) * (n_e + d)
             portions.append(tuple(block.of(elements) for elements in _ranges(n_elements, each)))
         return tuple(portions)
+
+    def _along(self, X: FloatArray, numbers: Callable[[QuadraticStrain], int]) -> Iterator[_Portion]:
+        """All elements in portions, along the columns of X (n, m); `numbers` held for each of a block."""
+        for block, gather in zip(self.blocks, self.gathers, strict=True):
+            n_elements, _, _, n_e = block.B.shape
+            for elements in _ranges(n_elements, numbers(block)):
+                rows = gather[elements.start * n_e : elements.stop * n_e]
+                reached = np.unique(rows.indices)
+                directions = (rows @ X).reshape(-1, n_e, X.shape[1])
+                yield _Portion(block.of(elements), directions, reached, rows[:, reached].T)
 
     def _over_elements(self, evaluate: Callable[..., Array], *vectors: Array) -> list[Array]:
         """Values (E, ...) of all elements of each block, from their freedoms (E, n_e) in each vector (n,)."""
@@ -321,6 +330,13 @@ def _stacked(pieces: Iterable[tuple[Array, int]], n: int) -> Array:
         stacked[end - len(piece) : end] = piece
     assert stacked is not None
     return stacked
+
+
+def _pair_numbers(block: QuadraticStrain, m: int, n_pairs: int) -> int:
+    """Numbers held for each element by the forces of pairs of m directions."""
+    _, n_points, s, n_e = block.B.shape
+    d = block.G.shape[2]
+    return n_points * (s + d) * (d + 3 * m) + n_e * n_pairs
 
 
 def _ranges(n_elements: int, each: int) -> Iterator[slice]:

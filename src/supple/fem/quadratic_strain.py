@@ -204,13 +204,14 @@ def force_parts(block: QuadraticStrain, X: FloatArray) -> Iterator[FloatArray]:
     X : float array (E, n, m)       directions; pairs in the order of numpy.triu_indices(m)
     """
     m = X.shape[2]
+    weighted_D = block.weighted_D
     a = _directions(block.G, X)
-    stress = block.weighted_D @ _directions(block.B, X)
+    stress = weighted_D @ _directions(block.B, X)
     second_strain = np.concatenate([_contract(block.N, a[..., j]) @ a[..., j:] for j in range(m)], axis=-1)
-    yield _gather_directions(block.weighted_D @ block.B, second_strain)
+    yield _gather_directions(weighted_D @ block.B, second_strain)
     turned = [_contract(block.N, a[..., j]) @ block.G for j in range(m)]
     yield from (_gather_directions(each, stress) for each in turned)
-    yield from (_gather_directions(block.weighted_D @ each, second_strain) for each in turned)
+    yield from (_gather_directions(weighted_D @ each, second_strain) for each in turned)
 
 
 def strain_pair_forces(

@@ -38,7 +38,7 @@ from supple.multibody.checks.output_rate import report_output_rate
 from supple.multibody.checks.step_length import report_step_length
 from supple.multibody.checks.validity import Peaks, watch
 from supple.multibody.compiled.batch_start import Axes, BatchStart, batch_start, differing, stacked
-from supple.multibody.compiled.engine import as_solution, controls
+from supple.multibody.compiled.engine import as_solution, controls, tangents_made
 from supple.multibody.compiled.state import Controls, State
 from supple.multibody.compiled.time_step import march
 from supple.multibody.equations.compiler_options import MARCHING
@@ -190,14 +190,15 @@ def _marched_together(
     seconds = clock.perf_counter() - ready
     solutions = []
     for own, (system, model, first) in enumerate(zip(cases, models, states, strict=False)):
+        last = jax.tree.map(lambda array, own=own: array[own], final)
         cost = Statistics(
-            steps=int(final.steps[own]),
-            iterations=int(final.iterations[own]),
-            rejected_steps=int(final.rejected_steps[own]),
-            factorizations=int((final.iterations if final.kept is None else final.kept.made)[own]),
+            steps=int(last.steps),
+            iterations=int(last.iterations),
+            rejected_steps=int(last.rejected_steps),
+            factorizations=tangents_made(last),
             seconds=seconds / len(cases),
-            largest_error=float(final.largest_error[own]),
-            largest_turn=float(final.largest_turn[own]),
+            largest_error=float(last.largest_error),
+            largest_turn=float(last.largest_turn),
         )
         of_case = jax.tree.map(lambda array, own=own: array[own][outputs], history)
         solutions.append(_case_solution(system, model, first, of_case, cost))

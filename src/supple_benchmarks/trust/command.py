@@ -14,7 +14,7 @@ __all__ = ["trust"]
 
 
 def trust(
-    quick: Annotated[bool, typer.Option("--quick", help="Two cases: a minute.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Two cases: one and a half minutes.")] = False,
     json: Json = None,
     output: Annotated[
         Path,

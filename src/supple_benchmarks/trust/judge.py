@@ -134,8 +134,8 @@ def _round_record(each: Round, system: System, full_runs: _FullRuns) -> dict[str
     full = full_runs.at(with_tolerance(run, TIGHT * run.tolerances.residual))
     true = np.inf
     # A run that had to cut a step has taken others than any full run: between them is a part of the step's.
-    taken = each.solution.statistics.steps, full.statistics.steps
-    if each.solution.stopped is None and full.stopped is None and taken[0] == taken[1]:
+    same_steps = each.solution.statistics.steps == full.statistics.steps
+    if each.solution.stopped is None and full.stopped is None and same_steps:
         true = largest_distance(
             each.body, each.solution.bodies[name], _fulls(system)[name], full.bodies[name]
         )

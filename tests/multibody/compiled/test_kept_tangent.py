@@ -182,6 +182,7 @@ def test_cases_of_a_batch_keep_their_own_and_move_as_alone(rod):
         )
         assert own.statistics.iterations == alone.statistics.iterations
         assert own.statistics.factorizations == alone.statistics.factorizations < own.statistics.iterations
+        assert "tangent.made" not in own.engine_state
     bent = [np.abs(own.bodies["rod"].coordinates).max() for own in batch.solutions]
     assert bent[0] < 0.9 * bent[2]
 

@@ -29,7 +29,7 @@ from supple.multibody.equations.floating_solution import (
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, stepping_instants
 
-__all__ = ["CompiledEngine", "as_solution", "controls", "initial_state"]
+__all__ = ["CompiledEngine", "as_solution", "controls", "initial_state", "tangents_made"]
 
 WARNING = Validity()
 
@@ -179,7 +179,7 @@ class CompiledEngine:
                 steps=int(after.steps - before.steps),
                 iterations=int(after.iterations - before.iterations),
                 rejected_steps=int(after.rejected_steps - before.rejected_steps),
-                factorizations=_tangents(after) - _tangents(before),
+                factorizations=tangents_made(after) - tangents_made(before),
                 seconds=clock.perf_counter() - ready,
                 compile_seconds=ready - began,
                 largest_error=float(after.largest_error),
@@ -201,7 +201,7 @@ class CompiledEngine:
         return as_solution(self._system, self._model, leg.states, leg.statistics, kept)
 
 
-def _tangents(state: State) -> int:
+def tangents_made(state: State) -> int:
     """Tangents made so far: one for each correction, where none is kept."""
     return int(state.iterations if state.kept is None else state.kept.made)
 
