@@ -214,6 +214,24 @@ def test_a_known_factor_lends_its_analysis_where_patterns_agree(truss):
     assert count_below(truss.stiffness, wider, value, grounded=grounded) == 30
 
 
+@pytest.mark.parametrize("room", [0, 10**9], ids=["one factor at a time", "two at a time"])
+def test_modes_by_the_analysis_of_a_known_factor(truss, monkeypatch, room):
+    """In the scale of a large body the known factor gives its numbers back, and has them again after."""
+    monkeypatch.setattr(module, "LARGEST_WITH_TWO_FACTORS", room)
+    monkeypatch.setattr(module, "LARGEST_DENSE", 0)
+    grounded = grounded_factor(truss.stiffness, truss.rigid_modes)
+    held, load = grounded.factor._raw is not None, np.sin(np.arange(grounded.n))
+    before = grounded.factor.solve(load)
+    analysed = []
+    monkeypatch.setattr(module, "factorize_symmetric", lambda *_, **__: analysed.append(1))
+    values = lowest_modes(truss.stiffness, truss.mass, 20, grounded=grounded).values
+    np.testing.assert_allclose(values[6:], dense_eigenvalues(truss)[6:20], rtol=1e-10)
+    assert held
+    assert not analysed
+    assert (grounded.factor._raw is None) == (room == 0)
+    np.testing.assert_allclose(grounded.factor.solve(load), before, rtol=1e-12)
+
+
 @pytest.mark.parametrize("limit", [0, 10_000], ids=["sparse", "dense"])
 def test_low_modes_beside_very_stiff_parts_keep_their_digits(monkeypatch, limit):
     """A chain hung by unit springs, mass by mass, from one 2^40 times as stiff, which does not move."""

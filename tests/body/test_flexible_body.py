@@ -29,6 +29,11 @@ def test_matrices_are_the_nodal_ones_with_the_rigid_end_eliminated(body):
     np.testing.assert_allclose(body.stiffness.toarray(), T.T @ K @ T, atol=1e-12 * abs(K).max())
 
 
+def test_the_indices_of_its_matrices_are_narrow(body):
+    for matrix in (body.expansion, body.nodal_mass, body.mass, body.stiffness):
+        assert matrix.indices.dtype == np.int32
+
+
 def test_rigid_modes_are_rigid_motions_of_all_nodes(body, rigid_field):
     u, theta = np.array([1.0, -2, 3]), np.array([0.4, 0.5, -0.6])
     nodal = body.expansion @ (body.rigid_modes @ np.concatenate([u, theta]))

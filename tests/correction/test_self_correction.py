@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
 from supple.correction import ReductionStart, SelfCorrection, SelfCorrectionError, self_correct
 from supple.errors import AccuracyError, ConvergenceError, MemoryShortageError, ModelError
@@ -14,6 +15,7 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.mesh import strip
+from supple.multibody.compiled.programs import COMPILED_MARCH, QUICK_MARCH
 from supple.reduction import CompressedDerivatives, CraigBampton, reduce
 from supple.simulation import simulate
 from supple.simulation.watched_run import watched_run
@@ -101,6 +103,25 @@ def test_estimates_are_the_true_errors(beam, name):
     assert tuple(announced) == result.rounds
     assert result.body.r == 11
     assert result.estimated_error == estimated[-1]
+
+
+def test_rounds_of_nearby_sizes_run_by_one_program(beam, monkeypatch):
+    """Of 8 and of 11 coordinates; the body that comes out has no others, and neither has its motion."""
+    built, build = [], KeptProgram._found_or_built
+
+    def counted(program, *known):
+        built.append(program)
+        return build(program, *known)
+
+    marches = COMPILED_MARCH, QUICK_MARCH
+    for march in marches:
+        march._at_hand.clear()
+    monkeypatch.setattr(KeptProgram, "_found_or_built", counted)
+    result, _ = corrected(beam, FRAMES["mean-axis"])
+    assert [each.size for each in result.rounds] == [8, 11]
+    assert sum(map(built.count, marches)) == 1
+    assert result.body.inert == 0
+    assert result.solution.bodies["beam"].coordinates.shape[1] == 11
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,9 @@ from supple.errors import AccuracyError, ModelError
 
 # Below this size a dense solution is as fast and finds every mode at once.
 LARGEST_DENSE = 400
+
+# Freedoms; beyond, factors of a solid take gigabytes: a minute for making one once more is cheaper than both.
+LARGEST_WITH_TWO_FACTORS = 100_000
 
 LARGEST_RESIDUAL = 1e-6
 GUARD_MODES = 4
@@ -36,6 +40,7 @@ def lowest_modes(
     n_modes: int,
     *,
     constraint: Any = None,
+    grounded: GroundedFactor | None = None,
     solver: DirectSolver | None = None,
 ) -> Eigenpairs:
     """The n_modes lowest modes of K x = lambda M x on {x : D x = 0}, with proof that none below was missed.
@@ -56,6 +61,8 @@ def lowest_modes(
     stiffness, mass : sparse array (n, n)   symmetric; K positive semi-definite, M positive definite
     n_modes         : int                   0 <= n_modes <= n - m
     constraint      : array (m, n) or None  D of full row rank; R^T M leaves the elastic modes of a free body
+    grounded        : GroundedFactor        a factor of this stiffness, as for `count_below`; of a large one
+                                            the numbers are given back meanwhile
     Returns
     -------
     Eigenpairs   .values (n_modes,) ascending, .vectors (n, n_modes) with X^T M X = I, largest entry positive
@@ -78,8 +85,11 @@ def lowest_modes(
     if n <= LARGEST_DENSE or 3 * (n_modes + GUARD_MODES) > freedoms:
         return _dense_modes(stiffness, mass, n_modes, D)
 
-    inverse, shift = _shifted_factor(stiffness, mass, D, solver)
-    values, vectors = _certified_modes(mass, n_modes, inverse, shift, solver)
+    if grounded is not None and n > LARGEST_WITH_TWO_FACTORS:
+        grounded.factor.release()
+    factorize = _factorization(grounded, solver)
+    inverse, shift = _shifted_factor(stiffness, mass, D, factorize)
+    values, vectors = _certified_modes(mass, n_modes, inverse, shift, factorize)
     return Eigenpairs(values, _fixed_sign(vectors))
 
 
@@ -112,9 +122,21 @@ def count_below(
     """
     shifted = sparse.csc_array(stiffness - value * mass)
     D = constraint_rows(constraint, shifted.indptr.size - 1)
-    if grounded is not None and _same_pattern(shifted, grounded.stiffness):
-        return _count_negative(grounded.factor.refactorize(shifted), D)
-    return _count_negative(factorize_symmetric(shifted, solver=solver), D)
+    return _count_negative(_factorization(grounded, solver)(shifted), D)
+
+
+_Factorization = Callable[[sparse.csc_array], SparseFactor]
+
+
+def _factorization(grounded: GroundedFactor | None, solver: DirectSolver | None) -> _Factorization:
+    """How to factor shifted matrices: by the symbolic analysis of a known factor where it is theirs."""
+
+    def factorize(shifted: sparse.csc_array) -> SparseFactor:
+        if grounded is not None and _same_pattern(shifted, grounded.stiffness):
+            return grounded.factor.refactorize(shifted)
+        return factorize_symmetric(shifted, solver=solver)
+
+    return factorize
 
 
 def _same_pattern(one: sparse.csc_array, other: sparse.csc_array) -> bool:
@@ -162,7 +184,7 @@ def _shifted_factor(
     stiffness: sparse.csc_array,
     mass: sparse.csc_array,
     D: NDArray[np.float64],
-    solver: DirectSolver | None,
+    factorize: _Factorization,
 ) -> tuple[ConstrainedFactor, float]:
     """Factor K + s M, s a small fraction of the eigenvalues sought, which subspace iteration estimates."""
     n = D.shape[1]
@@ -170,7 +192,7 @@ def _shifted_factor(
     start = np.random.default_rng(0).standard_normal((n, 8))
     while True:
         shifted = stiffness + shift * mass
-        factor = factorize_symmetric(shifted, solver=solver)
+        factor = factorize(shifted)
         if factor.inertia.negative:
             raise ModelError(
                 "the stiffness is not positive semi-definite: "
@@ -197,7 +219,7 @@ def _certified_modes(
     n_modes: int,
     inverse: ConstrainedFactor,
     shift: float,
-    solver: DirectSolver | None,
+    factorize: _Factorization,
 ) -> Eigenpairs:
     vectors = np.zeros((inverse.n, 0))
     values = np.zeros(0)
@@ -211,7 +233,9 @@ def _certified_modes(
             continue
         # Not beside the factor that counts, either; it is made again if modes are missing.
         inverse.grounded.factor.release()
-        count = _count_below(0.5 * (values[gap - 1] + values[gap]), mass, inverse, shift, solver)
+        middle = 0.5 * (values[gap - 1] + values[gap])
+        shifted = inverse.grounded.stiffness - (middle + shift) * mass
+        count = _count_negative(factorize(shifted), inverse.constraint)
         if count == gap:
             worst = float(np.max(residuals[:n_modes]))
             if not worst < LARGEST_RESIDUAL:
@@ -273,17 +297,6 @@ def _widest_gap(values: NDArray[np.float64], n_modes: int) -> int | None:
     widths = np.diff(values[n_modes - 1 :]) / values[n_modes:]
     widest = int(np.argmax(widths))
     return n_modes + widest if widths[widest] > 1e-6 else None
-
-
-def _count_below(
-    value: float,
-    mass: sparse.csc_array,
-    inverse: ConstrainedFactor,
-    shift: float,
-    solver: DirectSolver | None,
-) -> int:
-    shifted = inverse.grounded.stiffness - (value + shift) * mass
-    return _count_negative(factorize_symmetric(shifted, solver=solver), inverse.constraint)
 
 
 def _count_negative(factor: SparseFactor, D: NDArray[np.float64]) -> int:

@@ -55,16 +55,20 @@ class KeptProgram:
 
     def compiled(self, *arguments: Any) -> Any:
         """The program for arguments like these."""
-        leaves, structure = jax.tree.flatten(arguments)
-        types = map(jax.typeof, leaves)
-        shapes = tuple((own.shape, str(own.dtype), own.weak_type) for own in types)
-        key = structure, shapes
+        key = self.signature(*arguments)
         if key not in self._at_hand:
-            self._at_hand[key] = self._found_or_built(arguments, structure, shapes)
+            self._at_hand[key] = self._found_or_built(arguments, *key)
             if len(self._at_hand) > _MOST_AT_HAND:
                 self._at_hand.popitem(last=False)
         self._at_hand.move_to_end(key)
         return self._at_hand[key]
+
+    @staticmethod
+    def signature(*arguments: Any) -> tuple[Any, Any]:
+        """What arguments with a program in common agree about: structure, and shapes of arrays."""
+        leaves, structure = jax.tree.flatten(arguments)
+        types = map(jax.typeof, leaves)
+        return structure, tuple((own.shape, str(own.dtype), own.weak_type) for own in types)
 
     def _found_or_built(self, arguments: Any, structure: Any, shapes: Any) -> Any:
         folder = _folder()

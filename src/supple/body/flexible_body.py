@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
-from supple.algebra import ConstrainedFactor, GroundedFactor, constrained_factor
+from supple.algebra import ConstrainedFactor, Eigenpairs, GroundedFactor, constrained_factor, lowest_modes
 from supple.body.checks import checked_grounded_stiffness
 from supple.body.interface import BodyInterface, interface_named
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
@@ -104,6 +104,12 @@ class FlexibleBody:
     def constrained(self, constraint: ArrayLike | sparse.sparray) -> ConstrainedFactor:
         """Static equilibrium under D q = c, D (m, n); all share the factor of `grounded_stiffness`."""
         return constrained_factor(self.stiffness, constraint, grounded=self.grounded_stiffness)
+
+    def lowest_modes(self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None) -> Eigenpairs:
+        """The lowest modes on D q = 0, D (m, n), proven complete; of the free body without D."""
+        return lowest_modes(
+            self.stiffness, self.mass, n_modes, constraint=constraint, grounded=self.grounded_stiffness
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         # Factors live in the memory of a solver library and cannot travel between processes: made anew.

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, vstack
 
-from supple.algebra import lowest_modes
 from supple.arguments import check_fields
 from supple.body.damping import Damping
 from supple.body.flexible_body import FlexibleBody
@@ -96,9 +95,7 @@ class FullBody:
     def lowest_frequency(self) -> float:
         """Of the undeformed body fixed in its frame, rad/s."""
         constraint = self.frame.constraint(self.body)
-        return float(
-            np.sqrt(lowest_modes(self.body.stiffness, self.body.mass, 1, constraint=constraint).values[0])
-        )
+        return float(np.sqrt(self.body.lowest_modes(1, constraint).values[0]))
 
     @property
     def rotation_limit(self) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.algebra.narrow_indices import narrow_indices
 from supple.body.rigid_motion import nodal_rigid_modes
 
 
@@ -45,4 +46,4 @@ def rigid_elimination(
         entries.append(block[row, column])
         n += 6
     triplets = (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns)))
-    return sparse.csc_array(triplets, shape=(len(nodes) * dofs_per_node, n))
+    return narrow_indices(sparse.csc_array(triplets, shape=(len(nodes) * dofs_per_node, n)))

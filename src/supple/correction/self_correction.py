@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from supple.body import FullBody
 from supple.correction.correction_rounds import CorrectedSystem, ReductionStart, SelfCorrection
@@ -79,7 +80,18 @@ def self_correct(
         progress=progress,
         archive=archive or InMemoryArchive(),
     )
-    return correct(problem) if study is None else correct_wholly(problem, study)
+    corrected = correct(problem) if study is None else correct_wholly(problem, study)
+    return _without_room(corrected)
+
+
+def _without_room(corrected: CorrectedSystem) -> CorrectedSystem:
+    """The bodies as they are used from now on, with no coordinates but their own."""
+    bodies = corrected.bodies
+    placed = tuple(
+        replace(each, body=bodies[each.body.name].body) if each.body.name in bodies else each
+        for each in corrected.system.bodies
+    )
+    return replace(corrected, system=replace(corrected.system, bodies=placed))
 
 
 def _starts(

@@ -27,7 +27,7 @@ from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import Run, Solution
 from supple.machine.system import Placed, System
 from supple.multibody.checks.load_spectrum import warn_of_missing_modes
-from supple.reduction import ReducedBody, enrich, project, reduction_basis
+from supple.reduction import ReducedBody, enrich, project, reduction_basis, with_room
 from supple.reduction.tensor_memory import require_tensor_memory
 
 __all__ = ["Announce", "CorrectionProgress", "Problem", "correct"]
@@ -36,6 +36,9 @@ Announce = Callable[[Round], None]
 """Called with every round as it is finished; of several bodies one after the other."""
 CorrectionProgress = Callable[[str, float], None]
 """Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
+
+MOST_STEPS_WITH_ROOM = 20_000
+"""Of runs whose rounds share compiled programs (`with_room`)."""
 
 
 def _with_reduced(system: System, runs: Mapping[str, ReducedBody], bases: RoundBases) -> System:
@@ -92,7 +95,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """The system reduced to the bases of one round."""
+    """The system reduced to the bases of one round; in it the bodies have room for more coordinates."""
 
     number: int
     bases: RoundBases
@@ -154,6 +157,11 @@ def correct(problem: Problem) -> CorrectedSystem:
         model = _reduced(problem, number, next_bases)
 
 
+def _is_brief(run: Run) -> bool:
+    """Whether the compiler takes longer than what inert coordinates add to all steps."""
+    return run.duration <= MOST_STEPS_WITH_ROOM * float(run.step_control.first)
+
+
 def _first_bases(problem: Problem) -> RoundBases:
     bases = {}
     for name, full in problem.fulls.items():
@@ -177,7 +185,8 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
             )
             for name, full in problem.fulls.items()
         }
-    system = _with_reduced(problem.system, bodies, bases)
+    roomy = {name: with_room(body) for name, body in bodies.items()} if _is_brief(problem.run) else bodies
+    system = _with_reduced(problem.system, roomy, bases)
     return _Model(number, bases, bodies, system, perf_counter() - began)
 
 

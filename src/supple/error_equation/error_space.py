@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.algebra import lowest_modes, read_only
+from supple.algebra import read_only
 from supple.body import FlexibleBody, Frame, frame_projector
 
 __all__ = ["ErrorSpace", "ModesInFrame", "error_space", "modes_in_frame"]
@@ -55,7 +55,7 @@ def modes_in_frame(body: FlexibleBody, frame: Frame, number: int = N_MODES) -> M
     """The lowest modes of the undeformed body on D q = 0; all of them where there are fewer."""
     constraint = frame.constraint(body)
     number = min(number, body.n - len(constraint))
-    found = lowest_modes(body.stiffness, body.mass, number, constraint=constraint)
+    found = body.lowest_modes(number, constraint)
     return ModesInFrame(body, frame, found.vectors)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, kron
 
+from supple.algebra.narrow_indices import narrow_indices
 from supple.fem.shell_section import ShellSection
 
 FloatArray = NDArray[np.float64]
@@ -72,7 +73,7 @@ def mass_matrix(masses: tuple[CellMass, ...], n_nodes: int, dofs_per_node: int) 
         parts = [(nodes, values * inertia[:, i, j, None, None]) for nodes, values, inertia in beams]
         place = coo_array(([1.0], ([3 + i], [3 + j])), shape=(6, 6))
         matrix = matrix + kron(_between_nodes(parts, n_nodes), place)
-    return csc_array(matrix)
+    return narrow_indices(csc_array(matrix))
 
 
 def _between_nodes(parts: list[tuple[NDArray[np.int64], FloatArray]], n_nodes: int) -> csc_array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 
-from supple.algebra import lowest_modes, read_only
+from supple.algebra import read_only
 from supple.body import Damping, FlexibleBody
 from supple.errors import AccuracyError, ModelError
 from supple.intrinsic.condense import condense
@@ -133,7 +133,5 @@ def _exact(body: FlexibleBody, condensed: IntrinsicBody, number: int) -> Array:
     held = null_space(free.T).T if free.shape[1] else np.eye(6)
     k = free.shape[1]
     rows = np.asarray(held @ root.motion.toarray())
-    values = lowest_modes(
-        body.stiffness, body.mass, number + k, constraint=rows if len(rows) else None
-    ).values[k:]
+    values = body.lowest_modes(number + k, rows if len(rows) else None).values[k:]
     return np.sqrt(values)

@@ -72,6 +72,7 @@ from supple.reduction.eigenvalues.eigenvalue_error import (
 )
 from supple.reduction.eigenvalues.mode_search import Bisection, ModeSearch, OneByOne, SearchStep
 from supple.reduction.enrichment import Enrichment, enrich
+from supple.reduction.inert_coordinates import filled_up, with_room
 from supple.reduction.locking import Locking
 from supple.reduction.projection import project
 from supple.reduction.quartic_choice import CondensedQuartic, PlainQuartic, QuarticChoice
@@ -161,6 +162,7 @@ __all__ = [
     "enrich",
     "error_controlled_modes",
     "error_terms",
+    "filled_up",
     "fixed_interface_component",
     "fixed_interface_modes",
     "free_interface_component",
@@ -180,4 +182,5 @@ __all__ = [
     "residual_component",
     "rubin_component",
     "unpack_symmetric",
+    "with_room",
 ]

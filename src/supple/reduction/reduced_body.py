@@ -108,6 +108,7 @@ class ReducedBody:
     report : ReductionReport
     condensed : the motion outside the columns that the quartic tensor lets follow them; it adds to stress,
                 not to displacement; None where it lets none
+    inert : int                 coordinates that a run takes along besides, see `with_room`; not kept in files
     Raises ModelError when the shapes disagree, a value is not finite, or the tensors have no potential.
     """
 
@@ -128,6 +129,7 @@ class ReducedBody:
     damping_cubic: np.ndarray | None = None
     damping_quartic: np.ndarray | None = None
     condensed: CondensedMotion | None = None
+    inert: int = 0
 
     def __post_init__(self):
         _set_read_only(self)

@@ -11,6 +11,7 @@ from supple.intrinsic import intrinsic_engine
 from supple.machine import SampledController, System
 from supple.machine.forces import JointFriction
 from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
+from supple.multibody.compiled.roomy_engine import RoomyEngine, has_room
 
 __all__ = ["EngineFactory", "engine_for", "register_engine"]
 
@@ -45,6 +46,8 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
             f"{frictions[0].label}: machines with intrinsic bodies take friction of a given preload, "
             "RevoluteFriction or PrismaticFriction"
         )
+    if factory is CompiledEngine and has_room(system):
+        return RoomyEngine(system, run)
     return factory(system, run)
 
 

@@ -20,7 +20,7 @@ from typing import TypeGuard
 import numpy as np
 from scipy.fft import dst
 
-from supple.algebra import lowest_modes, read_only
+from supple.algebra import read_only
 from supple.body import FlexibleBody, Frame
 from supple.errors import LoadSpectrumWarning, ModelError
 from supple.machine.laws import Constant, TimeLaw
@@ -196,7 +196,7 @@ def _frequencies(body: FlexibleBody, frame: Frame, band: float, at_least: int) -
     most = min(body.n - len(constraint), MOST_MODES)
     n = min(at_least, most)
     while True:
-        found = np.sqrt(lowest_modes(body.stiffness, body.mass, n, constraint=constraint).values)
+        found = np.sqrt(body.lowest_modes(n, constraint).values)
         if found[-1] > band or n == most:
             return found
         n = min(2 * n, most)

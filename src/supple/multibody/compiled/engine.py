@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import jax
@@ -15,7 +16,7 @@ from supple.multibody.checks.start import report_start
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.compiled.contraction import Contraction, untold
 from supple.multibody.compiled.kept_tangent import KeptTangent, keeps_tangent, no_tangent
-from supple.multibody.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
+from supple.multibody.compiled.programs import COMPILED_MARCH, QUICK_MARCH, STOPS_AT_ONCE, march_for
 from supple.multibody.compiled.sampling import sampling_of
 from supple.multibody.compiled.state import Controls, State
 from supple.multibody.equations.build_model import build_model
@@ -110,12 +111,14 @@ class CompiledEngine:
         self._run = run
         self._controls = jax.device_put(controls(run))
         self._model: Model | None = None
+        self._program = COMPILED_MARCH
         self._stops = Stops(run.times, stepping_instants([system], run))
         self._sampling = sampling_of(system, run)
 
     def start(self, time: float) -> State:
         """Consistent positions, velocities, accelerations and multipliers."""
         model, state = initial_state(self._system, time, self._run.step_control.first, self._run.validity)
+        self._program = march_for(model, state, self._run.duration / float(self._run.step_control.first))
         self._model = jax.device_put(model)  # once, not with every leg
         return state
 
@@ -123,13 +126,17 @@ class CompiledEngine:
         """The state at the end of a recorded part.
 
         Without the `engine_state` the auxiliary acceleration of the integrator is taken equal to the true
-        one, which keeps the order of accuracy but not the last digits.
+        one, which keeps the order of accuracy but not the last digits; and where it is of the same bodies
+        with other inert coordinates.
         """
         known = last.engine_state
         if "active" in known:
             active = tuple(int(index) for index in known["active"])
         else:
             active = compiled_start(self._system, self._run.start).model.active
+        if np.shape(known.get("auxiliary", ())) != (_n_velocities(self._system),):
+            known = {}
+        self._program = QUICK_MARCH if known.get("quick", 0.0) else COMPILED_MARCH
         instant = last_instant(self._system, last)
         model = build_model(self._system, active)
         self._model = jax.device_put(model)
@@ -158,7 +165,7 @@ class CompiledEngine:
         stops, outputs = self._stops.on_the_way(float(state.time), times)
         # The last stops are repeated, where nothing is left to do: all calls share one program.
         calls = np.pad(stops, (0, -len(stops) % STOPS_AT_ONCE), mode="edge").reshape(-1, STOPS_AT_ONCE)
-        program = COMPILED_MARCH.compiled(self._model, self._controls, state, calls[0])
+        program = self._program.compiled(self._model, self._controls, state, calls[0])
         ready = clock.perf_counter()
         last, parts = state, []
         for number, own in enumerate(calls):
@@ -198,7 +205,13 @@ class CompiledEngine:
         kept = leg.last.kept
         if kept is not None and leg.stopped is not None:  # behind the last output time
             kept = no_tangent(self._model)
-        return as_solution(self._system, self._model, leg.states, leg.statistics, kept)
+        known = as_solution(self._system, self._model, leg.states, leg.statistics, kept)
+        quick = np.array(float(self._program is QUICK_MARCH))
+        return replace(known, engine_state={**known.engine_state, "quick": quick})
+
+
+def _n_velocities(system: System) -> int:
+    return sum(6 + placed.body.n_coordinates for placed in system.bodies)
 
 
 def tangents_made(state: State) -> int:

@@ -15,9 +15,11 @@ from supple.errors import RedundantConstraintWarning, StartWarning
 from supple.integrate import Run, Solution, Statistics
 from supple.machine import System
 from supple.multibody.compiled.engine import as_solution, controls, initial_state
+from supple.multibody.compiled.programs import is_over_soon
+from supple.multibody.compiled.roomy_engine import in_own_coordinates, with_inert_coordinates
 from supple.multibody.compiled.state import Controls, State
 from supple.multibody.compiled.time_step import substep
-from supple.multibody.equations.compiler_options import MARCHING
+from supple.multibody.equations.compiler_options import MARCHING, STARTING
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, filled_up, stepping_instants
 
@@ -47,19 +49,23 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
     with warnings.catch_warnings():  # the run has named them already
         warnings.simplefilter("ignore", RedundantConstraintWarning)
         warnings.simplefilter("ignore", StartWarning)
-        model, state = initial_state(system, run.times[0], run.step_control.first)
+        filled = with_inert_coordinates(system)
+        model, state = initial_state(filled, run.times[0], run.step_control.first)
     times = solution.times
     stops, _ = Stops(run.times, stepping_instants([system], run)).on_the_way(float(times[0]), times[1:])
     stops = filled_up(stops, fewest=_FEWEST_STOPS)
+    soon = is_over_soon(solution.statistics.steps, model.n_velocities)
+    program = _march_steps_quickly if soon else _march_steps
     model = jax.device_put(model)
     parts = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state._replace(kept=None))]
     while state.time < times[-1] and not state.failed:
-        state, states = _march_steps(model, controls(run), state, stops)
+        state, states = program(model, controls(run), state, stops)
         parts.append(jax.tree.map(np.asarray, states))
     states = jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
     # Once at its end, or failed, a march repeats its last state.
     _, first = np.unique(states.time, return_index=True)
-    taken = as_solution(system, model, jax.tree.map(lambda leaf: leaf[first], states), Statistics())
+    taken = as_solution(filled, model, jax.tree.map(lambda leaf: leaf[first], states), Statistics())
+    taken = in_own_coordinates(system, taken)
     return EveryStep(taken, np.searchsorted(taken.times, times))
 
 
@@ -79,3 +85,4 @@ def _next_steps(model: Model, settings: Controls, start: State, stops: jax.Array
 
 
 _march_steps = KeptProgram(_next_steps, MARCHING)
+_march_steps_quickly = KeptProgram(_next_steps, STARTING)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from supple.algebra.eigen import LARGEST_WITH_TWO_FACTORS
 from supple.arguments import check_fields
 from supple.body import FlexibleBody, Frame
 from supple.errors import AccuracyError, ModelError
@@ -22,8 +23,6 @@ from supple.reduction.stopwatch import timed
 
 SMALLEST_TOLERANCE = 1e-7
 """Below this, round-off in the eigenvalues of large bodies could decide."""
-LARGEST_WITH_TWO_FACTORS = 100_000
-"""Freedoms; beyond, a minute for factoring K once more is cheaper than the memory."""
 
 
 @dataclass(frozen=True)

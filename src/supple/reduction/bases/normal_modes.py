@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.algebra import lowest_modes
 from supple.body import FlexibleBody, Frame
 from supple.reduction.bases.linear_basis import LinearBasis, check_mode_count
 
@@ -26,7 +25,7 @@ class NormalModes:
         """Modes of ascending frequency; ModelError when the body has fewer."""
         constraint = frame.constraint(body)
         check_mode_count(body, self.n_modes, len(constraint))
-        modes = lowest_modes(body.stiffness, body.mass, self.n_modes, constraint=constraint)
+        modes = body.lowest_modes(self.n_modes, constraint)
         return LinearBasis(
             vectors=modes.vectors,
             frequencies=np.sqrt(modes.values),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.algebra import RitzModes, lowest_modes, read_only
+from supple.algebra import RitzModes, read_only
 from supple.body import FlexibleBody
 from supple.errors import ModelError
 from supple.reduction.bases.guyan import interface_shapes
@@ -79,7 +79,7 @@ def fixed_interface_modes(body: FlexibleBody, n_modes: int) -> RitzModes:
     require_interfaces(body, "a vibration with held interfaces")
     clamped = motion_rows(body.interfaces)
     check_mode_count(body, n_modes, len(clamped))
-    return RitzModes.of(lowest_modes(body.stiffness, body.mass, n_modes, constraint=clamped))
+    return RitzModes.of(body.lowest_modes(n_modes, clamped))
 
 
 def fixed_interface_component(body: FlexibleBody, modes: RitzModes) -> FixedInterfaceComponent:

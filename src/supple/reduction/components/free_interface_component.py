@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg
 
-from supple.algebra import RitzModes, lowest_modes, read_only
+from supple.algebra import RitzModes, read_only
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.errors import AccuracyError, ModelError
 from supple.reduction.bases.interface_columns import motion_rows, require_interfaces
@@ -72,7 +72,7 @@ def free_interface_modes(body: FlexibleBody, n_modes: int) -> RitzModes:
     """The lowest elastic vibrations of the free body, R^T M Phi = 0; ModelError when it has fewer."""
     check_mode_count(body, n_modes, n_fixed=6)
     mean_axis = MeanAxisFrame().constraint(body)
-    return RitzModes.of(lowest_modes(body.stiffness, body.mass, n_modes, constraint=mean_axis))
+    return RitzModes.of(body.lowest_modes(n_modes, mean_axis))
 
 
 def free_interface_component(body: FlexibleBody, modes: RitzModes) -> FreeInterfaceComponent:

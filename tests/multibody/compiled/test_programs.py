@@ -1,0 +1,71 @@
+"""Which of the two programs marches, and that they march alike."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from supple.body import RigidBody
+from supple.integrate import FixedStep, GeneralizedAlpha, Run
+from supple.machine import GROUND, At, Ball, Placed, System
+from supple.multibody.compiled import engine, programs
+from supple.multibody.compiled.engine import initial_state
+from supple.multibody.compiled.programs import COMPILED_MARCH, QUICK_MARCH, march_for
+from supple.simulation import simulate
+
+RUN = Run(0.4, 0.1, FixedStep(0.01), method=GeneralizedAlpha(0.8))
+
+
+@pytest.fixture
+def pendulum():
+    bob = RigidBody("bob", 2.0, [0, 0, 0], np.diag([0.15, 0.2, 0.25]), {"hinge": [0, 0, 0.8]})
+    ball = Ball(first=GROUND, second=At("bob", "hinge"))
+    return System((Placed(bob, position=(0.0, 0.0, -0.8)),), (ball,), gravity=(3.0, 1.0, -9.81))
+
+
+@pytest.fixture(autouse=True)
+def nothing_done(monkeypatch):
+    monkeypatch.setattr(programs, "_DONE", {})
+
+
+def test_short_runs_march_by_the_quick_program_until_the_other_is_earned(pendulum, monkeypatch):
+    start = initial_state(pendulum, 0.0, 0.01)
+    assert march_for(*start, steps=1e3) is QUICK_MARCH
+    assert march_for(*start, steps=1e6) is COMPILED_MARCH
+    monkeypatch.setattr(programs, "_DONE", {})
+    asked = [march_for(*start, steps=3e4) for _ in range(6)]
+    assert asked == [QUICK_MARCH] * 4 + [COMPILED_MARCH] * 2
+    other = initial_state(replace(pendulum, joints=()), 0.0, 0.01)
+    assert march_for(*other, steps=3e4) is QUICK_MARCH
+
+
+def marched_by(program, system, run, monkeypatch, **how):
+    monkeypatch.setattr(engine, "march_for", lambda *_: program)
+    return simulate(system, run, **how)
+
+
+def assert_equal(one, other, tolerance):
+    for item in ("position", "rotation", "velocity", "angular_velocity"):
+        own, exact = (getattr(each.bodies["bob"], item) for each in (one, other))
+        np.testing.assert_allclose(own, exact[-len(own) :], rtol=0, atol=tolerance * np.abs(exact).max())
+
+
+def test_both_march_alike(pendulum, monkeypatch):
+    quick, other = (marched_by(own, pendulum, RUN, monkeypatch) for own in (QUICK_MARCH, COMPILED_MARCH))
+    assert_equal(quick, other, 1e-10)
+    assert quick.statistics.iterations == other.statistics.iterations
+
+
+@pytest.mark.parametrize("program", [QUICK_MARCH, COMPILED_MARCH], ids=["quick", "compiled well"])
+def test_a_run_goes_on_by_the_program_that_it_was_begun_with(pendulum, monkeypatch, program):
+    whole = marched_by(program, pendulum, RUN, monkeypatch)
+    half = marched_by(program, pendulum, replace(RUN, duration=0.2), monkeypatch)
+    refused = COMPILED_MARCH if program is QUICK_MARCH else QUICK_MARCH
+
+    def refuse(*_):
+        raise AssertionError("the other program marched")
+
+    monkeypatch.setattr(refused, "compiled", refuse)
+    assert_equal(marched_by(refused, pendulum, RUN, monkeypatch, resume=half), whole, 0.0)
