@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -35,6 +36,7 @@ from supple.machine import (
 )
 from supple.multibody.equations.balance import balance, constraint_jacobian, tangent
 from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.configuration import Configuration, SystemMotion, advance
 from supple.multibody.equations.inertia import mass_matrix
 from supple.multibody.equations.joint_force import constraint_rows, constraints
@@ -169,7 +171,7 @@ def equations(acceleration, model, start):
     return balance(model, motion).residual, constraints(model, motion.time, motion.configuration)
 
 
-@jax.jit
+@partial(jax.jit, compiler_options=STARTING)
 def both_tangents(model, start):
     """By differentiation, and as the step takes them; the model is an argument: of constants XLA computes."""
     motion, increments = motion_after(model, start, start.acceleration)
@@ -206,7 +208,7 @@ def test_every_freedom_and_every_joint_takes_part(linearized, model):
 def compiled(model):
     """The pieces of the equations, compiled once."""
 
-    @jax.jit
+    @partial(jax.jit, compiler_options=STARTING)
     def pieces(motion):
         return (
             constraints(model, motion.time, motion.configuration),
@@ -221,7 +223,9 @@ def compiled(model):
 def test_constraint_jacobian_against_finite_differences(model, start, compiled):
     """Central differences along random velocities, whose error is of second order."""
     _, jacobian, _, _ = compiled(start)
-    move = jax.jit(lambda increment: advance(model, start.configuration, increment))
+    move = jax.jit(
+        lambda increment: advance(model, start.configuration, increment), compiler_options=STARTING
+    )
     for direction in np.random.default_rng(1).standard_normal((3, model.n_velocities)):
         h = 1e-6
         ahead, behind = (
