@@ -1,8 +1,8 @@
 """Coordinates that never move: bodies of nearby sizes run by one compiled program.
 
-A reduced body of r coordinates is filled up to R by such of unit mass and one stiffness, that nothing couples
-or loads: they stay at rest, and every number of the run is what it was. The sizes of the arrays, which a
-compiled program is made for, no longer tell r. It costs the products of R coordinates instead of r, against
+A reduced body of r coordinates is filled up to R by such of unit mass and its highest frequency, that
+nothing couples or loads: they stay at rest, and every number of the run is what it was. The sizes of the
+arrays, which a compiled program is made for, no longer tell r. It costs the products of R coordinates instead of r, against
 several seconds of the compiler for every other r; so it is for runs made once, as the rounds of a
 self-correction are.
 """
@@ -35,8 +35,7 @@ def filled_up(body: ReducedBody) -> ReducedBody:
     r, size = body.r, body.r + body.inert
     if not body.inert:
         return body
-    stiffness = float(np.max(np.diag(body.stiffness)))
-    inert = np.eye(body.inert)
+    highest, inert = body.frequencies[-1], np.eye(body.inert)
     gram = np.zeros((6 + 4 * size,) * 2)
     kept = np.r_[: 6 + 3 * r, 6 + 3 * size : 6 + 3 * size + r]
     gram[np.ix_(kept, kept)] = body.gram
@@ -59,7 +58,7 @@ def filled_up(body: ReducedBody) -> ReducedBody:
         body,
         inert=0,
         gram=gram,
-        stiffness=linalg.block_diag(body.stiffness, stiffness * inert),
+        stiffness=linalg.block_diag(body.stiffness, highest**2 * inert),
         cubic=spread(body.cubic, pairs, own),
         quartic=spread(body.quartic, pairs, pairs),
         damping=linalg.block_diag(body.damping, 0 * inert),
@@ -68,7 +67,7 @@ def filled_up(body: ReducedBody) -> ReducedBody:
         interfaces=tuple(replace(each, motion=wider(each.motion)) for each in body.interfaces),
         nodal_basis=wider(body.nodal_basis),
         rotation_basis=None if body.rotation_basis is None else wider(body.rotation_basis),
-        frequencies=np.append(body.frequencies, np.full(body.inert, np.sqrt(stiffness))),
+        frequencies=np.append(body.frequencies, np.full(body.inert, highest)),
     )
     # Not by the blocks of their zeros, which would tell r.
     vars(filled)["quartic_blocks"] = filled.quartic
