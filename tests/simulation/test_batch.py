@@ -74,27 +74,6 @@ def test_cases_may_go_in_chunks(cases):
         np.testing.assert_allclose(own.bodies["bob"].position, other.bodies["bob"].position, atol=1e-12)
 
 
-@pytest.mark.parametrize(("n_cases", "n_cores"), [(1, 4), (5, 2), (4, 3), (64, 2)])
-def test_cores_take_shares_of_one_size(monkeypatch, n_cases, n_cores):
-    monkeypatch.setattr(batch, "cores", lambda: n_cores)
-    shares = batch._shares(n_cases)
-    assert len(shares) <= n_cores
-    assert len({len(share) for share in shares}) == 1
-    every = [number for share in shares for number in share]
-    assert every[:n_cases] == list(range(n_cases))
-    assert set(every) == set(range(n_cases))
-
-
-def test_cases_move_alike_on_any_number_of_cores(cases, monkeypatch):
-    moved = []
-    for n_cores in (1, 2):
-        monkeypatch.setattr(batch, "cores", lambda n=n_cores: n)
-        moved.append(simulate_batch(cases, RUN).check())
-    for one, other in zip(*(each.solutions for each in moved), strict=True):
-        np.testing.assert_allclose(one.bodies["bob"].position, other.bodies["bob"].position, atol=1e-12)
-        assert one.statistics.iterations == other.statistics.iterations
-
-
 def test_failing_case_does_not_stop_the_others(cases):
     """Too few iterations for wide swings, enough for the smallest."""
     hasty = replace(

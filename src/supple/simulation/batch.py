@@ -4,8 +4,7 @@ The cases are systems of the same bodies, joints and kinds of loads that differ 
 initial motion, gravity, even stiffness. Numbers that all cases share are kept once; the others get a leading
 axis, and the compiled march is mapped over it (`jax.vmap`), but for the solution of Newton's equations, where
 cases take turns and converged ones have none (`in_turn`). Cases go in chunks of one size, the last one filled
-up, and the cores of a processor take a share of each. Cases that keep their tangents there are not mapped
-(`cases_one_by_one`).
+up. Those that keep their tangents on a processor are not mapped (`cases_one_by_one`).
 """
 
 from __future__ import annotations
@@ -46,7 +45,6 @@ from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.floating_solution import failure_message
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, filled_up, laws_of, stepping_instants
-from supple.simulation.all_cores import cores, on_all_cores
 from supple.simulation.batch_of_lines import batch_of_lines
 from supple.simulation.batch_solution import BatchSolution
 from supple.simulation.cases_one_by_one import one_by_one
@@ -215,30 +213,11 @@ def _marched_together(
 def _side_by_side(
     models: Sequence[Model], axes: Axes, settings: Controls, states: Sequence[State], stops: np.ndarray
 ) -> Callable[[], tuple[State, State]]:
-    """The march of cases that are mapped together, as many on each core, compiled."""
-
-    def arguments(numbers: Sequence[int]) -> Any:
-        starts = [states[i] for i in numbers]
-        start = jax.tree.map(lambda *items: np.stack([np.asarray(item) for item in items]), *starts)
-        return stacked([models[i] for i in numbers], axes), settings, start, stops
-
-    shares = [arguments(numbers) for numbers in _shares(len(states))]
-    program = _mapped_march(jax.tree.structure(models[0]), axes).compiled(*shares[0])
-
-    def march() -> tuple[State, State]:
-        ends = on_all_cores(lambda own: jax.device_get(program(*own)), shares)
-        return jax.tree.map(lambda *leaves: np.concatenate(leaves)[: len(states)], *ends)
-
-    return march
-
-
-def _shares(n_cases: int) -> list[list[int]]:
-    """Numbers of the cases for each core, as many for all: the last one is repeated where they are fewer."""
-    size = -(-n_cases // (cores() if jax.default_backend() == "cpu" else 1))
-    return [
-        [min(number, n_cases - 1) for number in range(begin, begin + size)]
-        for begin in range(0, n_cases, size)
-    ]
+    """The march of cases that are mapped together, compiled."""
+    start = jax.tree.map(lambda *items: np.stack([np.asarray(item) for item in items]), *states)
+    arguments = stacked(models, axes), settings, start, stops
+    program = _mapped_march(jax.tree.structure(models[0]), axes).compiled(*arguments)
+    return lambda: jax.device_get(program(*arguments))
 
 
 def _check_alike(models: Sequence[Model]) -> None:

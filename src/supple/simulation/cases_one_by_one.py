@@ -7,7 +7,9 @@ costs three times a case alone. So they stay alone, and share the program and th
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import jax
 import numpy as np
@@ -15,7 +17,6 @@ import numpy as np
 from supple.multibody.compiled.programs import COMPILED_MARCH
 from supple.multibody.compiled.state import Controls, State
 from supple.multibody.equations.model import Model
-from supple.simulation.all_cores import on_all_cores
 
 __all__ = ["one_by_one"]
 
@@ -31,7 +32,13 @@ def one_by_one(
         return jax.device_get(program(model, settings, start, stops))
 
     def march() -> tuple[State, State]:
-        ends = on_all_cores(of_case, list(zip(models, starts, strict=True)))
+        with ThreadPoolExecutor(_cores()) as pool:
+            ends = list(pool.map(of_case, zip(models, starts, strict=True)))
         return jax.tree.map(lambda *leaves: np.stack(leaves), *ends)
 
     return march
+
+
+def _cores() -> int:
+    """Those that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
