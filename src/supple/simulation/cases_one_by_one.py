@@ -1,15 +1,13 @@
-"""Cases of a batch one by one by the program of a single case, on all cores.
+"""Cases of a batch one by one, by the program of a single case.
 
 Where a run keeps the tangent of its steps, cases that are mapped together would each make one at every
 iterate: which case needs a new one is a branch that a map does not have. Of a body with 25 coordinates that
-costs three times a case alone. So they stay alone, and share the program and the processor's cores instead.
+costs up to three times a case alone. So they stay alone, and share the program.
 """
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import jax
 import numpy as np
@@ -32,13 +30,7 @@ def one_by_one(
         return jax.device_get(program(model, settings, start, stops))
 
     def march() -> tuple[State, State]:
-        with ThreadPoolExecutor(_cores()) as pool:
-            ends = list(pool.map(of_case, zip(models, starts, strict=True)))
+        ends = list(map(of_case, zip(models, starts, strict=True)))
         return jax.tree.map(lambda *leaves: np.stack(leaves), *ends)
 
     return march
-
-
-def _cores() -> int:
-    """Those that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
