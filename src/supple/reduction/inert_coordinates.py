@@ -2,9 +2,9 @@
 
 A reduced body of r coordinates is filled up to R by such of unit mass and its highest frequency, that
 nothing couples or loads: they stay at rest, and every number of the run is what it was. The sizes of the
-arrays, which a compiled program is made for, no longer tell r. It costs the products of R coordinates instead of r, against
-several seconds of the compiler for every other r; so it is for runs made once, as the rounds of a
-self-correction are.
+arrays, which a compiled program is made for, no longer tell r. It costs the products of R coordinates instead
+of r, against several seconds of the compiler for every other r; so it is for runs made once, as the rounds of
+a self-correction are.
 """
 
 from __future__ import annotations
