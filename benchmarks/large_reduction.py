@@ -6,9 +6,9 @@ Targets: the whole reduction to 0.1 % in five minutes and 8 GB.
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
 
-from measure import keep, measured
+from measure import Steps, keep
 
 from supple.body import RigidInterface, flexible_body
 from supple.fem import Isotropic, solid_model
@@ -20,27 +20,22 @@ TOLERANCE, N_MODES = 1e-3, 30
 
 
 def main() -> None:
-    rows: list[dict[str, Any]] = []
-
-    def note(step: str, work: Any, **beside: float) -> Any:
-        cost, outcome = measured(work, repeats=1)
-        rows.append({"step": step, **cost, **beside})
-        print(rows[-1], flush=True)
-        return outcome
-
+    steps = Steps(repeats=1, tell=partial(print, flush=True))
     mesh = cylinder(0.015, 0.3, 8, 3, 72, CellType.TETRA10)
     end = RigidInterface("end", "tip")
     # The elements themselves are not needed any more, and would take a gigabyte.
-    body = note(
+    body = steps.note(
         "K, M and body, with its checks",
         lambda: flexible_body("cylinder", solid_model(mesh, MATERIAL), [end]).linearized(),
     )
     control = ErrorControlled(TOLERANCE, N_MODES, progress=_tell)
-    modes = note("error-controlled reduction", lambda: error_controlled_modes(body, control), target=300.0)
+    modes = steps.note(
+        "error-controlled reduction", lambda: error_controlled_modes(body, control), target=300.0
+    )
     print(modes.certificate)
     keep(
         "large_reduction",
-        rows,
+        steps.rows,
         freedoms=body.n,
         cells=len(mesh.cells[CellType.TETRA10]),
         certificate=str(modes.certificate),

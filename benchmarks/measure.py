@@ -8,6 +8,7 @@ the process at its peak, and the size of the process then, in MiB.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
@@ -34,6 +35,27 @@ def measured(step: Callable[[], Any], repeats: int = 5) -> tuple[dict[str, Any],
     grown = None if before is None or peak is None else peak - before
     cost = {"cpu s": median(processor), "wall s": median(wall), "peak MB": grown, "process MB": peak}
     return cost, outcome
+
+
+@dataclass
+class Steps:
+    """Steps of a benchmark and what each cost, as rows.
+
+    repeats : of every step, unless it says otherwise
+    tell : called with every row as it is finished
+    """
+
+    repeats: int = 5
+    tell: Callable[[dict[str, Any]], None] | None = None
+    rows: list[dict[str, Any]] = field(default_factory=list)
+
+    def note(self, step: str, work: Callable[[], Any], *, repeats: int | None = None, **beside: float) -> Any:
+        """The outcome of a step, of which a row is kept, with what is told beside."""
+        cost, outcome = measured(work, repeats or self.repeats)
+        self.rows.append({"step": step, **cost, **beside})
+        if self.tell is not None:
+            self.tell(self.rows[-1])
+        return outcome
 
 
 def _restart_peak() -> float | None:

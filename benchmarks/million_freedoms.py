@@ -10,9 +10,9 @@ for a trial.
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from functools import partial
 
-from measure import keep, measured
+from measure import Steps, keep
 
 from supple.body import NodalFixedFrame, RigidInterface, flexible_body
 from supple.fem import Isotropic, solid_model
@@ -27,22 +27,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--layers", type=int, default=LAYERS, help="discs along the shaft")
     layers = parser.parse_args().layers
-    rows: list[dict[str, Any]] = []
-
-    def note(step: str, work: Any, **beside: float) -> Any:
-        cost, outcome = measured(work, repeats=1)
-        rows.append({"step": step, **cost, **beside})
-        print(rows[-1], flush=True)
-        return outcome
-
+    steps = Steps(repeats=1, tell=partial(print, flush=True))
     mesh = cylinder(RADIUS, LAYER * layers, 4, 2, layers, CellType.TETRA10)
     root = RigidInterface("root", "root")
     # Linear: the arrays of the elements are not needed once K and M are there.
-    body = note(
+    body = steps.note(
         "K, M and body, with its checks",
         lambda: flexible_body("shaft", solid_model(mesh, STEEL), [root]).linearized(),
     )
-    basis = note(
+    basis = steps.note(
         "basis of 30 modes",
         lambda: reduction_basis(
             body, NodalFixedFrame("root"), CraigBampton(N_MODES), derivatives=NoDerivatives()
@@ -50,7 +43,7 @@ def main() -> None:
     )
     assert basis.vectors.shape[0] == body.n
     if layers == LAYERS:
-        keep("million_freedoms", rows, freedoms=body.n, cells=len(mesh.cells[CellType.TETRA10]))
+        keep("million_freedoms", steps.rows, freedoms=body.n, cells=len(mesh.cells[CellType.TETRA10]))
 
 
 if __name__ == "__main__":

@@ -7,10 +7,9 @@ Beside ours: the project's targets, and the seconds of [Wu2019] for its blade (8
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from measure import keep, measured
+from measure import Steps, keep
 
 from supple.algebra import factorize_symmetric, mass_orthonormalize
 from supple.algebra.sparse_factor import Rslab, SuperLU
@@ -40,23 +39,17 @@ N_LINEAR, N_ADDED = 10, 15
 
 
 def main() -> None:
-    rows: list[dict[str, Any]] = []
-
-    def note(step: str, work: Any, *, repeats: int = 5, **beside: float) -> Any:
-        cost, outcome = measured(work, repeats)
-        rows.append({"step": step, **cost, **beside})
-        return outcome
-
-    mesh = note("read the mesh", lambda: read_abaqus(BLADE), repeats=1)
-    model = note("K and M", lambda: shell_model(mesh, WALL), target=0.5)
-    assembly = note("pattern of the tangent", lambda: assemble(model), repeats=3)
+    steps = Steps()
+    mesh = steps.note("read the mesh", lambda: read_abaqus(BLADE), repeats=1)
+    model = steps.note("K and M", lambda: shell_model(mesh, WALL), target=0.5)
+    assembly = steps.note("pattern of the tangent", lambda: assemble(model), repeats=3)
     # Bent so that every term counts: a translation that grows with the square of the span.
     bent = np.zeros((len(mesh.nodes), 6))
     bent[:, 0] = 1e-3 * mesh.nodes[:, 2] ** 2
-    note("tangent", lambda: assembly.tangent(bent.ravel()), target=0.2)
-    note("internal force", lambda: assembly.internal_force(bent.ravel()))
+    steps.note("tangent", lambda: assembly.tangent(bent.ravel()), target=0.2)
+    steps.note("internal force", lambda: assembly.internal_force(bent.ravel()))
 
-    body = note(
+    body = steps.note(
         "body, with its checks",
         lambda: flexible_body("blade", model, [RigidInterface("root", "ROOT")]),
         repeats=1,
@@ -64,7 +57,7 @@ def main() -> None:
     shift = 1e-3 * body.stiffness.diagonal().mean() / body.mass.diagonal().mean()
     shifted = body.stiffness + shift * body.mass
     for solver in (Rslab(), SuperLU()):
-        note(
+        steps.note(
             f"factor, {type(solver).__name__}",
             lambda solver=solver: factorize_symmetric(shifted, solver=solver),
             repeats=3,
@@ -75,38 +68,38 @@ def main() -> None:
         ("mean-axis Rubin", MeanAxisFrame(), Rubin(n_columns=N_LINEAR), 2053.0, 230.0),
     )
     for name, frame, recipe, basis_seconds, tensor_seconds in variants:
-        linear = note(
+        linear = steps.note(
             f"{N_LINEAR} columns, {name}",
             lambda frame=frame, recipe=recipe: rayleigh_ritz(body, frame, recipe.build(body, frame)),
             repeats=3,
             Wu2019=basis_seconds,
         )
-        derivatives = note(
+        derivatives = steps.note(
             f"55 derivatives, {name}",
             lambda frame=frame, linear=linear: modal_derivatives(body, frame, linear),
             repeats=3,
         )
         weights = AmplitudeProduct().weights(body, linear, derivatives)
-        added = note(
+        added = steps.note(
             f"compression to {N_ADDED}, {name}",
             lambda linear=linear, derivatives=derivatives, weights=weights: compress(
                 body, linear, derivatives, N_ADDED, weights
             ),
         )
         basis, _, _ = mass_orthonormalize(np.hstack([linear.vectors, added.vectors]), body.mass)
-        note(
+        steps.note(
             f"tensors r = {basis.shape[1]}, {name}",
             lambda basis=basis: internal_force_tensors(body, basis),
             repeats=3,
             target=3.0,
             Wu2019=tensor_seconds,
         )
-        note(f"inertia r = {basis.shape[1]}, {name}", lambda basis=basis: inertia_gram(body, basis))
+        steps.note(f"inertia r = {basis.shape[1]}, {name}", lambda basis=basis: inertia_gram(body, basis))
 
     frame = MeanAxisFrame()
-    many = note("60 free modes", lambda: NormalModes(60).build(body, frame), repeats=1)
-    note("tensors r = 60", lambda: internal_force_tensors(body, many.vectors), repeats=1)
-    keep("offline", rows)
+    many = steps.note("60 free modes", lambda: NormalModes(60).build(body, frame), repeats=1)
+    steps.note("tensors r = 60", lambda: internal_force_tensors(body, many.vectors), repeats=1)
+    keep("offline", steps.rows)
 
 
 if __name__ == "__main__":

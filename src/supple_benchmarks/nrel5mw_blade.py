@@ -27,7 +27,6 @@ from supple.aero import (
     prescribed_forces,
     random_phases,
 )
-from supple.algebra import lowest_modes
 from supple.body import (
     FlexibleBody,
     Frame,
@@ -200,7 +199,7 @@ class Blade:
 
 def root_held_frequencies(body: FlexibleBody, n: int = 5) -> Array:
     """rad/s, of the blade clamped at its root."""
-    modes = lowest_modes(body.stiffness, body.mass, n, constraint=body.interface(ROOT).motion.toarray())
+    modes = body.lowest_modes(n, body.interface(ROOT).motion.toarray())
     return np.sqrt(modes.values)
 
 

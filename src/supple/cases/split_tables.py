@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.algebra import lowest_modes
 from supple.body import FlexibleBody, RayleighDamping, connection_named
 from supple.cases.bodies import Body, NodalFixed
 from supple.cases.case_tables import CaseTables
@@ -124,7 +123,7 @@ def with_damping(body: Body, whole: FlexibleBody) -> Body:
 def changed_frequencies(whole: FlexibleBody, split: SplitBody) -> str:
     """What the ties of a split body change, in a line: its lowest elastic frequencies, free, in per cent."""
     free = (whole.mass @ whole.rigid_modes).T
-    before = np.sqrt(lowest_modes(whole.stiffness, whole.mass, 3, constraint=free).values)
+    before = np.sqrt(whole.lowest_modes(3, free).values)
     changes = ", ".join(f"{100 * change:+.2g}" for change in split.frequencies(3) / before - 1)
     return (
         f"split body '{whole.name}' into {len(split.parts)}; the ties change its lowest free frequencies by "

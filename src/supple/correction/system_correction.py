@@ -38,7 +38,7 @@ CorrectionProgress = Callable[[str, float], None]
 """Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
 
 MOST_STEPS_WITH_ROOM = 20_000
-"""Of runs whose rounds share compiled programs (`with_room`)."""
+"""Of runs whose rounds share compiled programs (`with_room`): in longer ones inert coordinates cost more."""
 
 
 def _with_reduced(system: System, runs: Mapping[str, ReducedBody], bases: RoundBases) -> System:
@@ -157,11 +157,6 @@ def correct(problem: Problem) -> CorrectedSystem:
         model = _reduced(problem, number, next_bases)
 
 
-def _is_brief(run: Run) -> bool:
-    """Whether the compiler takes longer than what inert coordinates add to all steps."""
-    return run.duration <= MOST_STEPS_WITH_ROOM * float(run.step_control.first)
-
-
 def _first_bases(problem: Problem) -> RoundBases:
     bases = {}
     for name, full in problem.fulls.items():
@@ -185,7 +180,8 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
             )
             for name, full in problem.fulls.items()
         }
-    roomy = {name: with_room(body) for name, body in bodies.items()} if _is_brief(problem.run) else bodies
+    brief = problem.run.n_steps <= MOST_STEPS_WITH_ROOM
+    roomy = {name: with_room(body) for name, body in bodies.items()} if brief else bodies
     system = _with_reduced(problem.system, roomy, bases)
     return _Model(number, bases, bodies, system, perf_counter() - began)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from supple.body import Damping, FlexibleBody, Frame, inertia_gram
 from supple.machine import Placed, System
-from supple.reduction import ReducedBody, ReducedInterface, ReductionReport
+from supple.reduction import ReducedBody, ReducedInterface, ReductionReport, filled_up
 
 __all__ = ["body_of_columns", "padded_size", "system_of_columns"]
 
@@ -25,40 +25,33 @@ def padded_size(size: int) -> int:
 
 
 def body_of_columns(body: FlexibleBody, frame: Frame, columns: Array, damping: Damping | None) -> ReducedBody:
-    """A body in columns (n, k), linear about its rest; columns that fill it up have unit mass and stiffness.
+    """A body in columns (n, k), linear about its rest, filled up with inert coordinates.
 
     What the deformation adds to stiffness and damping is another's (`ElasticGain`).
     """
     k = columns.shape[1]
-    size = padded_size(k)
-    Z = np.hstack([columns, np.zeros((body.n, size - k))])
-    gram = inertia_gram(body, Z)
-    filled = np.arange(k, size)
-    gram[6 + 3 * size + filled, 6 + 3 * size + filled] = 1.0
-    stiffness = Z.T @ (body.stiffness @ Z)
+    stiffness = columns.T @ (body.stiffness @ columns)
     stiffness = (stiffness + stiffness.T) / 2
-    resisting = np.zeros((size, size))
-    if damping is not None:
-        resisting[:k, :k] = damping.matrix(stiffness[:k, :k], np.eye(k))
-    stiffness[filled, filled] = 1.0
-    return ReducedBody(
+    own = ReducedBody(
         name=body.name,
         frame=frame,
-        gram=gram,
+        gram=inertia_gram(body, columns),
         stiffness=stiffness,
         cubic=None,
         quartic=None,
-        damping=resisting,
+        damping=np.zeros((k, k)) if damping is None else damping.matrix(stiffness, np.eye(k)),
         interfaces=tuple(
-            ReducedInterface(i.name, i.position, i.motion @ Z, i.cubic_turn) for i in body.interfaces
+            ReducedInterface(i.name, i.position, i.motion @ columns, i.cubic_turn) for i in body.interfaces
         ),
         nodes=body.nodes,
-        nodal_basis=body.expansion @ Z,
+        nodal_basis=body.expansion @ columns,
         rotation_basis=None,
         rotation_limit=body.rotation_limit,
         frequencies=np.sqrt(np.maximum(np.diag(stiffness), 0.0)),
-        report=ReductionReport(linear=tuple(f"column {i + 1}" for i in range(size))),
+        report=ReductionReport(linear=tuple(f"column {i + 1}" for i in range(k))),
+        inert=padded_size(k) - k,
     )
+    return filled_up(own)
 
 
 def system_of_columns(system: System, bodies: Mapping[str, ReducedBody]) -> System:

@@ -97,6 +97,11 @@ class Run:
         return self.step or FixedStep(self.output_step)
 
     @property
+    def n_steps(self) -> float:
+        """How many steps of the first size it takes: where steps are fixed, all."""
+        return self.duration / float(self.step_control.first)
+
+    @property
     def second_order_method(self) -> TimeIntegrator:
         """The step rule, where the equations are of second order; ValueError for one of first order."""
         if isinstance(self.method, FirstOrderRule):

@@ -72,7 +72,7 @@ from supple.reduction.eigenvalues.eigenvalue_error import (
 )
 from supple.reduction.eigenvalues.mode_search import Bisection, ModeSearch, OneByOne, SearchStep
 from supple.reduction.enrichment import Enrichment, enrich
-from supple.reduction.inert_coordinates import filled_up, with_room
+from supple.reduction.inert_coordinates import filled_up, with_room, with_zeros_behind
 from supple.reduction.locking import Locking
 from supple.reduction.projection import project
 from supple.reduction.quartic_choice import CondensedQuartic, PlainQuartic, QuarticChoice
@@ -183,4 +183,5 @@ __all__ = [
     "rubin_component",
     "unpack_symmetric",
     "with_room",
+    "with_zeros_behind",
 ]

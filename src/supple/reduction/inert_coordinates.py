@@ -16,7 +16,7 @@ from scipy import linalg
 
 from supple.reduction.reduced_body import ReducedBody
 
-__all__ = ["filled_up", "with_room"]
+__all__ = ["filled_up", "with_room", "with_zeros_behind"]
 
 MULTIPLE = 16
 LARGEST = 32
@@ -32,44 +32,53 @@ def with_room(body: ReducedBody) -> ReducedBody:
 
 def filled_up(body: ReducedBody) -> ReducedBody:
     """The body with its inert coordinates as coordinates like all others, behind them."""
-    r, size = body.r, body.r + body.inert
     if not body.inert:
         return body
-    highest, inert = body.frequencies[-1], np.eye(body.inert)
+    r, size = body.r, body.r + body.inert
+    highest, inert = float(np.max(body.frequencies)), np.eye(body.inert)
     gram = np.zeros((6 + 4 * size,) * 2)
     kept = np.r_[: 6 + 3 * r, 6 + 3 * size : 6 + 3 * size + r]
     gram[np.ix_(kept, kept)] = body.gram
     gram[6 + 3 * size + r :, 6 + 3 * size + r :] = inert
+    second = np.triu_indices(size)[1]
 
-    first, second = np.triu_indices(size)
-    pairs, own = np.flatnonzero(second < r), np.arange(r)
-
-    def spread(tensor: np.ndarray | None, rows: np.ndarray, columns: np.ndarray) -> np.ndarray | None:
-        if tensor is None:
-            return None
-        whole = np.zeros((len(first), len(first) if columns is pairs else size))
-        whole[np.ix_(rows, columns)] = tensor
+    def spread(tensor: np.ndarray) -> np.ndarray:
+        """Rows of pairs where they stand among those of all coordinates."""
+        whole = np.zeros((len(second), tensor.shape[1]))
+        whole[second < r] = tensor
         return whole
 
-    def wider(columns: np.ndarray) -> np.ndarray:
-        return np.pad(columns, [(0, 0)] * (columns.ndim - 1) + [(0, body.inert)])
+    def cubic(tensor: np.ndarray | None) -> np.ndarray | None:
+        return None if tensor is None else with_zeros_behind(spread(tensor), body.inert)
+
+    def quartic(tensor: np.ndarray | None) -> np.ndarray | None:
+        return None if tensor is None else spread(spread(tensor).T).T
 
     filled = replace(
         body,
         inert=0,
         gram=gram,
         stiffness=linalg.block_diag(body.stiffness, highest**2 * inert),
-        cubic=spread(body.cubic, pairs, own),
-        quartic=spread(body.quartic, pairs, pairs),
-        damping=linalg.block_diag(body.damping, 0 * inert),
-        damping_cubic=spread(body.damping_cubic, pairs, own),
-        damping_quartic=spread(body.damping_quartic, pairs, pairs),
-        interfaces=tuple(replace(each, motion=wider(each.motion)) for each in body.interfaces),
-        nodal_basis=wider(body.nodal_basis),
-        rotation_basis=None if body.rotation_basis is None else wider(body.rotation_basis),
+        cubic=cubic(body.cubic),
+        quartic=quartic(body.quartic),
+        damping=np.pad(body.damping, (0, body.inert)),
+        damping_cubic=cubic(body.damping_cubic),
+        damping_quartic=quartic(body.damping_quartic),
+        interfaces=tuple(
+            replace(each, motion=with_zeros_behind(each.motion, body.inert)) for each in body.interfaces
+        ),
+        nodal_basis=with_zeros_behind(body.nodal_basis, body.inert),
+        rotation_basis=None
+        if body.rotation_basis is None
+        else with_zeros_behind(body.rotation_basis, body.inert),
         frequencies=np.append(body.frequencies, np.full(body.inert, highest)),
     )
     # Not by the blocks of their zeros, which would tell r.
     vars(filled)["quartic_blocks"] = filled.quartic
     vars(filled)["damping_quartic_blocks"] = filled.damping_quartic
     return filled
+
+
+def with_zeros_behind(columns: np.ndarray, more: int) -> np.ndarray:
+    """Arrays (.., r) of coordinates with room for more of them."""
+    return np.pad(columns, [(0, 0)] * (columns.ndim - 1) + [(0, more)])

@@ -25,12 +25,11 @@ def one_by_one(
     """The march of cases, compiled: to their final states and those at the stops, stacked, cases in front."""
     program = COMPILED_MARCH.compiled(models[0], settings, starts[0], stops)
 
-    def of_case(case: tuple[Model, State]) -> tuple[State, State]:
-        model, start = case
-        return jax.device_get(program(model, settings, start, stops))
-
     def march() -> tuple[State, State]:
-        ends = list(map(of_case, zip(models, starts, strict=True)))
+        ends = [
+            jax.device_get(program(model, settings, start, stops))
+            for model, start in zip(models, starts, strict=True)
+        ]
         return jax.tree.map(lambda *leaves: np.stack(leaves), *ends)
 
     return march

@@ -11,7 +11,6 @@ from supple.intrinsic import intrinsic_engine
 from supple.machine import SampledController, System
 from supple.machine.forces import JointFriction
 from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
-from supple.multibody.compiled.roomy_engine import RoomyEngine, has_room
 
 __all__ = ["EngineFactory", "engine_for", "register_engine"]
 
@@ -46,8 +45,6 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
             f"{frictions[0].label}: machines with intrinsic bodies take friction of a given preload, "
             "RevoluteFriction or PrismaticFriction"
         )
-    if factory is CompiledEngine and has_room(system):
-        return RoomyEngine(system, run)
     return factory(system, run)
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.algebra import lowest_modes
 from supple.body import AveragingInterface, FlexibleBody, flexible_body
 from supple.fem import solid_model
 from supple.mesh import cylinder
@@ -47,7 +46,7 @@ def beam_frequencies(
         # An averaging interface, which holds nothing: a rigid end would stiffen the section there.
         body = flexible_body("cylinder", solid_model(mesh, STEEL_LIKE), [AveragingInterface("end", "tip")])
         n_modes = 2 * n_bending + 2 * n_torsion + 4
-        modes = lowest_modes(body.stiffness, body.mass, n_modes, constraint=(body.mass @ body.rigid_modes).T)
+        modes = body.lowest_modes(n_modes, (body.mass @ body.rigid_modes).T)
         frequencies = np.sqrt(modes.values) / (2 * np.pi)
         kinds = _kinds(body, body.expansion @ modes.vectors)
         # A pair of bending modes, one for each direction, counts once.

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.algebra import lowest_modes
 from supple.body import FlexibleBody
 from supple.reduction import (
     Bisection,
@@ -115,7 +114,7 @@ def run_eigenvalue_errors(problem: EigenvalueErrors, progress: Announce) -> Iter
 def _run_case(case: BodyCase, problem: EigenvalueErrors, advance: Progress) -> BodyResult:
     body = case.build()
     elastic = (body.mass @ body.rigid_modes).T
-    exact = lowest_modes(body.stiffness, body.mass, case.n_modes, constraint=elastic).values
+    exact = body.lowest_modes(case.n_modes, elastic).values
     family = CraigBamptonFamily(body)
     results = []
     for done, tolerance in enumerate(problem.tolerances):

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from supple.algebra import lowest_modes
 from supple.body import FlexibleBody
 from supple.intrinsic import CondensedLine, IntrinsicBody
 
@@ -30,7 +29,7 @@ def eigenvalue_differences(
     beam_elements : the same of the beam elements
     beside_beam_elements : of the last condensed body against the beam elements, as the paper does
     """
-    solid_ones = lowest_modes(solid.stiffness, solid.mass, N_EIGENVALUES + N_RIGID).values[N_RIGID:]
+    solid_ones = solid.lowest_modes(N_EIGENVALUES + N_RIGID).values[N_RIGID:]
     own = {str(n): _elastic(body) for n, body in bodies.items()}
     of_beams = _elastic(beams)
     last = list(own.values())[-1]

@@ -15,6 +15,11 @@ from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.compiled.contraction import Contraction, untold
+from supple.multibody.compiled.inert_motion import (
+    in_all_coordinates,
+    in_own_coordinates,
+    with_inert_coordinates,
+)
 from supple.multibody.compiled.kept_tangent import KeptTangent, keeps_tangent, no_tangent
 from supple.multibody.compiled.programs import COMPILED_MARCH, QUICK_MARCH, STOPS_AT_ONCE, march_for
 from supple.multibody.compiled.sampling import sampling_of
@@ -104,21 +109,25 @@ def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> KeptTangent | No
 
 
 class CompiledEngine:
-    """An `Engine` whose steps are one compiled program; `State` is its state."""
+    """An `Engine` whose steps are one compiled program; `State` is its state.
+
+    It marches bodies with their inert coordinates, and tells their motion without; `engine_state` is of all.
+    """
 
     def __init__(self, system: System, run: Run) -> None:
-        self._system = system
+        self._own = system
+        self._system = with_inert_coordinates(system)
         self._run = run
         self._controls = jax.device_put(controls(run))
         self._model: Model | None = None
         self._program = COMPILED_MARCH
         self._stops = Stops(run.times, stepping_instants([system], run))
-        self._sampling = sampling_of(system, run)
+        self._sampling = sampling_of(self._system, run)
 
     def start(self, time: float) -> State:
         """Consistent positions, velocities, accelerations and multipliers."""
         model, state = initial_state(self._system, time, self._run.step_control.first, self._run.validity)
-        self._program = march_for(model, state, self._run.duration / float(self._run.step_control.first))
+        self._program = march_for(model, state, self._run.n_steps)
         self._model = jax.device_put(model)  # once, not with every leg
         return state
 
@@ -134,11 +143,11 @@ class CompiledEngine:
             active = tuple(int(index) for index in known["active"])
         else:
             active = compiled_start(self._system, self._run.start).model.active
-        if np.shape(known.get("auxiliary", ())) != (_n_velocities(self._system),):
+        model = build_model(self._system, active)
+        if np.shape(known.get("auxiliary", ())) != (model.n_velocities,):
             known = {}
         self._program = QUICK_MARCH if known.get("quick", 0.0) else COMPILED_MARCH
-        instant = last_instant(self._system, last)
-        model = build_model(self._system, active)
+        instant = last_instant(self._system, in_all_coordinates(self._own, last))
         self._model = jax.device_put(model)
         return _state(
             time=instant.time,
@@ -205,13 +214,10 @@ class CompiledEngine:
         kept = leg.last.kept
         if kept is not None and leg.stopped is not None:  # behind the last output time
             kept = no_tangent(self._model)
-        known = as_solution(self._system, self._model, leg.states, leg.statistics, kept)
+        found = as_solution(self._system, self._model, leg.states, leg.statistics, kept)
         quick = np.array(float(self._program is QUICK_MARCH))
-        return replace(known, engine_state={**known.engine_state, "quick": quick})
-
-
-def _n_velocities(system: System) -> int:
-    return sum(6 + placed.body.n_coordinates for placed in system.bodies)
+        found = replace(found, engine_state={**found.engine_state, "quick": quick})
+        return in_own_coordinates(self._own, found)
 
 
 def tangents_made(state: State) -> int:

@@ -15,8 +15,8 @@ from supple.errors import RedundantConstraintWarning, StartWarning
 from supple.integrate import Run, Solution, Statistics
 from supple.machine import System
 from supple.multibody.compiled.engine import as_solution, controls, initial_state
+from supple.multibody.compiled.inert_motion import in_own_coordinates, with_inert_coordinates
 from supple.multibody.compiled.programs import is_over_soon
-from supple.multibody.compiled.roomy_engine import in_own_coordinates, with_inert_coordinates
 from supple.multibody.compiled.state import Controls, State
 from supple.multibody.compiled.time_step import substep
 from supple.multibody.equations.compiler_options import MARCHING, STARTING
