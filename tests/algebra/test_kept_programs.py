@@ -1,5 +1,9 @@
 """Kept programs: found by structure without tracing, by text where sources changed, and never a wrong one."""
 
+import os
+import subprocess
+import sys
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -107,3 +111,26 @@ def test_part_of_another_program():
     program = KeptProgram(rotation_exp)
     stacked = np.array([VECTOR, 2 * VECTOR])
     np.testing.assert_allclose(jax.vmap(program)(stacked), jax.vmap(rotation_exp)(stacked), rtol=1e-15)
+
+
+TWICE = """
+import numpy as np
+from supple.algebra.kept_programs import KeptProgram
+from supple.algebra.rotation import rotation_exp
+for _ in range(2):
+    print(KeptProgram(rotation_exp)(np.array([0.3, -0.2, 0.5])).tolist())
+"""
+
+
+def test_a_process_with_several_processors_reads_a_program_for_one(tmp_path):
+    """Without being told, JAX reads it for all that it has, and has too few arguments for them then."""
+    shown = subprocess.run(
+        [sys.executable, "-c", TWICE],
+        env=os.environ | {"JAX_NUM_CPU_DEVICES": "2", "JAX_COMPILATION_CACHE_DIR": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    first, again = shown.stdout.splitlines()
+    assert first == again
+    assert list((tmp_path / "by-text").iterdir())

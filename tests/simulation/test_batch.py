@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
 
 import jax
@@ -9,8 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from supple.algebra import available_memory
+from supple.algebra import available_memory, worker_processes
 from supple.algebra.jax_settings import give_programs_back
+from supple.algebra.kept_programs import KeptProgram
 from supple.body import FullBody, MeanAxisFrame, RigidBody
 from supple.errors import ConvergenceError, MemoryShortageError, ModelError
 from supple.integrate import FixedStep, Run, Tolerances
@@ -32,8 +34,10 @@ from supple.machine import (
     System,
     Table,
 )
+from supple.multibody.compiled import kept_tangent
 from supple.multibody.equations.build_model import build_model
-from supple.simulation import batch, simulate, simulate_batch
+from supple.multibody.equations.compiler_options import STARTING
+from supple.simulation import shares_of_cases, simulate, simulate_batch
 
 
 def pendulum(turned, angle=2.0, gravity=9.81, rows=2):
@@ -136,19 +140,23 @@ def driven(amplitude, frequency, height, speed, last):
     return System((Placed(bob, position=[0, 0, -0.8]),), (drive,), loads)
 
 
-@pytest.mark.slow
-def test_cases_that_differ_in_the_numbers_of_their_laws_compile_once(monkeypatch):
-    """The march is a Python function that runs only while JAX traces it for a new program."""
-    traced = []
+@pytest.fixture
+def traced(monkeypatch):
+    """Marches that were traced: a Python function runs only while JAX makes a new program of it."""
+    seen = []
 
     def counted(*arguments):
-        traced.append(arguments)
-        return march(*arguments)
+        seen.append(arguments)
+        return shares_of_cases._march_of_cases(*arguments)
 
-    march = batch.march
-    monkeypatch.setattr(batch, "march", counted)
-    batch._mapped_march.cache_clear()
+    # Of a function from elsewhere no program is kept between processes.
+    monkeypatch.setattr(shares_of_cases, "_MAPPED_MARCH", KeptProgram(counted, STARTING))
     give_programs_back()  # now, not between two of the batches
+    return seen
+
+
+@pytest.mark.slow
+def test_cases_that_differ_in_the_numbers_of_their_laws_compile_once(traced):
     first = [driven(1.0, 2.0, 3.0, 4.0, 5.0), driven(-2.0, 1.0, 0.5, 3.0, 2.0)]
     second = [driven(7.0, 0.3, 1.0, 2.0, -5.0), driven(1.5, 2.5, -1.0, 6.0, 0.0)]
     simulate_batch(first, RUN)
@@ -160,22 +168,11 @@ def test_cases_that_differ_in_the_numbers_of_their_laws_compile_once(monkeypatch
     assert len(traced) == 1
     simulate_batch([replace(system, loads=system.loads[:2]) for system in first], RUN)
     assert len(traced) == 2, "another machine is another program, and this test sees it"
-    batch._mapped_march.cache_clear()
 
 
 @pytest.mark.slow
-def test_a_last_chunk_of_fewer_cases_and_another_duration_share_the_program(monkeypatch):
+def test_a_last_chunk_of_fewer_cases_and_another_duration_share_the_program(traced):
     """A single case is left over: what differs between the others is stacked of it, too."""
-    traced = []
-
-    def counted(*arguments):
-        traced.append(arguments)
-        return march(*arguments)
-
-    march = batch.march
-    monkeypatch.setattr(batch, "march", counted)
-    batch._mapped_march.cache_clear()
-    give_programs_back()  # now, not between two of the batches
     cases = [driven(1.0 + i, 2.0, 3.0 - i, 4.0, 5.0) for i in range(3)]
     found = simulate_batch(cases, RUN, chunk=2).check()
     assert len(found.solutions) == 3
@@ -186,7 +183,6 @@ def test_a_last_chunk_of_fewer_cases_and_another_duration_share_the_program(monk
         assert len(solutions.solutions[2].times) == len(alone.times)
         own = solutions.solutions[2].bodies["bob"].position
         np.testing.assert_allclose(own, alone.bodies["bob"].position, atol=1e-12)
-    batch._mapped_march.cache_clear()
 
 
 def test_functions_of_time_differ_in_more_than_numbers():
@@ -246,3 +242,31 @@ def test_a_chunk_that_would_not_fit_in_memory_is_refused(pushes, monkeypatch):
     monkeypatch.setattr(available_memory, "available_memory", lambda: 100_000)
     with pytest.raises(MemoryShortageError, match=r"a chunk of 5 cases with 6 output times .*`chunk`"):
         simulate_batch(pushes, FLEXIBLE_RUN)
+
+
+@pytest.mark.parametrize("fewest", [1, 1000], ids=["each by itself", "mapped"])
+def test_cases_of_another_core_are_the_same_to_the_last_digit(pushes, fewest, monkeypatch):
+    """By the number of coordinates from which tangents are kept; what is left after the first share waits for
+    the other process."""
+    monkeypatch.setattr(kept_tangent, "_FEWEST", fewest)
+    here = simulate_batch(pushes, FLEXIBLE_RUN, chunk=2).check()
+    other_has_begun = threading.Event()
+    next_of = worker_processes._next
+
+    def in_turn(waiting):
+        if threading.current_thread() is not threading.main_thread():
+            other_has_begun.set()
+        elif len(waiting) < len(range(0, len(pushes), 1 if fewest == 1 else 2)):
+            assert other_has_begun.wait(120)
+        return next_of(waiting)
+
+    monkeypatch.setattr(worker_processes, "_next", in_turn)
+    monkeypatch.setattr(worker_processes, "_cores", lambda: 2)
+    monkeypatch.setattr(worker_processes, "_WORTH", 1e-9)
+    together = simulate_batch(pushes, FLEXIBLE_RUN, chunk=2).check()
+    assert other_has_begun.is_set()
+    for own, other in zip(here.solutions, together.solutions, strict=True):
+        for name in ("coordinates", "coordinate_rates", "position"):
+            mine, expected = getattr(own.bodies["blade"], name), getattr(other.bodies["blade"], name)
+            np.testing.assert_array_equal(mine, expected)
+        assert own.statistics.factorizations == other.statistics.factorizations

@@ -7,6 +7,7 @@ the sources have changed the text decides, so that programs outlive all changes 
 
 from __future__ import annotations
 
+import io
 import os
 import pickle
 import zlib
@@ -45,6 +46,7 @@ class KeptProgram:
         self.function = function
         self._options = dict(options)
         self._at_hand: OrderedDict[Any, Any] = OrderedDict()
+        self._files: dict[Any, Path] = {}
         when_given_back(self._at_hand.clear)
 
     def __call__(self, *arguments: Any) -> Any:
@@ -63,6 +65,15 @@ class KeptProgram:
         self._at_hand.move_to_end(key)
         return self._at_hand[key]
 
+    def file(self, *arguments: Any) -> Path | None:
+        """Where the program for arguments like these is kept, once it is at hand; None where nowhere.
+
+        The file holds, compressed, two pickled objects: the program as JAX writes it, and the structure of
+        what it gives.
+        """
+        file = self._files.get(self.signature(*arguments))
+        return file if file is not None and file.exists() else None
+
     @staticmethod
     def signature(*arguments: Any) -> tuple[Any, Any]:
         """What arguments with a program in common agree about: structure, and shapes of arrays."""
@@ -77,8 +88,11 @@ class KeptProgram:
             return jax.jit(self.function).lower(*arguments).compile(compiler_options=self._options)
         taken = jax.tree.structure((arguments, {}))
         known = folder / "by-structure" / digest_of_sources()[:16] / digest
-        if known.exists() and (found := _read(folder / "by-text" / known.read_text("ascii"), taken)):
-            return found
+        if known.exists():
+            file = folder / "by-text" / known.read_text("ascii")
+            if found := _read(file, taken):
+                self._files[structure, shapes] = file
+                return found
         return self._by_text(arguments, shapes, known, folder, taken)
 
     def _by_text(self, arguments: Any, shapes: Any, known: Path, folder: Path, taken: Any) -> Any:
@@ -100,6 +114,7 @@ class KeptProgram:
             _write(file, program)
         if file.exists():
             _replace(known, text.encode("ascii"))
+            self._files[jax.tree.structure(arguments), shapes] = file
         return program
 
 
@@ -129,8 +144,15 @@ def _read(file: Path, taken: Any) -> Any:
         return None
     _bind_lapack()
     try:
-        program, result = pickle.loads(zlib.decompress(file.read_bytes()))
-        found = serialize_executable.deserialize_and_load(program, taken, jax.tree.structure(result))
+        content = io.BytesIO(zlib.decompress(file.read_bytes()))
+        program, result = pickle.load(content), pickle.load(content)
+        found = serialize_executable.deserialize_and_load(
+            program,
+            taken,
+            jax.tree.structure(result),
+            # Without, for all processors that JAX has.
+            execution_devices=jax.devices()[:1],
+        )
     except Exception:
         return None
     count_program()
@@ -148,7 +170,7 @@ def _write(file: Path, program: Any) -> None:
     try:
         content, _, of_result = serialize_executable.serialize(program)
         result = jax.tree.unflatten(of_result, range(of_result.num_leaves))
-        _replace(file, zlib.compress(pickle.dumps((content, result)), 1))
+        _replace(file, zlib.compress(pickle.dumps(content) + pickle.dumps(result), 1))
     except (ValueError, TypeError, AttributeError, pickle.PicklingError, jax.errors.JaxRuntimeError):
         return
 

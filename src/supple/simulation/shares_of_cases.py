@@ -1,0 +1,98 @@
+"""Cases of a batch in shares, each marched by one call of a compiled program.
+
+Cases are mapped together, as many as a chunk holds, but for the solution of Newton's equations, where they
+take turns and converged ones have none (`in_turn`). A last share that is smaller repeats its last case, so
+that one program marches all.
+
+Where a run keeps the tangent of its steps, cases that are mapped together would each make one at every
+iterate: which case needs a new one is a branch that a map does not have. Of a body with 25 coordinates that
+costs up to three times a case alone. So they stay alone, and share the program of a single case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.algebra.kept_programs import KeptProgram
+from supple.algebra.worker_processes import Task
+from supple.multibody.compiled.batch_start import Axes, BatchStart, stacked
+from supple.multibody.compiled.programs import COMPILED_MARCH
+from supple.multibody.compiled.state import Controls, State
+from supple.multibody.compiled.time_step import march
+from supple.multibody.equations.compiler_options import MARCHING
+from supple.multibody.equations.model import Model
+
+__all__ = ["SharesOfCases", "shares_of"]
+
+
+@dataclass(frozen=True)
+class SharesOfCases:
+    """Which cases are marched by one call, and what the program takes for them."""
+
+    program: KeptProgram
+    cases: tuple[Sequence[int], ...]
+    arguments: tuple[Task, ...]
+    alone: bool
+    """Whether what the program gives is of one case, without an axis of cases"""
+
+
+def shares_of(
+    starts: BatchStart, axes: Axes, settings: Controls, stops: np.ndarray, chunk: int
+) -> SharesOfCases:
+    """Cases from their starts to the stops; `axes` are of what differs between their models."""
+    models, states = starts
+    if states[0].kept is None:
+        return _mapped(starts, axes, settings, stops, chunk)
+    return SharesOfCases(
+        COMPILED_MARCH,
+        tuple((number,) for number in range(len(models))),
+        tuple(
+            lambda model=model, state=state: (model, settings, state, stops)
+            for model, state in zip(models, states, strict=True)
+        ),
+        alone=True,
+    )
+
+
+def _mapped(
+    starts: BatchStart, axes: Axes, settings: Controls, stops: np.ndarray, chunk: int
+) -> SharesOfCases:
+    models, states = starts
+    size = min(chunk, len(models))
+    begun = range(0, len(models), size)
+
+    def arguments(begin: int) -> tuple[Any, ...]:
+        numbers = [min(number, len(models) - 1) for number in range(begin, begin + size)]
+        start = jax.tree.map(lambda *leaves: np.stack(leaves), *(states[number] for number in numbers))
+        leaves = stacked([models[number] for number in numbers], axes)
+        own = [None if axis is None else leaf for leaf, axis in zip(leaves, axes, strict=True)]
+        return models[0], own, settings, start, stops
+
+    return SharesOfCases(
+        _MAPPED_MARCH,
+        tuple(range(begin, min(begin + size, len(models))) for begin in begun),
+        tuple(partial(arguments, begin) for begin in begun),
+        alone=False,
+    )
+
+
+def _march_of_cases(
+    first: Model, differing: list[Any], settings: Controls, states: State, stops: Any
+) -> tuple[State, State]:
+    """`march`, mapped over cases: of the first one's model, but for its leaves that differ (else None)."""
+    leaves, structure = jax.tree.flatten(first)
+
+    def of_case(own: list[Any], state: State) -> tuple[State, State]:
+        chosen = [shared if each is None else each for shared, each in zip(leaves, own, strict=True)]
+        return march(jax.tree.unflatten(structure, chosen), settings, state, stops)
+
+    return jax.vmap(of_case)(differing, states)
+
+
+_MAPPED_MARCH = KeptProgram(_march_of_cases, MARCHING)
