@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
@@ -91,7 +93,9 @@ def animate(
     with textbook_style():
         figure, axes = _stage(page, scale, values_label)
         canvas = FigureCanvasAgg(figure)
-        image = show(axes, np.zeros((page.n_rows, page.n_columns, 4)), page)
+        show(axes, np.zeros((page.n_rows, page.n_columns, 4)), page).set_visible(False)
+        image = _Pixels(figure.bbox.height - page.n_rows)
+        axes.add_artist(image)
         drawn = None if glyphs is None else DrawnGlyphs(axes, glyphs, camera)
         draw_cross(axes, camera)
         draw_length_bar(axes, page, units)
@@ -108,7 +112,7 @@ def animate(
             frame_values = None if values is None else values[i]
             if skin is not None:
                 picture = render(positions[i], skin, camera, page, values=frame_values, colouring=colouring)
-                image.set_data((255.0 * picture + 0.5).astype(np.uint8))
+                image.rows = (255.0 * picture + 0.5).astype(np.uint8)
             if drawn is not None:
                 drawn.show(i)
             clock.set_text(measured(f"t = {time:.{digits}f}", units.time))
@@ -121,6 +125,26 @@ def animate(
                 progress((i + 1) / len(times))
     _save_gif(Path(path), frames, frames_per_second)
     return Path(path)
+
+
+class _Pixels(Artist):
+    """A picture whose pixels are those of the film: matplotlib's own images are resampled for every frame."""
+
+    zorder = 2.0
+
+    def __init__(self, bottom: float) -> None:
+        super().__init__()
+        self._bottom = round(bottom)
+        self.rows: Array8 | None = None
+        """(rows, columns, 4), from the bottom row"""
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Lay it over what lies behind."""
+        if self.rows is None:
+            return
+        context = renderer.new_gc()
+        renderer.draw_image(context, 0, self._bottom, self.rows)
+        context.restore()
 
 
 def _digits(times: Array) -> int:
@@ -154,6 +178,8 @@ def _save_gif(path: Path, frames: list[Array8], frames_per_second: float) -> Non
             append_images=indexed[1:],
             duration=round(1000.0 / frames_per_second),
             loop=0,
+            # A third smaller otherwise, for half of the time that all of the film takes.
+            optimize=False,
         )
 
 
@@ -171,7 +197,7 @@ def _common_palette(frames: list[Array8]) -> Image.Image:
 def _indexed(frame: Array8, palette: Image.Image) -> Image.Image:
     """The frame in colours of the palette; Pillow's approximate search would tint the white page."""
     places = np.array(Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE))
-    places[(frame == 255).all(axis=2)] = _WHITE
+    places[(frame[..., 0] & frame[..., 1] & frame[..., 2]) == 255] = _WHITE
     indexed = Image.fromarray(places)
     indexed.putpalette(palette.getpalette() or [])
     return indexed

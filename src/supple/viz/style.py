@@ -11,6 +11,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import Formatter, ScalarFormatter
 
 from supple.errors import ModelError
 from supple.storage.atomic_write import replacing
@@ -134,6 +135,27 @@ def legend_above(axes: Axes, n_curves: int) -> None:
     )
 
 
+class _Numbers(Formatter):
+    """Numbers at ticks as plain text, which looks the same as the formulas that matplotlib makes of them and
+    takes a tenth of the time; the power of ten at the end of the axis remains one."""
+
+    def __init__(self, formulas: ScalarFormatter) -> None:
+        self._formulas = formulas
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return self._formulas(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
+
+    def set_axis(self, axis: Any) -> None:
+        super().set_axis(axis)
+        self._formulas.set_axis(axis)
+
+    def set_locs(self, locs: list[float]) -> None:
+        self._formulas.set_locs(locs)
+
+    def get_offset(self) -> str:
+        return self._formulas.get_offset()
+
+
 def save_figure(figure: Figure, path: Path | str) -> Path:
     """Save a figure in the format of the path's suffix (png, pdf, svg, ...), atomically; returns the path.
 
@@ -151,6 +173,11 @@ def save_figure(figure: Figure, path: Path | str) -> Path:
         )
     # Without the date, the same data gives the same file.
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(picture_format)
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            formatter = axis.get_major_formatter()
+            if type(formatter) is ScalarFormatter:
+                axis.set_major_formatter(_Numbers(formatter))
     # Laid out once: matplotlib would do it for a trial and again for the picture.
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
