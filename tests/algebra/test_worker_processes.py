@@ -40,7 +40,7 @@ def started(monkeypatch):
         return seen[-1]
 
     monkeypatch.setattr(worker_processes.subprocess, "Popen", noted)
-    monkeypatch.setattr(worker_processes, "_cores", lambda: 2)
+    monkeypatch.setattr(worker_processes, "available_cores", lambda: 2)
     monkeypatch.setattr(worker_processes, "_WORTH", 1e-9)
     return seen
 

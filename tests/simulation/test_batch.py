@@ -261,7 +261,7 @@ def test_cases_of_another_core_are_the_same_to_the_last_digit(pushes, fewest, mo
         return next_of(waiting)
 
     monkeypatch.setattr(worker_processes, "_next", in_turn)
-    monkeypatch.setattr(worker_processes, "_cores", lambda: 2)
+    monkeypatch.setattr(worker_processes, "available_cores", lambda: 2)
     monkeypatch.setattr(worker_processes, "_WORTH", 1e-9)
     together = simulate_batch(pushes, FLEXIBLE_RUN, chunk=2).check()
     assert other_has_begun.is_set()

@@ -27,7 +27,7 @@ from supple.algebra import program_worker
 from supple.algebra.available_memory import available_memory
 from supple.algebra.kept_programs import KeptProgram
 
-__all__ = ["Finished", "on_all_cores"]
+__all__ = ["Finished", "available_cores", "on_all_cores"]
 
 _WORTH = 3.0
 """Seconds of work left for each process that is started: it takes more than one to be ready."""
@@ -158,12 +158,12 @@ def _workers(program: KeptProgram, arguments: tuple[Any, ...], seconds: float, n
         return []
     memory = available_memory()
     most = n_tasks if memory is None else min(n_tasks, memory // _MEMORY)
-    n_workers = min(_cores() - 1, most, int(seconds / _WORTH))
+    n_workers = min(available_cores() - 1, most, int(seconds / _WORTH))
     n_arguments = jax.tree.structure(arguments).num_leaves
     given = program.compiled(*arguments).out_tree
     return [_Worker(file, n_arguments, given) for _ in range(n_workers)]
 
 
-def _cores() -> int:
-    """Those that this process may use."""
+def available_cores() -> int:
+    """How many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from supple.cases.case import Case
+from supple.cases.drawing import drawing_of
+from supple.cases.drawing_beside import DrawingBeside
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import Progress, silent
 from supple.cases.outputs import check_outputs
@@ -82,11 +84,12 @@ def run_case(
     _check_control(case, allow_code=allow_code)
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
-    with ExclusiveLock(folder):
+    with ExclusiveLock(folder), DrawingBeside() as beside:
         check_remains(case, folder, resume=resume, force=force)
         return _run_case(
             case,
             folder,
+            beside,
             resume=resume,
             force=force,
             strict=strict,
@@ -113,6 +116,7 @@ def _check_control(case: Case, *, allow_code: bool) -> None:
 def _run_case(
     case: Case,
     folder: Path,
+    beside: DrawingBeside,
     *,
     resume: bool,
     force: bool,
@@ -132,11 +136,16 @@ def _run_case(
     if not resume:
         # Were this run stopped, the numbers of the one before would stand beside its motion.
         report_path(case, folder).unlink(missing_ok=True)
+
+    def known(system: System, solution: Solution) -> None:
+        beside.begin(drawing_of(case, system, solution, _tracked(case, system, solution), folder))
+
     try:
         system, solution = _simulated(
             case,
             folder,
             rounds,
+            known,
             {
                 "case": case.text,
                 "inputs": inputs,
@@ -153,16 +162,21 @@ def _run_case(
         _write_report(case, folder, correction_numbers(rounds), {})
         raise
     warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
-    places = {name: case.place(name) for name in case.parts.output.track}
-    tracked = tracked_places(system, solution, places, case.bases)
+    tracked = _tracked(case, system, solution)
     readings = read_sensors(case.sensors, system, solution)
     numbers = summarize(system, solution, tracked, units=case.units)
     numbers |= {"sensors": {each.name: each.plain(case.units) for each in readings}}
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_readings(case, folder, readings)
     _write_report(case, folder, result.rounds, result.numbers)
-    _draw(case, result, folder, progress)
+    beside.finish(drawing_of(case, system, solution, tracked, folder), progress)
     return result
+
+
+def _tracked(case: Case, system: System, solution: Solution) -> dict[str, TrackedMotion]:
+    """Motions of the places that the case tracks."""
+    places = {name: case.place(name) for name in case.parts.output.track}
+    return tracked_places(system, solution, places, case.bases)
 
 
 def _write_readings(case: Case, folder: Path, readings: Sequence[Reading]) -> None:
@@ -182,6 +196,7 @@ def _simulated(
     case: Case,
     folder: Path,
     rounds: list[Round],
+    known: Callable[[System, Solution], None],
     of_file: Mapping[str, Any],
     *,
     validity: Validity,
@@ -189,7 +204,10 @@ def _simulated(
     allow_code: bool,
     progress: Progress,
 ) -> tuple[System, Solution]:
-    """The motion, and the system it is of; rounds of a self-correction are added as they are finished."""
+    """The motion, and the system it is of; rounds of a self-correction are added as they are finished.
+
+    known : called with both before their error is told
+    """
     machine = starting_system(case, allow_code=allow_code)
     given = (machine, replace(case.run, validity=validity))
     path = result_path(case.path, folder)
@@ -200,6 +218,7 @@ def _simulated(
             path,
             **of_file,
             announce=rounds.append,
+            accepted=lambda corrected: known(corrected.system, corrected.solution),
             progress=progress,
             study=case.study if errors else None,
         )
@@ -211,6 +230,7 @@ def _simulated(
     simulating(0.0)
     system, solution = simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
     if errors:
+        known(system, solution)
         # What a basis lacks is found from linearised equations, in which controllers have no part.
         study = replace(case.study, basis=False) if system.controllers else case.study
         solution = state_errors(system, case.run, solution, study, fulls=case.fulls, progress=progress)
@@ -233,25 +253,3 @@ def _write_report(
         from supple.viz import plot_rounds
 
         plot_rounds(folder / "self_correction.png", rounds, units=case.units)
-
-
-def _draw(case: Case, result: CaseResult, folder: Path, progress: Progress) -> None:
-    output = case.tables.output
-    if not (output.pictures or output.animation):
-        return
-    from supple.viz import animate_run, draw_run
-
-    run = (result.system, result.solution, case.drawn)
-    elements = case.elements if output.colour == "von-mises" else None
-    if output.pictures:
-        case.notify("drawing pictures")
-        draw_run(folder, *run, tracked=result.tracked, elements=elements, bases=case.bases, units=case.units)
-    if output.animation:
-        animate_run(
-            folder / "motion.gif",
-            *run,
-            elements=elements,
-            bases=case.bases,
-            units=case.units,
-            progress=lambda share: progress("drawing the animation", share),
-        )

@@ -14,7 +14,7 @@ from supple.correction.correction_rounds import CorrectedSystem, ReductionStart,
 from supple.correction.error_study import ErrorStudy
 from supple.correction.round_table import best_round, correction_numbers
 from supple.correction.self_correction import self_correct
-from supple.correction.system_correction import Announce, CorrectionProgress
+from supple.correction.system_correction import Accepted, Announce, CorrectionProgress
 from supple.errors import ResolutionWarning, ResultFileError, StartWarning, ValidityWarning
 from supple.integrate import Run, Validity
 from supple.machine import System
@@ -45,6 +45,7 @@ def correct_recorded(
     resume: bool = False,
     overwrite: bool = False,
     announce: Announce | None = None,
+    accepted: Accepted | None = None,
     progress: CorrectionProgress | None = None,
     study: ErrorStudy | None = None,
 ) -> CorrectedSystem:
@@ -52,8 +53,8 @@ def correct_recorded(
 
     Parameters
     ----------
-    system, run, starts, announce, progress, study : as for `self_correct`; the validity of the run is that of
-        the run that is accepted alone, for a basis that is too small may well leave it
+    system, run, starts, announce, accepted, progress, study : as for `self_correct`; the validity of the run
+        is that of the run that is accepted alone, for a basis that is too small may well leave it
     path : result file to write; `self_correction/` and `NAME-reduced.h5` lie beside it
     case, metadata  kept in the file, for the record
     inputs : what the motion depends on, kept to continue it, as for `CorrectionFolder.create`
@@ -73,7 +74,7 @@ def correct_recorded(
         folder.mkdir(parents=True, exist_ok=True)
     with ExclusiveLock(folder):
         archive = _opened(path, folder, case, inputs, resume=resume, overwrite=overwrite)
-        corrected, rounds = _corrected(system, run, starts, archive, announce, progress, study)
+        corrected, rounds = _corrected(system, run, starts, archive, announce, accepted, progress, study)
         metadata = {
             **metadata,
             **joint_ends(system),
@@ -122,6 +123,7 @@ def _corrected(
     starts: Mapping[str, ReductionStart],
     archive: CorrectionFolder,
     announce: Announce | None,
+    accepted: Accepted | None,
     progress: CorrectionProgress | None,
     study: ErrorStudy | None,
 ) -> tuple[CorrectedSystem, list[Round]]:
@@ -144,6 +146,7 @@ def _corrected(
                 lenient,
                 starts,
                 announce=finished,
+                accepted=accepted,
                 progress=progress,
                 archive=archive,
                 study=study,

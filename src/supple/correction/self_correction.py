@@ -9,7 +9,7 @@ from supple.body import FullBody
 from supple.correction.correction_rounds import CorrectedSystem, ReductionStart, SelfCorrection
 from supple.correction.error_study import ErrorStudy
 from supple.correction.round_archive import InMemoryArchive, RoundArchive
-from supple.correction.system_correction import Announce, CorrectionProgress, Problem, correct
+from supple.correction.system_correction import Accepted, Announce, CorrectionProgress, Problem, correct
 from supple.correction.whole_correction import correct_wholly
 from supple.errors import ModelError
 from supple.integrate import Run
@@ -24,6 +24,7 @@ def self_correct(
     target: SelfCorrection | ReductionStart | Mapping[str, ReductionStart],
     *,
     announce: Announce | None = None,
+    accepted: Accepted | None = None,
     progress: CorrectionProgress | None = None,
     archive: RoundArchive | None = None,
     study: ErrorStudy | None = None,
@@ -48,6 +49,8 @@ def self_correct(
     target : the error to reach, of every full body (SelfCorrection); with the basis to start from
         (ReductionStart); or such a start for each body that is named, the others staying as they are
     announce : function     called with every round as it is finished
+    accepted : function     called with the run whose basis keeps to the error, in every pass, before the
+        other parts that a study names are told
     progress : function     called with the step at work, in words, and the completed fraction of it
     archive : RoundArchive  keeps what is computed, and is read first; none: all is in memory
     study : ErrorStudy      the error to reach is that of all parts which it names, added up: steps are cut
@@ -79,6 +82,7 @@ def self_correct(
         announce=announce,
         progress=progress,
         archive=archive or InMemoryArchive(),
+        accepted=None if accepted is None else lambda corrected: accepted(_without_room(corrected)),
     )
     corrected = correct(problem) if study is None else correct_wholly(problem, study)
     return _without_room(corrected)

@@ -30,12 +30,15 @@ from supple.multibody.checks.load_spectrum import warn_of_missing_modes
 from supple.reduction import ReducedBody, enrich, project, reduction_basis, with_room
 from supple.reduction.tensor_memory import require_tensor_memory
 
-__all__ = ["Announce", "CorrectionProgress", "Problem", "correct"]
+__all__ = ["Accepted", "Announce", "CorrectionProgress", "Problem", "correct"]
 
 Announce = Callable[[Round], None]
 """Called with every round as it is finished; of several bodies one after the other."""
 CorrectionProgress = Callable[[str, float], None]
 """Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
+
+Accepted = Callable[[CorrectedSystem], None]
+"""Called with the run whose basis keeps to the error, before the other parts of the error are told."""
 
 MOST_STEPS_WITH_ROOM = 20_000
 """Of runs whose rounds share compiled programs (`with_room`): in longer ones inert coordinates cost more."""
@@ -67,7 +70,7 @@ class Problem:
     system : System         with its full bodies
     fulls, starts : by body
     run : of every round
-    announce, progress, archive : as for `self_correct`
+    announce, accepted, progress, archive : as for `self_correct`
     first : bases to begin with, where an earlier pass has found them; its number in the archive
     spent : of what is allowed to a body, what other parts of the error than the basis take
     """
@@ -82,6 +85,7 @@ class Problem:
     first: RoundBases | None = None
     number: int = 0
     spent: Mapping[str, float] = field(default_factory=dict)
+    accepted: Accepted | None = None
 
     def report(self, step: str, fraction: float) -> None:
         """Say how far a step has come."""

@@ -56,6 +56,8 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
     for attempt in range(PASSES):
         corrected = _with_rounds(correct(problem), before)
         before = {name: own.rounds for name, own in corrected.bodies.items()}
+        if problem.accepted is not None:
+            problem.accepted(corrected)
         stated = _stated(problem, corrected, study)
         solution = corrected.solution.with_errors(stated)
         corrected = _with_solution(corrected, solution, problem.run)

@@ -1,0 +1,89 @@
+"""What a run's pictures and its film are drawn from, here or in another process."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from supple.cases.case import Case
+from supple.cases.notify import Progress, silent
+from supple.fem import FiniteElementModel
+from supple.integrate import Solution
+from supple.machine import At, System
+from supple.mesh import Mesh
+from supple.results import TrackedMotion
+from supple.units import UnitSystem
+
+__all__ = ["Drawing", "drawing_of"]
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """Pictures and a film of a run, as its case asks for them; fields as for `draw_run`.
+
+    pictures, film : whether they are asked for
+    """
+
+    folder: Path
+    system: System
+    solution: Solution
+    meshes: Mapping[str, Mesh]
+    tracked: Mapping[str, TrackedMotion]
+    elements: Mapping[str, FiniteElementModel] | None
+    bases: Mapping[str, At]
+    units: UnitSystem
+    pictures: bool
+    film: bool
+
+    def draw(self, progress: Progress = silent) -> None:
+        """Draw them into the folder."""
+        # Imported here: a run without pictures does not wait for the drawing library.
+        from supple.viz import animate_run, draw_run
+
+        run = (self.system, self.solution, self.meshes)
+        if self.pictures:
+            progress("drawing pictures", 0.0)
+            draw_run(
+                self.folder,
+                *run,
+                tracked=self.tracked,
+                elements=self.elements,
+                bases=self.bases,
+                units=self.units,
+            )
+            progress("drawing pictures", 1.0)
+        if self.film:
+            animate_run(
+                self.folder / "motion.gif",
+                *run,
+                elements=self.elements,
+                bases=self.bases,
+                units=self.units,
+                progress=lambda share: progress("drawing the animation", share),
+            )
+
+
+def drawing_of(
+    case: Case,
+    system: System,
+    solution: Solution,
+    tracked: Mapping[str, TrackedMotion],
+    folder: Path,
+) -> Drawing | None:
+    """What a case asks for of its motion; None where that is nothing."""
+    output = case.tables.output
+    if not (output.pictures or output.animation):
+        return None
+    return Drawing(
+        folder,
+        system,
+        solution,
+        case.drawn,
+        tracked,
+        case.elements if output.colour == "von-mises" else None,
+        case.bases,
+        case.units,
+        pictures=output.pictures,
+        film=output.animation,
+    )

@@ -1,0 +1,99 @@
+"""A process of its own that draws a run while another one goes on: while its error is told.
+
+What is drawn goes to it in a file, and it says how far it has come. It is worth starting for runs that take
+long, on computers with a core to spare. Where it cannot be started, or ends before its time, the drawing is
+made here.
+"""
+
+from __future__ import annotations
+
+import copyreg
+import os
+import pickle
+import subprocess
+import sys
+import tempfile
+from time import perf_counter
+from types import MappingProxyType
+from typing import Any
+
+from supple.algebra.worker_processes import available_cores
+from supple.cases.drawing import Drawing
+from supple.cases.notify import Progress
+
+__all__ = ["DrawingBeside"]
+
+WORTH = 20.0
+"""Seconds that a run has taken by the time its motion is known: telling its error takes a part of that."""
+
+
+class DrawingBeside:
+    """Draws a run once, here or beside; a process that is still drawing ends with the block."""
+
+    def __init__(self) -> None:
+        self._began = perf_counter()
+        self._process: subprocess.Popen[str] | None = None
+
+    def __enter__(self) -> DrawingBeside:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._drop()
+
+    def begin(self, drawing: Drawing | None) -> None:
+        """Begin beside what follows, if it is worth it; a drawing that was begun before is given up."""
+        self._drop()
+        if drawing is None or perf_counter() - self._began < WORTH or available_cores() < 2:
+            return
+        with tempfile.TemporaryFile() as sent:
+            try:
+                pickler = pickle.Pickler(sent, pickle.HIGHEST_PROTOCOL)
+                pickler.dispatch_table = copyreg.dispatch_table | {MappingProxyType: _as_dict}
+                pickler.dump(drawing)
+            except (pickle.PicklingError, TypeError, AttributeError, OSError):
+                return  # functions of a user, factors, a full disk: it is drawn here
+            sent.seek(0)
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-m", __name__],
+                env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "JAX_PLATFORMS": "cpu"},
+                stdin=sent,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                text=True,
+            )
+
+    def finish(self, drawing: Drawing | None, progress: Progress) -> None:
+        """Wait for what is drawn beside, or draw it; errors of `Drawing.draw`."""
+        if drawing is not None and not self._is_drawn_beside(progress):
+            drawing.draw(progress)
+
+    def _is_drawn_beside(self, progress: Progress) -> bool:
+        """Whether it was begun beside, and comes to its end there."""
+        process = self._process
+        if process is None or process.stdout is None:
+            return False
+        for line in process.stdout:
+            step, share = line.rsplit("\t", 1)
+            progress(step, float(share))
+        return process.wait() == 0
+
+    def _drop(self) -> None:
+        """End the process, if there is one."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.communicate()
+            self._process = None
+
+
+def _as_dict(mapping: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
+    """How to make it anew: Python pickles no mapping that is read-only."""
+    return dict, (dict(mapping),)
+
+
+def _tell(step: str, share: float) -> None:
+    sys.stdout.write(f"{step}\t{share}\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    pickle.load(sys.stdin.buffer).draw(_tell)
