@@ -58,6 +58,8 @@ def grounded_factor(
     AccuracyError   K moves without force in more ways than R says
     """
     stiffness = sparse.csc_array(stiffness, dtype=np.float64)
+    if not stiffness.has_sorted_indices:
+        stiffness = stiffness.sorted_indices()
     n = stiffness.indptr.size - 1
     modes = np.zeros((n, 0)) if rigid_modes is None else np.array(rigid_modes, dtype=np.float64)
     if modes.ndim != 2 or modes.shape[0] != n:

@@ -132,6 +132,7 @@ def _factorization(grounded: GroundedFactor | None, solver: DirectSolver | None)
     """How to factor shifted matrices: by the symbolic analysis of a known factor where it is theirs."""
 
     def factorize(shifted: sparse.csc_array) -> SparseFactor:
+        shifted.sort_indices()
         if grounded is not None and _same_pattern(shifted, grounded.stiffness):
             return grounded.factor.refactorize(shifted)
         return factorize_symmetric(shifted, solver=solver)

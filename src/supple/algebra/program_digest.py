@@ -18,6 +18,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+import jax
 import numpy as np
 
 from supple.algebra.jax_settings import this_machine
@@ -25,6 +26,10 @@ from supple.algebra.jax_settings import this_machine
 __all__ = ["digest_of_sources", "program_digest", "text_digest"]
 
 _PACKAGE = __name__.partition(".")[0]
+
+
+_Compiled = type(jax.jit(lambda: None))
+"""Of functions that JAX traces once for all their uses."""
 
 
 class _StrangerError(Exception):
@@ -89,7 +94,7 @@ def _described(value: Any) -> Any:
             _described(value.args),
             _described([*value.keywords.items()]),
         )
-    if isinstance(value, (type, FunctionType)):
+    if isinstance(value, (type, FunctionType, _Compiled)):
         return _name(value)
     if is_dataclass(value):
         return _name(type(value)), tuple(_described(getattr(value, each.name)) for each in fields(value))

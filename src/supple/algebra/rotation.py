@@ -2,6 +2,9 @@
 
 A rotation `A` maps body components to global ones. Variations are taken on the right, in body components:
 `dA = A skew(dpsi)`. Everything is smooth at zero, so that it can be differentiated there.
+
+JAX traces each of them once for all its uses (`jax.jit`): tracing takes half a millisecond an operation, and a
+machine has thousands of these.
 """
 
 from __future__ import annotations
@@ -27,6 +30,7 @@ __all__ = [
 _SMALL_SQUARED_ANGLE = 1e-2
 
 
+@jax.jit
 def skew(v: jax.Array) -> jax.Array:
     """Matrix of the cross product, `skew(v) @ w = v x w`; shape (3,) to (3, 3)."""
     x, y, z = v[0], v[1], v[2]
@@ -34,6 +38,7 @@ def skew(v: jax.Array) -> jax.Array:
     return jnp.stack([zero, -z, y, z, zero, -x, -y, x, zero]).reshape(3, 3)
 
 
+@jax.jit
 def unskew(matrix: jax.Array) -> jax.Array:
     """Axial vector of the skew part of a 3 x 3 matrix; equals `sin(angle) axis` for a rotation matrix."""
     return 0.5 * jnp.stack(
@@ -54,6 +59,7 @@ _SERIES = np.array(
 )
 
 
+@jax.jit
 def angle_quotients(squared: jax.Array) -> jax.Array:
     """`sin x / x`, `(1 - cos x) / x^2`, `(x - sin x) / x^3` as smooth functions of `x^2` (...), (3, ...)."""
     small = squared < _SMALL_SQUARED_ANGLE
@@ -70,6 +76,7 @@ def angle_quotients(squared: jax.Array) -> jax.Array:
     return jnp.where(small, first * series, closed)
 
 
+@jax.jit
 def rotation_exp(psi: jax.Array) -> jax.Array:
     """Rotation matrix of a rotation vector (Rodrigues): `exp(skew(psi))`; shape (3,) to (3, 3)."""
     sinc, versine, _ = angle_quotients(psi @ psi)
@@ -77,6 +84,7 @@ def rotation_exp(psi: jax.Array) -> jax.Array:
     return jnp.eye(3) + sinc * matrix + versine * (jnp.outer(psi, psi) - (psi @ psi) * jnp.eye(3))
 
 
+@jax.jit
 def rotation_right_jacobian(psi: jax.Array) -> jax.Array:
     """Matrix `T(psi)` with `exp(psi)^T d exp(psi) = skew(T dpsi)`; shape (3,) to (3, 3)."""
     _, versine, cubic = angle_quotients(psi @ psi)
@@ -84,6 +92,7 @@ def rotation_right_jacobian(psi: jax.Array) -> jax.Array:
     return jnp.eye(3) - versine * matrix + cubic * (jnp.outer(psi, psi) - (psi @ psi) * jnp.eye(3))
 
 
+@jax.jit
 def right_jacobian_slope(psi: jax.Array, vector: jax.Array) -> tuple[jax.Array, jax.Array]:
     """`T(psi)^T vector` (3,), and its derivative for `psi`, (3, 3)."""
     square = psi @ psi
@@ -100,6 +109,7 @@ def right_jacobian_slope(psi: jax.Array, vector: jax.Array) -> tuple[jax.Array, 
     return vector + versine * across + cubic * bent, derivative
 
 
+@jax.jit
 def euler_parameters(rotation: jax.Array) -> jax.Array:
     """Unit quaternion `(e0, e1, e2, e3)`, `e0 >= 0`, of a rotation matrix; shape (3, 3) to (4,).
 
@@ -129,6 +139,7 @@ def euler_parameters(rotation: jax.Array) -> jax.Array:
     return jnp.where(quaternion[0] < 0, -quaternion, quaternion)
 
 
+@jax.jit
 def rotation_log(rotation: jax.Array) -> jax.Array:
     """Rotation vector of a rotation matrix, angle in [0, pi]; shape (3, 3) to (3,)."""
     quaternion = euler_parameters(rotation)

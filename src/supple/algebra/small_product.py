@@ -11,6 +11,7 @@ import jax
 __all__ = ["small_product"]
 
 
+@jax.jit
 def small_product(a: jax.Array, b: jax.Array) -> jax.Array:
     """`a @ b` for a (..., m) and b (m, n) or (m,), m small."""
     if b.ndim == 1:

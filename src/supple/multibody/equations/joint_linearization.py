@@ -103,6 +103,7 @@ def _constant(constraint: Constraint) -> Affine:
     return coefficients, constant
 
 
+@jax.jit
 def _axial(matrix: jax.Array) -> jax.Array:
     """`ax(M)` with `ax(M) . phi = M : skew(phi)`; (..., 3, 3) to (..., 3)."""
     return jnp.stack(

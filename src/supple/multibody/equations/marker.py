@@ -67,6 +67,7 @@ class Marker(NamedTuple):
     rotation_vector_rate: jax.Array
 
 
+@jax.jit
 def displaced(marker: Marker, variation: jax.Array) -> Marker:
     """The marker moved by a finite amount along its local freedoms; (12,) in the order of `N_LOCAL`."""
     return marker._replace(
@@ -97,12 +98,14 @@ def orientation(marker: Marker) -> jax.Array:
     return small_product(small_product(marker.rotation, _tilt(marker)), marker.axes)
 
 
+@jax.jit
 def _tilt(marker: Marker) -> jax.Array:
     """exp(phi), (3, 3)."""
     theta = marker.rotation_vector
     return rotation_exp((1 + marker.cubic_turn * (theta @ theta)) * theta)
 
 
+@jax.jit
 def _turning(theta: jax.Array, cubic_turn: jax.Array) -> jax.Array:
     """T(phi) dphi/dtheta (3, 3): the angular velocity per rate of theta, in the turned axes."""
     square = theta @ theta
@@ -111,6 +114,7 @@ def _turning(theta: jax.Array, cubic_turn: jax.Array) -> jax.Array:
     return small_product(rotation_right_jacobian(phi), by_theta)
 
 
+@jax.jit
 def pose(marker: Marker) -> Pose:
     """What a force sees of the marker."""
     arm = marker.offset + marker.displacement
@@ -125,11 +129,13 @@ def pose(marker: Marker) -> Pose:
     )
 
 
+@jax.jit
 def pose_at_rest(marker: Marker) -> Pose:
     """What a joint sees of the marker: its place alone."""
     return Pose(point(marker), orientation(marker), jnp.zeros(3), jnp.zeros(3))
 
 
+@jax.jit
 def generalized_force(marker: Marker, wrench: Wrench) -> jax.Array:
     """Work-conjugate of the twelve local freedoms for a wrench on the marker, (12,).
 
@@ -144,6 +150,7 @@ def generalized_force(marker: Marker, wrench: Wrench) -> jax.Array:
     return jnp.concatenate([wrench.force, jnp.cross(arm, force) + moment, force, conjugate_to_turn])
 
 
+@jax.jit
 def frame_motion(marker: Marker) -> jax.Array:
     """How the twelve local freedoms move the joint frame: `(dr global, dphi in the joint's axes)`, (6, 12).
 
@@ -160,6 +167,7 @@ def frame_motion(marker: Marker) -> jax.Array:
     return jnp.concatenate([shift, turn])
 
 
+@jax.jit
 def wrench_stiffness(marker: Marker, wrench: jax.Array, motion: jax.Array) -> jax.Array:
     """Change of `frame_motion(marker)^T wrench` with the local freedoms while the wrench stays, (12, 12).
 
