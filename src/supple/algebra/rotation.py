@@ -3,8 +3,8 @@
 A rotation `A` maps body components to global ones. Variations are taken on the right, in body components:
 `dA = A skew(dpsi)`. Everything is smooth at zero, so that it can be differentiated there.
 
-JAX traces each of them once for all its uses (`jax.jit`): tracing takes half a millisecond an operation, and a
-machine has thousands of these.
+JAX traces each of them once for all its uses (`jax.jit`): tracing takes half a millisecond an operation, and
+a machine has thousands of these.
 """
 
 from __future__ import annotations
