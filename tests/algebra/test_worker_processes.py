@@ -119,3 +119,11 @@ def test_programs_that_are_not_kept_run_here(program, started):
 
 def test_no_task_is_no_work(program):
     assert list(on_all_cores(program, [])) == []
+
+
+def test_where_no_process_can_be_started_one_does_all(program, started, monkeypatch):
+    def refused(*words, **options):
+        raise OSError("no more processes")
+
+    monkeypatch.setattr(worker_processes.subprocess, "Popen", refused)
+    assert_right(list(on_all_cores(program, tasks_of(3, []))), 3)

@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
@@ -161,7 +162,11 @@ def _workers(program: KeptProgram, arguments: tuple[Any, ...], seconds: float, n
     n_workers = min(available_cores() - 1, most, int(seconds / _WORTH))
     n_arguments = jax.tree.structure(arguments).num_leaves
     given = program.compiled(*arguments).out_tree
-    return [_Worker(file, n_arguments, given) for _ in range(n_workers)]
+    workers: list[_Worker] = []
+    with suppress(OSError):  # no more processes are to be had
+        for _ in range(n_workers):
+            workers.append(_Worker(file, n_arguments, given))
+    return workers
 
 
 def available_cores() -> int:

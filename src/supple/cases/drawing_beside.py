@@ -45,22 +45,11 @@ class DrawingBeside:
         self._drop()
         if drawing is None or perf_counter() - self._began < WORTH or available_cores() < 2:
             return
-        with tempfile.TemporaryFile() as sent:
-            try:
-                pickler = pickle.Pickler(sent, pickle.HIGHEST_PROTOCOL)
-                pickler.dispatch_table = copyreg.dispatch_table | {MappingProxyType: _as_dict}
-                pickler.dump(drawing)
-            except (pickle.PicklingError, TypeError, AttributeError, OSError):
-                return  # functions of a user, factors, a full disk: it is drawn here
-            sent.seek(0)
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", __name__],
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "JAX_PLATFORMS": "cpu"},
-                stdin=sent,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                text=True,
-            )
+        try:
+            self._process = _process(drawing)
+        except Exception:
+            # Functions of a user and factors cannot be sent, nor anything to a full disk: it is drawn here.
+            return
 
     def finish(self, drawing: Drawing | None, progress: Progress) -> None:
         """Wait for what is drawn beside, or draw it; errors of `Drawing.draw`."""
@@ -83,6 +72,22 @@ class DrawingBeside:
             self._process.kill()
             self._process.communicate()
             self._process = None
+
+
+def _process(drawing: Drawing) -> subprocess.Popen[str]:
+    with tempfile.TemporaryFile() as sent:
+        pickler = pickle.Pickler(sent, pickle.HIGHEST_PROTOCOL)
+        pickler.dispatch_table = copyreg.dispatch_table | {MappingProxyType: _as_dict}
+        pickler.dump(drawing)
+        sent.seek(0)
+        return subprocess.Popen(
+            [sys.executable, "-P", "-m", __name__],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "JAX_PLATFORMS": "cpu"},
+            stdin=sent,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
 
 
 def _as_dict(mapping: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
