@@ -22,6 +22,8 @@ from pathlib import Path
 
 import h5py
 
+from supple.other_processes import python_command, python_environment
+
 SECONDS = 15.0
 _BYTES_PER_SECOND = 50e6
 _WAITING = 4
@@ -72,9 +74,8 @@ def _answer(words: list[str], seconds: float) -> tuple[int | None, str]:
     """Exit code of the process, None where it does not end by the clock, and what it says."""
     try:
         done = subprocess.run(
-            # A script of its own, not the caller's, which multiprocessing would run again.
-            [sys.executable, "-P", __file__, *words],
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+            python_command(__file__, *words),
+            env=python_environment(),
             stdin=subprocess.DEVNULL,
             capture_output=True,
             timeout=seconds,

@@ -9,24 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from supple.algebra import kept_programs
-from supple.algebra.jax_settings import keep_compiled_programs
+from supple.algebra import kept_programs, program_worker
 from supple.algebra.kept_programs import KeptProgram
 from supple.algebra.rotation import rotation_exp
 from supple.machine import Constant, Ramp, TimeFunction
-
-_SETTINGS = ("jax_enable_compilation_cache", "jax_compilation_cache_dir")
-
-
-@pytest.fixture
-def kept(tmp_path, monkeypatch):
-    """The folder, empty."""
-    monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
-    before = {name: getattr(jax.config, name) for name in _SETTINGS}
-    jax.config.update("jax_enable_compilation_cache", True)
-    yield keep_compiled_programs(tmp_path)
-    for name, value in before.items():
-        jax.config.update(name, value)
 
 
 @pytest.fixture
@@ -40,7 +26,7 @@ def traced(monkeypatch):
         return jit(function, **options)
 
     monkeypatch.setattr(kept_programs.jax, "jit", counted)
-    kept_programs._bind_lapack()
+    program_worker._bind_lapack()
     seen.clear()
     return seen
 

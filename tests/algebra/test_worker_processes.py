@@ -10,23 +10,14 @@ import numpy as np
 import pytest
 
 from supple.algebra import worker_processes
-from supple.algebra.jax_settings import keep_compiled_programs
 from supple.algebra.kept_programs import KeptProgram
 from supple.algebra.rotation import rotation_exp
 from supple.algebra.worker_processes import on_all_cores
 
-_SETTINGS = ("jax_enable_compilation_cache", "jax_compilation_cache_dir")
-
 
 @pytest.fixture
-def program(tmp_path, monkeypatch):
-    monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
-    before = {name: getattr(jax.config, name) for name in _SETTINGS}
-    jax.config.update("jax_enable_compilation_cache", True)
-    keep_compiled_programs(tmp_path)
-    yield KeptProgram(rotation_exp)
-    for name, value in before.items():
-        jax.config.update(name, value)
+def program(kept):
+    return KeptProgram(rotation_exp)
 
 
 @pytest.fixture
@@ -57,7 +48,7 @@ def tasks_of(n, began, started=()):
         began.append((number, threading.current_thread()))
         if threading.current_thread() is not threading.main_thread():
             other.set()
-        elif started and len(began) > 2:  # of the first task, arguments are asked for twice
+        elif started and len(began) > 1:
             assert other.wait(60)
         return (vector(number),)
 

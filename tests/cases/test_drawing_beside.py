@@ -44,7 +44,7 @@ PICTURES = {"machine.png", "joint-forces.png", "motion.gif"}
 def test_pictures_of_the_process_are_those_drawn_here(drawing, worth, tmp_path):
     said = []
     with DrawingBeside() as beside:
-        beside.begin(drawing)
+        beside.begin(lambda: drawing)
         beside.finish(replace(drawing, folder=tmp_path / "never"), lambda *told: said.append(told))
     assert {path.name for path in tmp_path.iterdir()} == PICTURES
     assert said[0] == ("drawing pictures", 0.0)
@@ -58,7 +58,7 @@ def test_pictures_of_the_process_are_those_drawn_here(drawing, worth, tmp_path):
 
 def test_what_a_killed_process_has_left_is_drawn_here(drawing, worth, tmp_path):
     with DrawingBeside() as beside:
-        beside.begin(drawing)
+        beside.begin(lambda: drawing)
         os.kill(beside._process.pid, signal.SIGKILL)
         beside.finish(replace(drawing, pictures=False), silent)
     assert {path.name for path in tmp_path.iterdir()} == {"motion.gif"}
@@ -66,7 +66,7 @@ def test_what_a_killed_process_has_left_is_drawn_here(drawing, worth, tmp_path):
 
 def test_what_cannot_be_sent_is_drawn_here(drawing, worth, tmp_path):
     with DrawingBeside() as beside:
-        beside.begin(replace(drawing, bases={"bob": lambda: None}))
+        beside.begin(lambda: replace(drawing, bases={"bob": lambda: None}))
         assert beside._process is None
         beside.finish(replace(drawing, pictures=False), silent)
     assert {path.name for path in tmp_path.iterdir()} == {"motion.gif"}
@@ -74,9 +74,9 @@ def test_what_cannot_be_sent_is_drawn_here(drawing, worth, tmp_path):
 
 def test_process_ends_with_the_run(drawing, worth):
     with DrawingBeside() as beside:
-        beside.begin(drawing)
+        beside.begin(lambda: drawing)
         first = beside._process
-        beside.begin(drawing)
+        beside.begin(lambda: drawing)
         second = beside._process
         assert first.poll() is not None
         assert second.poll() is None
@@ -85,5 +85,5 @@ def test_process_ends_with_the_run(drawing, worth):
 
 def test_runs_over_soon_are_drawn_here(drawing):
     with DrawingBeside() as beside:
-        beside.begin(drawing)
+        beside.begin(lambda: drawing)
         assert beside._process is None

@@ -7,14 +7,12 @@ the sources have changed the text decides, so that programs outlive all changes 
 
 from __future__ import annotations
 
-import io
 import os
 import pickle
 import zlib
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import lru_cache
 from itertools import count
 from pathlib import Path
 from types import MappingProxyType
@@ -26,6 +24,7 @@ from jax.experimental import serialize_executable
 
 from supple.algebra.jax_settings import count_program, when_given_back
 from supple.algebra.program_digest import digest_of_sources, program_digest, text_digest
+from supple.algebra.program_worker import program_of_file
 
 __all__ = ["KeptProgram"]
 
@@ -46,7 +45,6 @@ class KeptProgram:
         self.function = function
         self._options = dict(options)
         self._at_hand: OrderedDict[Any, Any] = OrderedDict()
-        self._files: dict[Any, Path] = {}
         when_given_back(self._at_hand.clear)
 
     def __call__(self, *arguments: Any) -> Any:
@@ -66,13 +64,9 @@ class KeptProgram:
         return self._at_hand[key]
 
     def file(self, *arguments: Any) -> Path | None:
-        """Where the program for arguments like these is kept, once it is at hand; None where nowhere.
-
-        The file holds, compressed, two pickled objects: the program as JAX writes it, and the structure of
-        what it gives.
-        """
-        file = self._files.get(self.signature(*arguments))
-        return file if file is not None and file.exists() else None
+        """Where the program for arguments like these is kept (`program_of_file`); None where nowhere."""
+        known = self._known(*self.signature(*arguments))
+        return None if known is None else _named_by(known)
 
     @staticmethod
     def signature(*arguments: Any) -> tuple[Any, Any]:
@@ -82,20 +76,23 @@ class KeptProgram:
         return structure, tuple((own.shape, str(own.dtype), own.weak_type) for own in types)
 
     def _found_or_built(self, arguments: Any, structure: Any, shapes: Any) -> Any:
+        known = self._known(structure, shapes)
+        if known is None:
+            return jax.jit(self.function).lower(*arguments).compile(compiler_options=self._options)
+        taken = jax.tree.structure((arguments, {}))
+        file = _named_by(known)
+        found = _read(file, taken) if file else None
+        return found or self._by_text(arguments, shapes, known, taken)
+
+    def _known(self, structure: Any, shapes: Any) -> Path | None:
+        """Where it stands by which text the program is kept; None where it is not kept."""
         folder = _folder()
         digest = program_digest(self.function, self._options, structure, shapes) if folder else None
         if folder is None or digest is None:
-            return jax.jit(self.function).lower(*arguments).compile(compiler_options=self._options)
-        taken = jax.tree.structure((arguments, {}))
-        known = folder / "by-structure" / digest_of_sources()[:16] / digest
-        if known.exists():
-            file = folder / "by-text" / known.read_text("ascii")
-            if found := _read(file, taken):
-                self._files[structure, shapes] = file
-                return found
-        return self._by_text(arguments, shapes, known, folder, taken)
+            return None
+        return folder / "by-structure" / digest_of_sources()[:16] / digest
 
-    def _by_text(self, arguments: Any, shapes: Any, known: Path, folder: Path, taken: Any) -> Any:
+    def _by_text(self, arguments: Any, shapes: Any, known: Path, taken: Any) -> Any:
         """The program found by its text, or compiled; from now on it is known by its structure."""
 
         def kept(*arguments: Any) -> Any:
@@ -106,7 +103,7 @@ class KeptProgram:
         lowered = jax.jit(kept).lower(*arguments)
         # The text leaves out arguments that are not used, but a program asks for them all the same.
         text = text_digest(f"{shapes}\n{lowered.as_text()}", self._options)
-        file = folder / "by-text" / text
+        file = _by_its_text(known, text)
         program = _read(file, taken)
         if program is None:
             with _not_kept_by_jax():
@@ -114,8 +111,17 @@ class KeptProgram:
             _write(file, program)
         if file.exists():
             _replace(known, text.encode("ascii"))
-            self._files[jax.tree.structure(arguments), shapes] = file
         return program
+
+
+def _by_its_text(known: Path, text: str) -> Path:
+    return known.parents[2] / "by-text" / text
+
+
+def _named_by(known: Path) -> Path | None:
+    """The file of a program that is known by its structure; None where it is not there."""
+    file = _by_its_text(known, known.read_text("ascii")) if known.exists() else None
+    return file if file is not None and file.exists() else None
 
 
 def _folder() -> Path | None:
@@ -142,27 +148,12 @@ def _read(file: Path, taken: Any) -> Any:
     """A kept program that takes arguments of a structure, or None."""
     if not file.exists():
         return None
-    _bind_lapack()
     try:
-        content = io.BytesIO(zlib.decompress(file.read_bytes()))
-        program, result = pickle.load(content), pickle.load(content)
-        found = serialize_executable.deserialize_and_load(
-            program,
-            taken,
-            jax.tree.structure(result),
-            # Without, for all processors that JAX has.
-            execution_devices=jax.devices()[:1],
-        )
+        found = program_of_file(file, taken)
     except Exception:
         return None
     count_program()
     return found
-
-
-@lru_cache
-def _bind_lapack() -> None:
-    """Have JAX find the routines of LAPACK, which it does only as it writes a program that calls one."""
-    jax.jit(jax.lax.linalg.lu).lower(jax.ShapeDtypeStruct((1, 1), float))
 
 
 def _write(file: Path, program: Any) -> None:

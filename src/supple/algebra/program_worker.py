@@ -1,8 +1,9 @@
-"""A process that runs one kept program for another process (`worker_processes`).
+"""Kept programs read from their files, here and by a process that runs one for this one.
 
-It is a script of its own, which needs JAX and nothing of supple: it is ready in the time that JAX takes to be
-imported. By its input it is told the file of the program, the numbers of arrays that go in and come out, and
-then arguments; by its output it answers with seconds and results. It ends with its input.
+As a script it is that process (`worker_processes`). It needs JAX and nothing of supple: it is ready in the
+time that JAX takes to be imported. By its input it is told the file of the program, the numbers of arrays
+that go in and come out, and then arguments; by its output it answers with seconds and results. It ends with
+its input.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import pickle
 import signal
 import sys
 import zlib
+from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
 from typing import Any, BinaryIO
@@ -21,18 +23,38 @@ import jax
 import numpy as np
 from jax.experimental import serialize_executable
 
+__all__ = ["program_of_file"]
+
+
+def program_of_file(file: Path, taken: Any, given: Any = None) -> Any:
+    """The compiled program that a file holds, for one processor.
+
+    It holds, compressed, two pickled objects: the program as JAX writes it, and a pytree like its result.
+
+    taken : structure of the arguments
+    given : structure of the result; that of the file's second object where left out
+    """
+    _bind_lapack()
+    content = io.BytesIO(zlib.decompress(file.read_bytes()))
+    program = pickle.load(content)
+    if given is None:
+        given = jax.tree.structure(pickle.load(content))
+    # Without being told, for all processors that JAX has.
+    devices = jax.devices()[:1]
+    return serialize_executable.deserialize_and_load(program, taken, given, execution_devices=devices)
+
+
+@lru_cache
+def _bind_lapack() -> None:
+    """Have JAX find the routines of LAPACK, which it does only as it writes a program that calls one."""
+    jax.jit(jax.lax.linalg.lu).lower(jax.ShapeDtypeStruct((1, 1), float))
+
 
 def answer(questions: BinaryIO, answers: BinaryIO) -> None:
     """Run the program for all that is asked."""
     file, n_arguments, n_results = pickle.load(questions)
-    # As `kept_programs` has it: JAX finds the routines of LAPACK as it writes a program that calls one.
-    jax.jit(jax.lax.linalg.lu).lower(jax.ShapeDtypeStruct((1, 1), float))
-    content = pickle.load(io.BytesIO(zlib.decompress(Path(file).read_bytes())))
     taken = jax.tree.structure((tuple(range(n_arguments)), {}))
-    given = jax.tree.structure(list(range(n_results)))
-    program = serialize_executable.deserialize_and_load(
-        content, taken, given, execution_devices=jax.devices()[:1]
-    )
+    program = program_of_file(Path(file), taken, jax.tree.structure(list(range(n_results))))
     _say("ready", answers)
     while True:
         try:

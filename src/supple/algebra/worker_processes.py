@@ -8,7 +8,6 @@ them, need not be sent. They are ready in the time that it takes to import JAX.
 
 from __future__ import annotations
 
-import os
 import pickle
 import subprocess
 import sys
@@ -27,8 +26,9 @@ import numpy as np
 from supple.algebra import program_worker
 from supple.algebra.available_memory import available_memory
 from supple.algebra.kept_programs import KeptProgram
+from supple.other_processes import available_cores, python_command, python_environment
 
-__all__ = ["Finished", "available_cores", "on_all_cores"]
+__all__ = ["Finished", "Task", "on_all_cores"]
 
 _WORTH = 3.0
 """Seconds of work left for each process that is started: it takes more than one to be ready."""
@@ -56,21 +56,26 @@ def on_all_cores(program: KeptProgram, tasks: Sequence[Task]) -> Iterator[Finish
     before its time has left undone, this one does.
     """
     waiting = deque(range(len(tasks)))
+    number = _next(waiting)
+    if number is None:
+        return
+    arguments = tasks[number]()
+    compiled = program.compiled(*arguments)
 
-    def here(number: int) -> Finished:
-        arguments = tasks[number]()
-        compiled = program.compiled(*arguments)
+    def finished_here(number: int, arguments: tuple[Any, ...]) -> Finished:
         began = perf_counter()
         result = jax.device_get(compiled(*arguments))
         return Finished(number, perf_counter() - began, result)
 
-    number = _next(waiting)
-    if number is None:
-        return
-    first = here(number)
+    first = finished_here(number, arguments)
     yield first
     done: SimpleQueue[Finished | None] = SimpleQueue()
-    workers = _workers(program, tasks[0](), first.seconds * len(waiting), len(waiting))
+    workers = _workers(
+        program.file(*arguments),
+        jax.tree.structure(arguments).num_leaves,
+        compiled.out_tree,
+        _number_worth(first.seconds * len(waiting), len(waiting)),
+    )
     try:
         for worker in workers:
             worker.begin(tasks, waiting, done)
@@ -78,7 +83,7 @@ def on_all_cores(program: KeptProgram, tasks: Sequence[Task]) -> Iterator[Finish
         while waiting or at_work:
             number = _next(waiting)
             if number is not None:
-                yield here(number)
+                yield finished_here(number, tasks[number]())
             while at_work and (number is None or not done.empty()):
                 finished = done.get()
                 if finished is None:
@@ -103,14 +108,8 @@ class _Worker:
     def __init__(self, file: Path, n_arguments: int, given: Any) -> None:
         self._given = given
         self._process = subprocess.Popen(
-            # A script of its own, not the caller's, which multiprocessing would run again.
-            [sys.executable, "-P", program_worker.__file__],
-            env={
-                **os.environ,
-                "PYTHONPATH": os.pathsep.join(sys.path),
-                "JAX_ENABLE_X64": "1",
-                "JAX_PLATFORMS": "cpu",
-            },
+            python_command(program_worker.__file__),
+            env=python_environment(JAX_ENABLE_X64="1", JAX_PLATFORMS="cpu"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -152,23 +151,19 @@ class _Worker:
         self._process.communicate()
 
 
-def _workers(program: KeptProgram, arguments: tuple[Any, ...], seconds: float, n_tasks: int) -> list[_Worker]:
-    """As many as are worth it for so much work, in so many tasks."""
-    file = program.file(*arguments)
-    if file is None or jax.default_backend() != "cpu" or not sys.executable:
-        return []
+def _number_worth(seconds: float, n_tasks: int) -> int:
+    """Of processes beside this one, for so much work in so many tasks."""
     memory = available_memory()
     most = n_tasks if memory is None else min(n_tasks, memory // _MEMORY)
-    n_workers = min(available_cores() - 1, most, int(seconds / _WORTH))
-    n_arguments = jax.tree.structure(arguments).num_leaves
-    given = program.compiled(*arguments).out_tree
+    return min(available_cores() - 1, most, int(seconds / _WORTH))
+
+
+def _workers(file: Path | None, n_arguments: int, given: Any, number: int) -> list[_Worker]:
+    """As many as can be started."""
     workers: list[_Worker] = []
+    if file is None or not sys.executable:
+        return workers
     with suppress(OSError):  # no more processes are to be had
-        for _ in range(n_workers):
+        for _ in range(number):
             workers.append(_Worker(file, n_arguments, given))
     return workers
-
-
-def available_cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

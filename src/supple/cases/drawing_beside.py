@@ -8,18 +8,19 @@ made here.
 from __future__ import annotations
 
 import copyreg
-import os
 import pickle
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
+from contextlib import suppress
 from time import perf_counter
 from types import MappingProxyType
 from typing import Any
 
-from supple.algebra.worker_processes import available_cores
 from supple.cases.drawing import Drawing
 from supple.cases.notify import Progress
+from supple.other_processes import available_cores, python_command, python_environment
 
 __all__ = ["DrawingBeside"]
 
@@ -40,16 +41,18 @@ class DrawingBeside:
     def __exit__(self, *_: object) -> None:
         self._drop()
 
-    def begin(self, drawing: Drawing | None) -> None:
-        """Begin beside what follows, if it is worth it; a drawing that was begun before is given up."""
+    def begin(self, drawing: Callable[[], Drawing | None]) -> None:
+        """Begin beside what follows, if it is worth it; a drawing that was begun before is given up.
+
+        drawing : called where it is worth it
+        """
         self._drop()
-        if drawing is None or perf_counter() - self._began < WORTH or available_cores() < 2:
+        if perf_counter() - self._began < WORTH or available_cores() < 2:
             return
-        try:
-            self._process = _process(drawing)
-        except Exception:
-            # Functions of a user and factors cannot be sent, nor anything to a full disk: it is drawn here.
-            return
+        asked = drawing()
+        # Functions of a user and factors cannot be sent, nor anything to a full disk: it is drawn here.
+        with suppress(Exception):
+            self._process = None if asked is None else _process(asked)
 
     def finish(self, drawing: Drawing | None, progress: Progress) -> None:
         """Wait for what is drawn beside, or draw it; errors of `Drawing.draw`."""
@@ -81,8 +84,8 @@ def _process(drawing: Drawing) -> subprocess.Popen[str]:
         pickler.dump(drawing)
         sent.seek(0)
         return subprocess.Popen(
-            [sys.executable, "-P", "-m", __name__],
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "JAX_PLATFORMS": "cpu"},
+            python_command("-m", __name__),
+            env=python_environment(JAX_PLATFORMS="cpu"),
             stdin=sent,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

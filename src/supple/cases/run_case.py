@@ -138,7 +138,7 @@ def _run_case(
         report_path(case, folder).unlink(missing_ok=True)
 
     def known(system: System, solution: Solution) -> None:
-        beside.begin(drawing_of(case, system, solution, _tracked(case, system, solution), folder))
+        beside.begin(lambda: drawing_of(case, system, solution, _tracked(case, system, solution), folder))
 
     try:
         system, solution = _simulated(

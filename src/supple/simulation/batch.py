@@ -118,14 +118,10 @@ def simulate_batch(
     shares.program.compiled(*shares.arguments[0]())
     ready = clock.perf_counter()
     for done in on_all_cores(shares.program, shares.arguments):
-        own = shares.cases[done.number]
-        final, history = done.result
-        if shares.alone:
-            final, history = jax.tree.map(lambda leaf: leaf[None], (final, history))
-        for place, number in enumerate(own):
-            last, states = jax.tree.map(lambda leaf, place=place: leaf[place], (final, history))
-            states = jax.tree.map(lambda leaf: leaf[outputs], states)
-            marched = _marched(cases[number], starts, number, last, states, done.seconds / len(own), run)
+        seconds_of_each = done.seconds / len(shares.cases[done.number])
+        for number, last, states in shares.of_each(done.number, done.result):
+            history = jax.tree.map(lambda leaf: leaf[outputs], states)
+            marched = _marched(cases[number], starts, number, last, history, seconds_of_each, run)
             peaks = limits.observe(peaks, marched.solution)
             statistics = statistics + marched.solution.statistics
             found[number] = marched
@@ -175,9 +171,10 @@ def _marched(
         largest_turn=float(last.largest_turn),
     )
     solution = _case_solution(system, starts.models[number], starts.states[number], history, cost)
+    if not last.failed:
+        return _Marched(solution, None)
     undamped = bool(system.joints) and not damps_joint_forces(run.second_order_method)
-    failure = failure_message(float(last.time), last.relative_residual, undamped=undamped)
-    return _Marched(solution, failure if last.failed else None)
+    return _Marched(solution, failure_message(float(last.time), last.relative_residual, undamped=undamped))
 
 
 def _check_alike(models: Sequence[Model]) -> None:

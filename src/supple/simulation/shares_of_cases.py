@@ -11,7 +11,7 @@ costs up to three times a case alone. So they stay alone, and share the program 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -40,6 +40,12 @@ class SharesOfCases:
     arguments: tuple[Task, ...]
     alone: bool
     """Whether what the program gives is of one case, without an axis of cases"""
+
+    def of_each(self, share: int, result: Any) -> Iterator[tuple[int, State, State]]:
+        """The cases of a share by their numbers: of each its last state, and those at the stops."""
+        for place, number in enumerate(self.cases[share]):
+            last, states = result if self.alone else jax.tree.map(lambda leaf, i=place: leaf[i], result)
+            yield number, last, states
 
 
 def shares_of(

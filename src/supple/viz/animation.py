@@ -24,7 +24,7 @@ from supple.viz.camera import Camera
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.mesh_plot import check_nodes, draw_cross, draw_length_bar
 from supple.viz.mesh_skin import Skin
-from supple.viz.shaded_surface import Page, page_around, render, show
+from supple.viz.shaded_surface import Page, carry, page_around, render
 from supple.viz.style import COLOUR_MAP, COLOURS, SURFACE_COLOUR, textbook_style
 
 Array = NDArray[np.float64]
@@ -93,7 +93,7 @@ def animate(
     with textbook_style():
         figure, axes = _stage(page, scale, values_label)
         canvas = FigureCanvasAgg(figure)
-        show(axes, np.zeros((page.n_rows, page.n_columns, 4)), page).set_visible(False)
+        carry(axes, page)
         image = _Pixels(figure.bbox.height - page.n_rows)
         axes.add_artist(image)
         drawn = None if glyphs is None else DrawnGlyphs(axes, glyphs, camera)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
-from matplotlib.image import AxesImage
 from numpy.typing import NDArray
 
 from supple.viz.camera import Camera
@@ -97,12 +96,19 @@ def render(
     return _average(np.clip(colour, 0.0, 1.0), row // k, column // k, (page.n_rows, page.n_columns))
 
 
-def show(axes: Axes, picture: Array, page: Page) -> AxesImage:
+def show(axes: Axes, picture: Array, page: Page) -> None:
     """Put a picture on axes that then carry the page's coordinates, in equal scale and without a frame."""
     extent = (page.low[0], page.high[0], page.low[1], page.high[1])
-    image = axes.imshow(picture, extent=extent, origin="lower", interpolation="antialiased", zorder=2.0)
+    axes.imshow(picture, extent=extent, origin="lower", interpolation="antialiased", zorder=2.0)
+    carry(axes, page)
+
+
+def carry(axes: Axes, page: Page) -> None:
+    """Have axes carry the page's coordinates, in equal scale and without a frame."""
+    axes.set_xlim(page.low[0], page.high[0])
+    axes.set_ylim(page.low[1], page.high[1])
+    axes.set_aspect("equal")
     axes.set_axis_off()
-    return image
 
 
 def _lighting(corners: Array) -> tuple[Array, Array]:

@@ -146,13 +146,16 @@ class _Numbers(Formatter):
         return self._formulas(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
 
     def set_axis(self, axis: Any) -> None:
+        """The axis whose numbers they are."""
         super().set_axis(axis)
         self._formulas.set_axis(axis)
 
     def set_locs(self, locs: list[float]) -> None:
+        """The places of all ticks, which tell the number of digits."""
         self._formulas.set_locs(locs)
 
     def get_offset(self) -> str:
+        """The power of ten at the end of the axis."""
         return self._formulas.get_offset()
 
 

@@ -11,6 +11,8 @@ are the variations of `(R, psi, u, theta)`, `dA = A skew(dpsi)`; `u` and `theta`
 coordinates, so one constant matrix (`selection`, 12 x (6 + r)) carries them to the body and back.
 
 Source: [Wu2019] (1)-(5), (26)-(28).
+
+As rotations, they are traced once for all their uses (`algebra/rotation.py`).
 """
 
 from __future__ import annotations
