@@ -18,7 +18,8 @@ pytest_plugins = (
 )
 
 # The systems here are small and run for moments: compile them quickly rather than well.
-os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false")
+if "xla_backend_optimization_level" not in os.environ["XLA_FLAGS"]:
+    os.environ["XLA_FLAGS"] += " --xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
 # As wide as a file wherever the tests run: narrow tables cut words.
 os.environ.pop("COLUMNS", None)
 console.width = error_console.width = WIDTH_OF_FILES

@@ -5,6 +5,8 @@
   from thread to thread takes longer than doing them. Read when JAX starts; an earlier choice stays.
 - A process forked after compiled code has run refuses to run more (`check_not_forked`): JAX's threads do not
   survive a fork, and the child would wait for them for ever.
+- Loops become functions of machine code (`XLA_FLAGS`): what is left to XLA is a list of operations, which it
+  goes through one by one. Read when JAX starts; settings made earlier stay.
 - Compiled programs are kept between processes, in the user's cache, where no other folder was chosen before.
 - They are given back before they fill a process (`bound_programs`): Linux maps a limited number of pieces of
   memory for each, a program takes several, and beyond the limit the compiler ends the process.
@@ -170,8 +172,23 @@ def _writable(folder: Path) -> bool:
     return os.access(folder, os.W_OK)
 
 
+_FLAGS = {
+    # Of loops whose body moves no more bytes: all but those over large meshes, which lose nothing.
+    "--xla_backend_extra_options": "xla_cpu_small_while_loop_byte_threshold=1000000000",
+    # No library for products of small matrices: a call of it keeps a loop from being a function.
+    "--xla_cpu_experimental_ynn_fusion_type": "",
+}
+"""JAX ends a process with a flag that it does not know: all versions that the package allows know these."""
+
+
+def _with_flags(given: str) -> str:
+    """XLA_FLAGS with those of compiled marches; what is set already stays."""
+    return " ".join([given, *(f"{name}={value}" for name, value in _FLAGS.items() if name not in given)])
+
+
 jax.config.update("jax_enable_x64", True)
 os.environ.setdefault("NPROC", "1")
+os.environ["XLA_FLAGS"] = _with_flags(os.environ.get("XLA_FLAGS", ""))
 if getattr(jax.config, "jax_compilation_cache_dir", None) is None and _writable(
     _user_cache() / "supple" / "compiled" / this_machine()
 ):

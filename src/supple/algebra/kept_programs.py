@@ -13,6 +13,7 @@ import zlib
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from itertools import count
 from pathlib import Path
 from types import MappingProxyType
@@ -99,7 +100,8 @@ class KeptProgram:
             return self.function(*arguments)
 
         # By a name of its own: a program that JAX has read from its folder cannot be kept once more.
-        kept.__name__ = f"kept_{self.function.__name__.lstrip('_')}"
+        named = self.function.func if isinstance(self.function, partial) else self.function
+        kept.__name__ = f"kept_{named.__name__.lstrip('_')}"
         lowered = jax.jit(kept).lower(*arguments)
         # The text leaves out arguments that are not used, but a program asks for them all the same.
         text = text_digest(f"{shapes}\n{lowered.as_text()}", self._options)

@@ -22,6 +22,7 @@ import numpy as np
 from supple.algebra.kept_programs import KeptProgram
 from supple.algebra.worker_processes import Task
 from supple.multibody.compiled.batch_start import Axes, BatchStart, stacked
+from supple.multibody.compiled.elimination import ByLoops
 from supple.multibody.compiled.programs import COMPILED_MARCH
 from supple.multibody.compiled.state import Controls, State
 from supple.multibody.compiled.time_step import march
@@ -96,7 +97,7 @@ def _march_of_cases(
 
     def of_case(own: list[Any], state: State) -> tuple[State, State]:
         chosen = [shared if each is None else each for shared, each in zip(leaves, own, strict=True)]
-        return march(jax.tree.unflatten(structure, chosen), settings, state, stops)
+        return march(ByLoops(), jax.tree.unflatten(structure, chosen), settings, state, stops)
 
     return jax.vmap(of_case)(differing, states)
 

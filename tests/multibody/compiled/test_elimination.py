@@ -1,11 +1,14 @@
-"""Elimination of a bordering column against the residual of what it solves."""
+"""Elimination of small dense systems, by LAPACK and by loops, against the residual of what it solves."""
 
 from __future__ import annotations
 
 import jax
 import numpy as np
+import pytest
 
-from supple.multibody.compiled.elimination import solve_bordering_column
+from supple.multibody.compiled.elimination import ByLapack, ByLoops
+
+BOTH = pytest.mark.parametrize("elimination", [ByLapack(), ByLoops()], ids=["by LAPACK", "by loops"])
 
 
 def saddle(rng, n, m):
@@ -15,20 +18,84 @@ def saddle(rng, n, m):
     return matrix, rng.standard_normal(n + m)
 
 
-def test_solution_has_no_residual():
-    matrix, load = saddle(np.random.default_rng(1), 7, 4)
-    solution = solve_bordering_column(np.column_stack([matrix, load]))
-    np.testing.assert_allclose(matrix @ solution, load, atol=1e-13)
+@BOTH
+@pytest.mark.parametrize(("n", "m"), [(1, 0), (7, 4), (24, 12), (60, 6)])
+def test_solution_has_no_residual(elimination, n, m):
+    matrix, load = saddle(np.random.default_rng(1), n, m)
+    solution = elimination.solution(np.column_stack([matrix, load]))
+    np.testing.assert_allclose(matrix @ solution, load, atol=1e-11)
 
 
-def test_rows_are_exchanged_where_the_diagonal_is_zero():
-    matrix = np.array([[0.0, 2.0], [4.0, 0.0]])
-    np.testing.assert_allclose(solve_bordering_column(np.column_stack([matrix, [6.0, 8.0]])), [2.0, 3.0])
+@BOTH
+@pytest.mark.parametrize(("n", "m"), [(1, 0), (7, 4), (24, 12), (60, 6)])
+def test_inverse_is_one_from_either_side(elimination, n, m):
+    matrix, _ = saddle(np.random.default_rng(2), n, m)
+    inverse = np.asarray(elimination.inverse(matrix))
+    size = np.linalg.norm(inverse, 2) * np.linalg.norm(matrix, 2)
+    np.testing.assert_allclose(matrix @ inverse, np.eye(n + m), rtol=0, atol=1e-14 * size)
+    np.testing.assert_allclose(inverse @ matrix, np.eye(n + m), rtol=0, atol=1e-14 * size)
 
 
-def test_cases_can_be_mapped_over():
+@BOTH
+def test_rows_are_exchanged_where_the_diagonal_is_zero(elimination):
+    matrix = np.array([[0.0, 2.0, 0.0], [0.0, 0.0, 5.0], [4.0, 0.0, 0.0]])
+    np.testing.assert_allclose(
+        elimination.solution(np.column_stack([matrix, [6.0, 5.0, 8.0]])), [2.0, 3.0, 1.0]
+    )
+    np.testing.assert_allclose(elimination.inverse(matrix), np.linalg.inv(matrix))
+
+
+@BOTH
+def test_rows_are_exchanged_where_a_pivot_is_small(elimination):
+    """Without, the first row would be lost in the second, 1e20 times as large."""
+    matrix, load = np.array([[1e-20, 1.0], [1.0, 1.0]]), np.array([1.0, 2.0])
+    np.testing.assert_allclose(elimination.solution(np.column_stack([matrix, load])), [1.0, 1.0])
+    np.testing.assert_allclose(elimination.inverse(matrix), np.linalg.inv(matrix))
+
+
+@BOTH
+def test_rows_of_unlike_size(elimination):
+    """Those of a machine in other units: a residual of rounding in each."""
+    matrix, load = saddle(np.random.default_rng(4), 9, 3)
+    rows = 10.0 ** np.linspace(-9, 9, 12)
+    solution = elimination.solution(np.column_stack([rows[:, None] * matrix, rows * load]))
+    np.testing.assert_allclose(matrix @ solution, load, atol=1e-9)
+
+
+@BOTH
+def test_a_singular_matrix_has_no_finite_solution(elimination):
+    singular = np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [0.0, 0.0, 1.0]])
+    assert not np.isfinite(elimination.solution(np.column_stack([singular, [1.0, 0.0, 1.0]]))).all()
+    assert not np.isfinite(elimination.inverse(singular)).all()
+
+
+@BOTH
+def test_what_is_not_a_number_stays_so(elimination):
+    matrix, load = saddle(np.random.default_rng(5), 4, 2)
+    matrix[2, 1] = np.nan
+    assert not np.isfinite(elimination.solution(np.column_stack([matrix, load]))).all()
+    assert not np.isfinite(elimination.inverse(matrix)).all()
+
+
+@BOTH
+def test_cases_can_be_mapped_over(elimination):
     rng = np.random.default_rng(3)
     systems = [saddle(rng, 5, 2) for _ in range(3)]
-    solutions = jax.vmap(solve_bordering_column)(np.stack([np.column_stack(s) for s in systems]))
-    for (matrix, load), solution in zip(systems, solutions, strict=True):
+    solutions = jax.vmap(elimination.solution)(np.stack([np.column_stack(s) for s in systems]))
+    inverses = jax.vmap(elimination.inverse)(np.stack([matrix for matrix, _ in systems]))
+    for (matrix, load), solution, inverse in zip(systems, solutions, inverses, strict=True):
         np.testing.assert_allclose(matrix @ solution, load, atol=1e-12)
+        np.testing.assert_allclose(inverse @ load, solution, atol=1e-11)
+
+
+def test_loops_leave_the_program_no_call(saddle_program):
+    """Of a library: with one, XLA would go through a march operation by operation."""
+    assert "custom-call" in saddle_program(ByLapack())
+    assert "custom-call" not in saddle_program(ByLoops())
+    assert "custom-call" in saddle_program(ByLoops(largest=8))
+
+
+@pytest.fixture
+def saddle_program():
+    augmented = jax.ShapeDtypeStruct((9, 10), float)
+    return lambda elimination: jax.jit(elimination.solution).lower(augmented).compile().as_text()

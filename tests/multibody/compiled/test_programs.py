@@ -35,10 +35,10 @@ def test_short_runs_march_by_the_quick_program_until_the_other_is_earned(pendulu
     assert march_for(*start, steps=1e3) is QUICK_MARCH
     assert march_for(*start, steps=1e6) is COMPILED_MARCH
     monkeypatch.setattr(programs, "_DONE", {})
-    asked = [march_for(*start, steps=3e4) for _ in range(6)]
+    asked = [march_for(*start, steps=6e4) for _ in range(6)]
     assert asked == [QUICK_MARCH] * 4 + [COMPILED_MARCH] * 2
     other = initial_state(replace(pendulum, joints=()), 0.0, 0.01)
-    assert march_for(*other, steps=3e4) is QUICK_MARCH
+    assert march_for(*other, steps=6e4) is QUICK_MARCH
 
 
 def marched_by(program, system, run, monkeypatch, **how):

@@ -27,7 +27,7 @@ from supple.machine import (
     TorsionSpringDamper,
 )
 from supple.multibody.compiled import step_equations
-from supple.multibody.compiled.elimination import solve_bordering_column
+from supple.multibody.compiled.elimination import ByLapack, ByLoops, solve_bordering_column
 from supple.multibody.compiled.engine import controls, initial_state
 from supple.multibody.compiled.step_equations import (
     LinearizedStep,
@@ -175,6 +175,7 @@ MACHINES = [
     two_joints_with_one_parent,
 ]
 EXTREME = [heavy_and_light, heavy_end]
+BOTH = pytest.mark.parametrize("elimination", [ByLapack(), ByLoops()], ids=["by LAPACK", "by loops"])
 
 
 class Equations(NamedTuple):
@@ -236,30 +237,33 @@ def errors(machine, solution):
     return np.array([np.max(wrong) / np.max(size) if size.size else 0.0 for wrong, size in parts])
 
 
+@BOTH
 @pytest.mark.parametrize("machine", MACHINES, indirect=True, ids=named)
-def test_solution_is_as_good_as_that_of_the_dense_matrix(machine):
+def test_solution_is_as_good_as_that_of_the_dense_matrix(machine, elimination):
     model, layout, matrix, fronts, load = machine
     size = abs(matrix).max()
     np.testing.assert_allclose(layout.dense(fronts), matrix, rtol=0, atol=1e-15 * size)
     product = layout.product(fronts, load)
     np.testing.assert_allclose(product, matrix @ load, rtol=0, atol=1e-13 * size * abs(load).max())
-    along_tree = errors(machine, tree_solution(model, layout, fronts, load))
+    along_tree = errors(machine, tree_solution(elimination, model, layout, fronts, load))
     dense = errors(machine, solve_bordering_column(np.column_stack([matrix, load])))
     assert np.all(along_tree <= 10 * dense + 1e-11)
 
 
+@BOTH
 @pytest.mark.parametrize("machine", EXTREME, indirect=True, ids=named)
-def test_extreme_masses_cost_newton_no_iteration(machine):
+def test_extreme_masses_cost_newton_no_iteration(machine, elimination):
     """Light bodies know their accelerations to eight digits: Newton's iteration gains so many at a time."""
     model, layout, _, fronts, load = machine
-    assert np.all(errors(machine, tree_solution(model, layout, fronts, load)) <= 1e-7)
+    assert np.all(errors(machine, tree_solution(elimination, model, layout, fronts, load)) <= 1e-7)
 
 
+@BOTH
 @pytest.mark.parametrize("machine", [hanging_chain, ring], indirect=True)
-def test_elimination_leaves_rounding_alone(machine):
+def test_elimination_leaves_rounding_alone(machine, elimination):
     """Row exchanges within a body and its joint are enough, unless masses differ by many powers of ten."""
     _, layout, matrix, fronts, load = machine
-    solution = layout.solved(layout.factored(fronts), load)
+    solution = layout.solved(layout.factored(fronts, elimination), load)
     terms = abs(matrix) @ abs(solution) + abs(load)
     assert np.max(abs(matrix @ solution - load)) <= 1e-12 * np.max(terms)
 
@@ -273,23 +277,26 @@ def test_loops_alone_make_a_border(machine, unknowns):
     assert TreeLayout.of(model_of(machine())[0]).border == unknowns
 
 
-def test_a_singular_body_is_left_to_the_dense_matrix():
+@BOTH
+def test_a_singular_body_is_left_to_the_dense_matrix(elimination):
     """A first front without inertia, which regular machines may have by chance: elimination divides by 0."""
     model, layout, _, fronts, load = equations(hanging_chain())
     n, fronts = layout.own, fronts.copy()
     fronts[0, :6, :6] = 0.0
     fronts[0, :6, n : n + 6] = fronts[0, n : n + 6, :6] = np.eye(6)
     matrix = np.asarray(layout.dense(fronts))
-    np.testing.assert_allclose(tree_solution(model, layout, fronts, load), np.linalg.solve(matrix, load))
+    solution = tree_solution(elimination, model, layout, fronts, load)
+    np.testing.assert_allclose(solution, np.linalg.solve(matrix, load))
 
 
-def test_cases_can_be_mapped_over():
+@BOTH
+def test_cases_can_be_mapped_over(elimination):
     """One regular, one left to the dense matrix."""
     model, layout, _, fronts, load = equations(ring())
     singular = fronts.copy()
     singular[0, :6, :6] = 0.0
     both = np.stack([fronts, singular])
-    found = jax.vmap(lambda own: tree_solution(model, layout, own, load))(both)
+    found = jax.vmap(lambda own: tree_solution(elimination, model, layout, own, load))(both)
     for own, solution in zip(both, found, strict=True):
         expected = np.linalg.solve(layout.dense(own), load)
         np.testing.assert_allclose(solution, expected, rtol=0, atol=1e-9 * abs(expected).max())
@@ -305,7 +312,7 @@ def test_motion_is_that_of_the_dense_matrix(monkeypatch):
     stops = np.linspace(0.01, 0.05, 5)
 
     def marched():
-        end, _ = jax.jit(partial(march), compiler_options=STARTING)(model, settings, state, stops)
+        end, _ = jax.jit(partial(march, ByLapack()), compiler_options=STARTING)(model, settings, state, stops)
         return end
 
     monkeypatch.setattr(step_equations, "tree_layout", TreeLayout.of)

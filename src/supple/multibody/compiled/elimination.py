@@ -1,14 +1,73 @@
-"""Gaussian elimination of one dense system, as few operations as LAPACK allows."""
+"""Elimination of a small dense system within a compiled program, by LAPACK or by loops of the program itself.
+
+LAPACK is a library: a loop with a call of it is a list of hundreds of operations that XLA goes through one by
+one, each a fraction of a microsecond. A march without is one function of machine code
+(`algebra/jax_settings.py`), whose steps take a third to a sixth of the time, and the compiler twice as long.
+"""
 
 from __future__ import annotations
 
-import jax
+from dataclasses import dataclass
+from typing import Protocol
 
-__all__ = ["solve_bordering_column"]
+import jax
+import jax.numpy as jnp
+
+__all__ = ["ByLapack", "ByLoops", "Elimination", "solve_bordering_column"]
+
+
+class Elimination(Protocol):
+    """How a compiled program solves its dense systems."""
+
+    def solution(self, augmented: jax.Array) -> jax.Array:
+        """Solve `A x = b` given `(A | b)`, (n, n + 1), with row exchanges; (n,)."""
+        ...
+
+    def inverse(self, matrix: jax.Array) -> jax.Array:
+        """Inverse of a matrix (n, n), with row exchanges."""
+        ...
+
+
+@dataclass(frozen=True)
+class ByLapack:
+    """Factors by LAPACK: fast for large matrices, and compiled quickly."""
+
+    def solution(self, augmented: jax.Array) -> jax.Array:
+        """As of `Elimination`."""
+        return solve_bordering_column(augmented)
+
+    def inverse(self, matrix: jax.Array) -> jax.Array:
+        """As of `Elimination`."""
+        n = len(matrix)
+        factors, _, _ = jax.lax.linalg.lu(jnp.concatenate([matrix, jnp.eye(n)], axis=1))
+        return jax.lax.linalg.triangular_solve(factors[:, :n], factors[:, n:], left_side=True)
+
+
+@dataclass(frozen=True)
+class ByLoops:
+    """Gaussian elimination written out as loops, of matrices up to `largest`; beyond, LAPACK is faster.
+
+    Other devices than processors, on which a loop is many programs one after the other, have their library.
+    """
+
+    largest: int = 48
+
+    def solution(self, augmented: jax.Array) -> jax.Array:
+        """As of `Elimination`."""
+        return _eliminated(augmented)[:, 0] if self._serve(augmented) else ByLapack().solution(augmented)
+
+    def inverse(self, matrix: jax.Array) -> jax.Array:
+        """As of `Elimination`."""
+        if not self._serve(matrix):
+            return ByLapack().inverse(matrix)
+        return _eliminated(jnp.concatenate([matrix, jnp.eye(len(matrix))], axis=1))
+
+    def _serve(self, matrix: jax.Array) -> bool:
+        return len(matrix) <= self.largest and jax.default_backend() == "cpu"
 
 
 def solve_bordering_column(augmented: jax.Array) -> jax.Array:
-    """Solve `A x = b` given `(A | b)`, (n, n + 1), by elimination with row pivoting; (n,).
+    """Solve `A x = b` given `(A | b)`, (n, n + 1), by LAPACK with row pivoting; (n,).
 
     The factors of the wide matrix `P (A | b) = L (U | y)` hold `y = L^-1 P b`, so that one triangular solve
     is left and no row exchange has to be applied afterwards.
@@ -16,3 +75,32 @@ def solve_bordering_column(augmented: jax.Array) -> jax.Array:
     n = augmented.shape[0]
     factors, _, _ = jax.lax.linalg.lu(augmented)
     return jax.lax.linalg.triangular_solve(factors[:, :n], factors[:, n:], left_side=True)[:, 0]
+
+
+def _eliminated(augmented: jax.Array) -> jax.Array:
+    """`A^-1 B` (n, m) of `(A | B)`, (n, n + m), by the method of Gauss.
+
+    Column k is cleared by the row that has the largest entry there among those that have cleared none. Rows
+    stay where they are; which one has cleared a column is remembered for the substitution.
+    """
+    n = len(augmented)
+    rows = jnp.arange(n)
+
+    def clear(k: jax.Array, known: tuple[jax.Array, jax.Array, jax.Array]):
+        matrix, done, order = known
+        column = jax.lax.dynamic_slice(matrix, (0, k), (n, 1))[:, 0]
+        pivot = jnp.argmax(jnp.where(done, -1.0, jnp.abs(column)))
+        done = done | (rows == pivot)
+        factors = jnp.where(done, 0.0, column / column[pivot])
+        return matrix - factors[:, None] * matrix[pivot], done, jnp.where(rows == k, pivot, order)
+
+    start = augmented, jnp.zeros(n, dtype=bool), jnp.zeros(n, dtype=int)
+    matrix, _, order = jax.lax.fori_loop(0, n, clear, start)
+
+    def substitute(number: jax.Array, solution: jax.Array):
+        k = n - 1 - number
+        row = matrix[order[k]]
+        known = (row[:n, None] * solution).sum(axis=0)
+        return jax.lax.dynamic_update_slice(solution, ((row[n:] - known) / row[k])[None], (k, 0))
+
+    return jax.lax.fori_loop(0, n, substitute, jnp.zeros_like(augmented[:, n:]))

@@ -14,6 +14,7 @@ from supple.algebra.kept_programs import KeptProgram
 from supple.errors import RedundantConstraintWarning, StartWarning
 from supple.integrate import Run, Solution, Statistics
 from supple.machine import System
+from supple.multibody.compiled.elimination import ByLapack, ByLoops, Elimination
 from supple.multibody.compiled.engine import as_solution, controls, initial_state
 from supple.multibody.compiled.inert_motion import in_own_coordinates, with_inert_coordinates
 from supple.multibody.compiled.programs import is_over_soon
@@ -69,14 +70,16 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
     return EveryStep(taken, np.searchsorted(taken.times, times))
 
 
-def _next_steps(model: Model, settings: Controls, start: State, stops: jax.Array) -> tuple[State, State]:
+def _next_steps(
+    elimination: Elimination, model: Model, settings: Controls, start: State, stops: jax.Array
+) -> tuple[State, State]:
     """The next accepted steps on the way to some stops (k,): the last state, and all of them stacked."""
 
     def next_step(state: State, _: None) -> tuple[State, State]:
         end = stops[jnp.minimum(jnp.searchsorted(stops, state.time, side="right"), len(stops) - 1)]
         taken = jax.lax.while_loop(
             lambda s: (s.steps == state.steps) & (s.time < end) & ~s.failed,
-            partial(substep, model, settings, end),
+            partial(substep, elimination, model, settings, end),
             state,
         )
         return taken, taken._replace(kept=None)
@@ -84,5 +87,5 @@ def _next_steps(model: Model, settings: Controls, start: State, stops: jax.Array
     return jax.lax.scan(next_step, start, None, length=_STEPS_AT_ONCE)
 
 
-_march_steps = KeptProgram(_next_steps, MARCHING)
-_march_steps_quickly = KeptProgram(_next_steps, STARTING)
+_march_steps = KeptProgram(partial(_next_steps, ByLoops()), MARCHING)
+_march_steps_quickly = KeptProgram(partial(_next_steps, ByLapack()), STARTING)

@@ -32,7 +32,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.multibody.compiled.contraction import LIKE, MEASURED_EVERY, is_foretellable
-from supple.multibody.compiled.elimination import solve_bordering_column
+from supple.multibody.compiled.elimination import Elimination
 from supple.multibody.compiled.step_equations import tree_layout
 from supple.multibody.equations.configuration import AnyArray
 from supple.multibody.equations.model import Model
@@ -171,16 +171,16 @@ def _lead(
     return jnp.where(farther, 0.0, 1.0)
 
 
-def bodies_inverse(model: Model, rotations: jax.Array, tangent: jax.Array) -> jax.Array:
+def bodies_inverse(
+    elimination: Elimination, model: Model, rotations: jax.Array, tangent: jax.Array
+) -> jax.Array:
     """Inverse of the bodies' tangent (n, n), translations turned from global axes to those of the bodies."""
     own = _turned(model, rotations, _turned(model, rotations, tangent).T).T
-    factors, _, permutation = jax.lax.linalg.lu(own)
-    unit = jnp.eye(model.n_velocities)[permutation]
-    lower = jax.lax.linalg.triangular_solve(factors, unit, left_side=True, lower=True, unit_diagonal=True)
-    return jax.lax.linalg.triangular_solve(factors, lower, left_side=True)
+    return elimination.inverse(own)
 
 
 def solution_by_parts(
+    elimination: Elimination,
     model: Model,
     rotations: jax.Array,
     inverse: jax.Array,
@@ -198,7 +198,7 @@ def solution_by_parts(
     multipliers = gap
     if len(gap):
         joined = _turned(model, rotations, by_increment.T).T @ solved
-        multipliers = solve_bordering_column(jnp.column_stack([joined[:, 1:], joined[:, 0] - gap]))
+        multipliers = elimination.solution(jnp.column_stack([joined[:, 1:], joined[:, 0] - gap]))
         own = own - by_joints @ multipliers
     return _turned(model, jnp.swapaxes(rotations, 1, 2), own[:, None])[:, 0], multipliers
 

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 
 from supple.integrate import StepRule
 from supple.multibody.compiled.contraction import Contraction, foretold_to_converge
+from supple.multibody.compiled.elimination import Elimination
 from supple.multibody.compiled.iterate import Trial, motion_of, position_scale
 from supple.multibody.compiled.kept_tangent import (
     SHARE,
@@ -35,6 +36,7 @@ _SOON = 2
 
 
 def modified_pass(
+    elimination: Elimination,
     model: Model,
     rule: StepRule,
     start: State,
@@ -60,7 +62,7 @@ def modified_pass(
     change, multiplier_change, inverse = jax.lax.cond(
         converged,
         lambda: (jnp.zeros_like(trial.acceleration), jnp.zeros_like(trial.multipliers), before.inverse),
-        lambda: _correction(model, rule, start, trial, linearization, before.inverse, anew),
+        lambda: _correction(elimination, model, rule, start, trial, linearization, before.inverse, anew),
     )
     # By earlier steps alone: what a first correction gains tells little of what a second one will.
     foretold = jnp.where(
@@ -71,6 +73,7 @@ def modified_pass(
 
 
 def _correction(
+    elimination: Elimination,
     model: Model,
     rule: StepRule,
     start: State,
@@ -84,10 +87,11 @@ def _correction(
 
     def made() -> jax.Array:
         own = tangent(model, motion_of(rule, start, trial), linearization, trial.increments, rule.factors)
-        return bodies_inverse(model, rotations, own)
+        return bodies_inverse(elimination, model, rotations, own)
 
     inverse = jax.lax.cond(anew, made, lambda: kept)
     change, multiplier_change = solution_by_parts(
+        elimination,
         model,
         rotations,
         inverse,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -9,6 +10,7 @@ import jax.numpy as jnp
 
 from supple.integrate import StepRule
 from supple.multibody.compiled.contraction import foretold_to_converge, is_foretellable
+from supple.multibody.compiled.elimination import Elimination
 from supple.multibody.compiled.in_turn import in_turn
 from supple.multibody.compiled.iterate import Place, Trial, motion_of
 from supple.multibody.compiled.state import State
@@ -64,6 +66,7 @@ class Judged(NamedTuple):
 
 
 def newton_pass(
+    elimination: Elimination,
     model: Model,
     rule: StepRule,
     start: State,
@@ -83,36 +86,51 @@ def newton_pass(
     foretold = jnp.zeros((), dtype=bool)
     if is_foretellable(model):
         foretold = ~converged & (old.evaluations == 0) & foretold_to_converge(start.contraction, size, rule.h)
-    return Judged(converged, foretold, *correct(model, rule, start, trial, linearization), None)
+    return Judged(converged, foretold, *correct(elimination, model, rule, start, trial, linearization), None)
 
 
 def _newton_correction(
-    model: Model, rule: StepRule, start: State, trial: Trial, linearization: Linearization
+    elimination: Elimination,
+    model: Model,
+    rule: StepRule,
+    start: State,
+    trial: Trial,
+    linearization: Linearization,
 ) -> tuple[jax.Array, jax.Array]:
     motion = motion_of(rule, start, trial)
     step = LinearizedStep(motion, linearization, trial.increments, rule.factors)
-    change = correction(model, step, trial.residual, trial.constraint_residual)
+    change = correction(elimination, model, step, trial.residual, trial.constraint_residual)
     n = model.n_velocities
     return change[:n], change[n:]
 
 
 def _correction_where_needed(
-    model: Model, rule: StepRule, start: State, trial: Trial, linearization: Linearization
+    elimination: Elimination,
+    model: Model,
+    rule: StepRule,
+    start: State,
+    trial: Trial,
+    linearization: Linearization,
 ) -> tuple[jax.Array, jax.Array]:
     """The next correction; none of a converged trial."""
     return jax.lax.cond(
         trial.converged,
         lambda: (jnp.zeros_like(trial.acceleration), jnp.zeros_like(trial.multipliers)),
-        lambda: _newton_correction(model, rule, start, trial, linearization),
+        lambda: _newton_correction(elimination, model, rule, start, trial, linearization),
     )
 
 
 def _correction_in_turn(
-    model: Model, rule: StepRule, start: State, trial: Trial, linearization: Linearization
+    elimination: Elimination,
+    model: Model,
+    rule: StepRule,
+    start: State,
+    trial: Trial,
+    linearization: Linearization,
 ) -> tuple[jax.Array, jax.Array]:
     """The same for cases that take turns, each of which copies its numbers: tables of loads would be most."""
     held = model.loads_at(start.time + rule.h)
-    return in_turn(_correction_where_needed, held, rule, start, trial, linearization)
+    return in_turn(partial(_correction_where_needed, elimination), held, rule, start, trial, linearization)
 
 
 _FEWEST_IN_TURN = 16

@@ -20,7 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.integrate import StepFactors
-from supple.multibody.compiled.elimination import solve_bordering_column
+from supple.multibody.compiled.elimination import Elimination
 from supple.multibody.compiled.tree_elimination import TreeLayout
 from supple.multibody.equations.balance import Linearization, tangent, tangent_blocks
 from supple.multibody.equations.configuration import SystemMotion
@@ -46,8 +46,9 @@ _LOOP = 4e4
 
 _ROUNDING = 1e-13
 """What a solution leaves, in parts of the terms in its equations by kind of row, where rounding alone is at
-work; a solution along the tree is refined where it leaves more [ArioliDemmelDuff1989]."""
-_REFINEMENTS = 2
+work; a solution along the tree is refined where it leaves more [ArioliDemmelDuff1989], and then until it
+has left no more twice: small multipliers beside large ones are right one pass after the residual is small."""
+_REFINEMENTS = 4
 _INEXACT = 1e-11
 """What refinement may leave before the whole matrix is eliminated with row exchanges instead."""
 
@@ -83,22 +84,26 @@ def kinds_of_rows(model: Model) -> np.ndarray:
 
 
 def correction(
-    model: Model, step: LinearizedStep, residual: jax.Array, constraint_residual: jax.Array
+    elimination: Elimination,
+    model: Model,
+    step: LinearizedStep,
+    residual: jax.Array,
+    constraint_residual: jax.Array,
 ) -> jax.Array:
     """Changes of accelerations and multipliers (n + m,) that take away the residuals (n,) and (m,)."""
     gaps = model.mass / step.factors.by_position * constraint_residual
     load = -jnp.concatenate([residual, gaps])
     layout = tree_layout(model)
     if layout is None:
-        change = _dense_solution(step_matrix(model, step), load)
+        change = _dense_solution(elimination, step_matrix(model, step), load)
     else:
-        change = tree_solution(model, layout, step_fronts(layout, model, step), load)
+        change = tree_solution(elimination, model, layout, step_fronts(layout, model, step), load)
     n = model.n_velocities
     return change.at[n:].multiply(model.mass)
 
 
-def _dense_solution(matrix: jax.Array, load: jax.Array) -> jax.Array:
-    return solve_bordering_column(jnp.concatenate([matrix, load[:, None]], axis=1))
+def _dense_solution(elimination: Elimination, matrix: jax.Array, load: jax.Array) -> jax.Array:
+    return elimination.solution(jnp.concatenate([matrix, load[:, None]], axis=1))
 
 
 class _Refined(NamedTuple):
@@ -108,15 +113,18 @@ class _Refined(NamedTuple):
     rest: jax.Array
     part: jax.Array
     """Of the terms in the equations, the rest"""
+    part_before: jax.Array
     passes: jax.Array
 
 
-def tree_solution(model: Model, layout: TreeLayout, fronts: jax.Array, load: jax.Array) -> jax.Array:
+def tree_solution(
+    elimination: Elimination, model: Model, layout: TreeLayout, fronts: jax.Array, load: jax.Array
+) -> jax.Array:
     """Solution along the tree, refined; with row exchanges across the whole matrix where that is inexact.
 
     Loops where branches would do: of a batch, all cases take a branch that one of them takes, and always.
     """
-    factor = layout.factored(fronts)
+    factor = layout.factored(fronts, elimination)
     sizes = jnp.abs(fronts)
     m = len(model.active)
     kinds = np.block([[kinds_of_rows(model), np.zeros((3, m))], [np.zeros(model.n_velocities), np.ones(m)]])
@@ -126,17 +134,20 @@ def tree_solution(model: Model, layout: TreeLayout, fronts: jax.Array, load: jax
         rest = load - layout.product(fronts, solution)
         terms = layout.product(sizes, jnp.abs(solution)) + jnp.abs(load)
         left, there = (jnp.max(kinds * jnp.abs(vector), axis=1) for vector in (rest, terms))
-        return _Refined(solution, rest, jnp.max(left / jnp.where(there > 0, there, 1.0)), old.passes + 1)
+        part = jnp.max(left / jnp.where(there > 0, there, 1.0))
+        return _Refined(solution, rest, part, old.part, old.passes + 1)
 
     def unfinished(old: _Refined) -> jax.Array:
-        return (old.part > _ROUNDING) & (old.passes <= _REFINEMENTS)
+        refined_once = (old.passes > 1) & (old.part_before > _ROUNDING)
+        return ((old.part > _ROUNDING) | refined_once) & (old.passes <= _REFINEMENTS)
 
-    none = _Refined(jnp.zeros_like(load), load, jnp.asarray(jnp.inf), jnp.asarray(0))
+    infinite = jnp.asarray(jnp.inf)
+    none = _Refined(jnp.zeros_like(load), load, infinite, infinite, jnp.asarray(0))
     along_tree = jax.lax.while_loop(unfinished, refined, none)
     # Asked this way round, what is not a number is inexact.
     _, solution = jax.lax.while_loop(
         lambda known: known[0],
-        lambda _: (jnp.zeros((), dtype=bool), _dense_solution(layout.dense(fronts), load)),
+        lambda _: (jnp.zeros((), dtype=bool), _dense_solution(elimination, layout.dense(fronts), load)),
         (~(along_tree.part <= _INEXACT), along_tree.solution),
     )
     return solution

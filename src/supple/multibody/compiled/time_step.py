@@ -14,6 +14,7 @@ import jax.numpy as jnp
 
 from supple.integrate import StepRule
 from supple.multibody.compiled.contraction import is_foretellable, measured
+from supple.multibody.compiled.elimination import Elimination
 from supple.multibody.compiled.iterate import Place, evaluate, motion_of, place, position_scale
 from supple.multibody.compiled.kept_tangent import predicted
 from supple.multibody.compiled.modified_newton import modified_pass, used_in_step
@@ -39,7 +40,9 @@ class _Stepped(NamedTuple):
     iteration: Iteration
 
 
-def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _Stepped:
+def _try_step(
+    elimination: Elimination, model: Model, controls: Controls, start: State, h: jax.Array
+) -> _Stepped:
     """The iteration for one step of size h, from the acceleration of its start or along a line.
 
     Each pass evaluates the residual at the iterate left by the pass before and, unless that is good enough,
@@ -61,7 +64,7 @@ def _try_step(model: Model, controls: Controls, start: State, h: jax.Array) -> _
         rounding = position_rounding(model.length, trial.configuration.origins)
         settled = (old.evaluations > 0) & (old.moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
         size = jnp.max(trial.relative_residual) / tolerance
-        found = judged(model, rule, start, old, trial, linearization, size, settled)
+        found = judged(elimination, model, rule, start, old, trial, linearization, size, settled)
         return Iteration(
             acceleration=old.acceleration + found.change,
             multipliers=old.multipliers + found.multiplier_change,
@@ -126,12 +129,14 @@ def _turn(model: Model, increments: jax.Array) -> jax.Array:
     return jnp.sqrt(jnp.max(jnp.sum(turns**2, axis=1)))
 
 
-def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> State:
+def substep(
+    elimination: Elimination, model: Model, controls: Controls, end: jax.Array, start: State
+) -> State:
     """Try one step towards `end`: accept it, or cut it."""
     remaining = end - start.time
     # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
     h = remaining / jnp.maximum(jnp.ceil(remaining / start.step * (1 - 1e-9)), 1.0)
-    trial = _try_step(model, controls, start, h)
+    trial = _try_step(elimination, model, controls, start, h)
     iteration = trial.iteration
     error = _local_error(model, StepRule(controls.coefficients, h), start, trial)
     converged = (iteration.converged | iteration.foretold) & jnp.isfinite(error)
@@ -174,7 +179,9 @@ def substep(model: Model, controls: Controls, end: jax.Array, start: State) -> S
     return jax.tree.map(lambda a, b: jnp.where(accepted, a, b), after, before)
 
 
-def march(model: Model, controls: Controls, start: State, stops: jax.Array) -> tuple[State, State]:
+def march(
+    elimination: Elimination, model: Model, controls: Controls, start: State, stops: jax.Array
+) -> tuple[State, State]:
     """Simulate to each of the stops (k,), ascending; the final state, and the states there, stacked.
 
     It ends with the first stop that repeats the one before; the rows behind it are zero. After a failure the
@@ -191,7 +198,7 @@ def march(model: Model, controls: Controls, start: State, stops: jax.Array) -> t
         row, state, states = march
         state = jax.lax.while_loop(
             lambda s: (s.time < stops[row]) & ~s.failed,
-            partial(substep, model, controls, stops[row]),
+            partial(substep, elimination, model, controls, stops[row]),
             state,
         )
         states = jax.tree.map(

@@ -23,6 +23,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.multibody.compiled.elimination import Elimination
 from supple.multibody.equations.elimination_tree import EliminationTree, elimination_tree
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.places import Block
@@ -202,7 +203,7 @@ class TreeLayout:
         between = jnp.zeros(shape)
         return jnp.concatenate([parent, between, border], axis=axis)
 
-    def factored(self, fronts: jax.Array) -> TreeFactor:
+    def factored(self, fronts: jax.Array, elimination: Elimination) -> TreeFactor:
         """All fronts eliminated, children before parents."""
         n, parents = self.own, np.array(self.tree.parents)
         others = fronts.shape[1] - n
@@ -210,14 +211,14 @@ class TreeLayout:
         def eliminate(left: jax.Array, of_body: tuple[Any, ...]):
             index, parent, front = of_body
             whole = front + self._spread(self._spread(left[index], 0), 1)
-            inverse = _inverse(whole[:n, :n])
+            inverse = elimination.inverse(whole[:n, :n])
             up, down = inverse @ whole[:n, n:], whole[n:, :n] @ inverse
             return left.at[parent].add(whole[n:, n:] - down @ whole[:n, n:]), (inverse, up, down)
 
         left = jnp.zeros((self.n_bodies + 1, others, others))
         left, done = jax.lax.scan(eliminate, left, (np.arange(self.n_bodies), parents, fronts[:-1]))
         last = (fronts[-1, n:, n:] + left[-1])[self.parent :, self.parent :]
-        return TreeFactor(*done, border=_inverse(last) if self.border else last)
+        return TreeFactor(*done, border=elimination.inverse(last) if self.border else last)
 
     def solved(self, factor: TreeFactor, load: jax.Array) -> jax.Array:
         """Solution for a load (n + m,): velocities, then active multipliers."""
@@ -276,10 +277,3 @@ class TreeLayout:
         everywhere = jnp.append(vector, 0.0)[self._source]
         own, border = jnp.split(everywhere, [self.n_bodies * self.own])
         return own.reshape(self.n_bodies, self.own), border
-
-
-def _inverse(matrix: jax.Array) -> jax.Array:
-    """Of a dense matrix, by elimination with row exchanges."""
-    n = len(matrix)
-    factors, _, _ = jax.lax.linalg.lu(jnp.concatenate([matrix, jnp.eye(n)], axis=1))
-    return jax.lax.linalg.triangular_solve(factors[:, :n], factors[:, n:], left_side=True)
