@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -43,6 +44,8 @@ class PeerProcess:
                 stderr=log,
                 text=True,
                 cwd=self.folder,
+                # Of this environment's JAX: another version may not know them, and end.
+                env={name: value for name, value in os.environ.items() if name != "XLA_FLAGS"},
             )
         assert self._process.stdin is not None
         assert self._process.stdout is not None

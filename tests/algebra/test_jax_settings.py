@@ -74,3 +74,11 @@ def test_programs_that_fill_the_memory_maps_are_given_back(tmp_path, monkeypatch
     assert bound_programs()
     assert built[3]._cache_size() == 0
     assert [float(program(1.0)) for program in built] == before
+
+
+def test_flags_that_are_set_stay():
+    names = ("--xla_backend_extra_options", "--xla_cpu_experimental_ynn_fusion_type")
+    assert [flag.split("=")[0] for flag in jax_settings._with_flags("").split()] == list(names)
+    given = f"{names[0]}=mine=1 --xla_cpu_enable_fast_math=false"
+    assert jax_settings._with_flags(given) == f"{given} {names[1]}="
+    assert jax_settings._with_flags(jax_settings._with_flags(given)) == f"{given} {names[1]}="

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
+import jax
 import numpy as np
 import pytest
 
@@ -11,8 +13,11 @@ from supple.body import RigidBody
 from supple.integrate import FixedStep, GeneralizedAlpha, Run
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.multibody.compiled import engine, programs
-from supple.multibody.compiled.engine import initial_state
+from supple.multibody.compiled.elimination import ByLapack, ByLoops
+from supple.multibody.compiled.engine import controls, initial_state
 from supple.multibody.compiled.programs import COMPILED_MARCH, QUICK_MARCH, march_for
+from supple.multibody.compiled.time_step import march
+from supple.multibody.equations.compiler_options import STARTING
 from supple.simulation import simulate
 
 RUN = Run(0.4, 0.1, FixedStep(0.01), method=GeneralizedAlpha(0.8))
@@ -39,6 +44,17 @@ def test_short_runs_march_by_the_quick_program_until_the_other_is_earned(pendulu
     assert asked == [QUICK_MARCH] * 4 + [COMPILED_MARCH] * 2
     other = initial_state(replace(pendulum, joints=()), 0.0, 0.01)
     assert march_for(*other, steps=6e4) is QUICK_MARCH
+
+
+def test_the_march_is_one_function_of_machine_code(pendulum):
+    """What its loop would be kept from by a call of a library: of LAPACK, or of one for products."""
+    run = controls(RUN)
+    model, start = initial_state(pendulum, 0.0, 0.01)
+    for elimination, is_one in ((ByLoops(), True), (ByLapack(), False)):
+        lowered = jax.jit(partial(march, elimination)).lower(model, run, start, RUN.times)
+        text = lowered.compile(compiler_options=STARTING).as_text()
+        whole = text[text.index("ENTRY") :]
+        assert ("xla_cpu_small_call" in whole and " while(" not in whole) == is_one
 
 
 def marched_by(program, system, run, monkeypatch, **how):
