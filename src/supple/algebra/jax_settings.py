@@ -183,7 +183,8 @@ _FLAGS = {
 
 def _with_flags(given: str) -> str:
     """XLA_FLAGS with those of compiled marches; what is set already stays."""
-    return " ".join([given, *(f"{name}={value}" for name, value in _FLAGS.items() if name not in given)])
+    own = [f"{name}={value}" for name, value in _FLAGS.items() if name not in given]
+    return " ".join([given, *own]).strip()
 
 
 jax.config.update("jax_enable_x64", True)
