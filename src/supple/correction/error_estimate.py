@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from supple.algebra.rotation import rotation_log
 from supple.body import FullBody, ModalDamping
 from supple.correction.basis_error import FIRST_ORDER, BasisError, BodyError
 from supple.correction.looked_at_instants import followed, jittered, striking
+from supple.correction.missing_motion import FOLLOWED
 from supple.correction.residual_correction import ResidualCorrections, system_corrections
 from supple.correction.settled_error import Told, is_clearly_larger, is_finite, is_small, settled
 from supple.error_equation import (
@@ -146,18 +147,16 @@ class ErrorEstimator:
         steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
         looked, fresh = self._instants(steps.solution.times, instants)
         both = np.concatenate([looked, fresh])
-        nonlinear = not all(full.is_linear for full in fulls.values())
-        along = followed(both) if nonlinear else np.unique(both)
-        every = system_corrections(
+        along = followed(both)
+        missed = system_corrections(
             reduced,
             tuple(fulls.values()),
             bases,
             steps.solution,
-            along,
-            wanted=both,
-            progress=None if progress is None else lambda fraction: progress(0.7 * fraction),
+            both,
+            between=None if all(full.is_linear for full in fulls.values()) else along,
+            progress=None if progress is None else lambda fraction: progress(0.5 * fraction),
         )
-        missed = {name: own.at(np.searchsorted(along, both)) for name, own in every.items()}
         fields = {name: own.deformation for name, own in missed.items()}
         if not whole:
             return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
@@ -176,7 +175,13 @@ class ErrorEstimator:
             self.active(solution),
             start,
         )
-        told = _told(equation, every, allowed or {})
+
+        def missed_along() -> dict[str, ResidualCorrections]:
+            return system_corrections(
+                reduced, tuple(fulls.values()), bases, steps.solution, along, settled=FOLLOWED
+            )
+
+        told = _told(equation, missed_along, allowed or {})
         if told is None:
             return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
         found, histories, second = told
@@ -317,11 +322,14 @@ def _start_error(
 
 
 def _told(
-    equation: ErrorEquation, missed: Mapping[str, ResidualCorrections], allowed: Mapping[str, float]
+    equation: ErrorEquation,
+    missed_along: Callable[[], Mapping[str, ResidualCorrections]],
+    allowed: Mapping[str, float],
 ) -> Told | None:
     """The differences of the true motion and the run's, and by body what the last sweep changed.
 
     None where they grow far beyond the deformation itself: not even their order of magnitude is known then.
+    missed_along : what the run misses at rest, at many instants
     allowed : as for `ErrorEstimator.judge`
     """
     found = equation.first()
@@ -336,7 +344,7 @@ def _told(
     if nonlinear and max(told[2].values()) > FIRST_ORDER:
         # The run may be no place to take tangents at: walls that should have buckled, and in the run have
         # not, let any difference grow. With the motion that it misses at rest they do not.
-        tangents = equation.with_missed({name: _known(own) for name, own in missed.items()})
+        tangents = equation.with_missed({name: _known(own) for name, own in missed_along().items()})
         about = equation.first(tangents)
         other = settled(equation, about, equation.histories(about), tangents)
         if max(other[2].values()) <= FIRST_ORDER:

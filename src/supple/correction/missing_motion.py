@@ -13,6 +13,10 @@ followed as it grows. A shell whose walls buckle has several equilibria close to
 takes one; instants far apart lose it (on the 61.5 m blade at 8 rad/s those 0.6 s apart do, 0.2 s do not).
 Where it is only followed, a tenth is near enough: the next search begins from there and ends as strictly.
 Tangents are kept from instant to instant while a correction with them leaves less than a third.
+
+Not all instants need the others between. Where every correction from the last answer on, by one tangent, is
+less than a third of the one before, the iteration contracts all the way, and the answer is the only one in
+reach: the one that following would have led to. Otherwise the motion is followed from there.
 Source: this project's own.
 """
 
@@ -34,8 +38,7 @@ __all__ = ["FOLLOWED", "SETTLED", "MissingMotion", "MissingMotionSearch"]
 SETTLED = 1e-3
 """A correction over the motion found, below which it is the last."""
 FOLLOWED = 0.1
-"""The same at instants that are only on the way to others. On the 61.5 m blade the motion at the others stays
-the same to 2e-4, for half of the work."""
+"""The same at instants that are only on the way to others."""
 IRRELEVANT = 1e-7
 """Of the deformation itself: a correction as small is the last, whatever the motion found."""
 FAST, SLOW = 0.3, 0.8
@@ -108,24 +111,66 @@ class MissingMotionSearch:
                 return found
         return None
 
+    def directly(self, state: FullState, settled: float = SETTLED) -> MissingMotion | None:
+        """The same where the iteration contracts all the way from the last answer; None where it does not."""
+        begin = self._beginning(state)
+        for _ in range(2 if self._tangent is not None else 1):
+            try:
+                found = self._contracted(state, begin, settled)
+            except AccuracyError:
+                # Whether the tangent is singular on the way, too, following tells.
+                found = None
+            if found is not None:
+                self._last = found
+                return found
+            self._tangent = None
+        return None
+
     def _searches(self, state: FullState) -> Iterator[tuple[Search, MissingMotion]]:
-        none = MissingMotion(
+        begin = self._beginning(state)
+        if self._last is not None:
+            yield self._corrected, begin
+        yield self._corrected, self._none(state)
+        if self._relaxations < MOST_RELAXATIONS:
+            self._relaxations += 1
+            yield self._relaxed, begin
+
+    def _none(self, state: FullState) -> MissingMotion:
+        return MissingMotion(
             np.zeros(self._machine.n),
             np.zeros_like(state.multipliers),
             tuple(np.zeros(6) for _ in self._machine.interiors),
         )
-        begin = none
-        if self._last is not None:
-            # The deformation alone: frames have moved on since, and the directions of forces with them.
-            deformation = self._last.displacement.copy()
-            for part in self._machine.slices:
-                deformation[part.start : part.start + 6] = 0.0
-            begin = replace(none, displacement=deformation)
-            yield self._corrected, begin
-        yield self._corrected, none
-        if self._relaxations < MOST_RELAXATIONS:
-            self._relaxations += 1
-            yield self._relaxed, begin
+
+    def _beginning(self, state: FullState) -> MissingMotion:
+        """The last deformation alone: frames have moved on since, and the directions of forces with them."""
+        none = self._none(state)
+        if self._last is None:
+            return none
+        deformation = self._last.displacement.copy()
+        for part in self._machine.slices:
+            deformation[part.start : part.start + 6] = 0.0
+        return replace(none, displacement=deformation)
+
+    def _contracted(self, state: FullState, begin: MissingMotion, settled: float) -> MissingMotion | None:
+        """Modified Newton's method with one tangent; None where corrections do not shrink fast at once."""
+        factors = StepFactors(by_position=self._by_position, by_velocity=0.0)
+        if self._tangent is not None and not serves(self._tangent, factors):
+            self._tangent = None
+        at, before = begin, np.inf
+        for _ in range(MOST_CORRECTIONS):
+            evaluation = self._evaluated(state, at)
+            if self._tangent is None:
+                self._tangent = self._factored(evaluation, factors)
+            more = self._more(evaluation, self._tangent)
+            size = self._size(more)
+            rate, before = size / before, size
+            if not rate <= FAST:
+                return None
+            at = at + more
+            if FAST * size <= self._last_correction(state, at, settled):
+                return at
+        return None
 
     def _corrected(self, state: FullState, begin: MissingMotion, settled: float) -> MissingMotion | None:
         """Modified Newton's method; None where it does not converge."""

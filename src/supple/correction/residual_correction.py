@@ -112,7 +112,8 @@ def system_corrections(
     solution: Solution,
     instants: np.ndarray,
     *,
-    wanted: np.ndarray | None = None,
+    between: np.ndarray | None = None,
+    settled: float = SETTLED,
     progress: Progress | None = None,
 ) -> dict[str, ResidualCorrections]:
     """Motion that the bases of a finished run miss at some of its output times, by body.
@@ -127,8 +128,9 @@ def system_corrections(
     solution : Solution         of the run
     instants : int array (k,)   output times to look at, by their number; the motion missed at one is where
                                 the search at the next begins (`MissingMotionSearch`)
-    wanted : int array          those of the instants whose motion is to settle; at the others it is followed,
-                                to a tenth; none: all
+    between : int array         others, along which it is followed from one of the instants to the next where
+                                the search does not lead there directly; none: the search goes on regardless
+    settled : float             part of the motion found that its last correction may have
     progress : function         called with the completed fraction of the instants
 
     Raises
@@ -137,25 +139,32 @@ def system_corrections(
     AccuracyError   tangents are singular at all instants: the body has buckled, or its joints hold a
                     mechanism in a dead centre
     """
-    seen = expanded_states(system, fulls, bases, solution, instants)
+    instants = np.asarray(instants)
+    others = np.setdiff1d(np.zeros(0, dtype=np.intp) if between is None else between, instants)
+    seen = expanded_states(system, fulls, bases, solution, np.concatenate([instants, others]))
     prepared, indices = seen.prepared, seen.indices
     search = MissingMotionSearch(prepared, seen.by_position)
     states = [seen.state(row) for row in range(len(instants))]
-    steps, settled = np.zeros((len(instants), prepared.n)), np.zeros(len(instants), dtype=bool)
-    settles = np.isin(instants, instants if wanted is None else wanted)
+    steps, known = np.zeros((len(instants), prepared.n)), np.zeros(len(instants), dtype=bool)
+    reached = -1
     for done, row in enumerate(np.argsort(instants, kind="stable"), start=1):
-        missing = search.at(states[row], SETTLED if settles[row] else FOLLOWED)
+        missing = search.directly(states[row], settled) if len(others) else None
+        if missing is None:
+            for other in np.flatnonzero((others > reached) & (others < instants[row])):
+                search.at(seen.state(len(instants) + int(other)), FOLLOWED)
+            missing = search.at(states[row], settled)
+        reached = instants[row]
         if missing is not None:
-            steps[row], settled[row] = missing.displacement, True
+            steps[row], known[row] = missing.displacement, True
         if progress is not None:
             progress(done / len(instants))
-    if search.singular is not None and not settled.any():
+    if search.singular is not None and not known.any():
         raise search.singular
     for index, full in zip(indices, fulls, strict=True):
-        steps[:, prepared.slices[index]][:, 6:] += seen.expanded[full.name].following
+        steps[:, prepared.slices[index]][:, 6:] += seen.expanded[full.name].following[: len(instants)]
     found = corrections_of(seen, fulls, states, steps)
     return {
-        name: replace(own, rms=np.where(settled, own.rms, np.inf), factorizations=search.factorizations)
+        name: replace(own, rms=np.where(known, own.rms, np.inf), factorizations=search.factorizations)
         for name, own in found.items()
     }
 

@@ -66,6 +66,11 @@ class ByLoops:
         return len(matrix) <= self.largest and jax.default_backend() == "cpu"
 
 
+_WRITTEN_OUT, _LOOPED = 24, 44
+"""Rows of so many numbers the compiler writes out one by one, which takes twice the time: they are filled up
+with zeros until it keeps the loop over them, and goes through it in vectors."""
+
+
 def solve_bordering_column(augmented: jax.Array) -> jax.Array:
     """Solve `A x = b` given `(A | b)`, (n, n + 1), by LAPACK with row pivoting; (n,).
 
@@ -83,8 +88,10 @@ def _eliminated(augmented: jax.Array) -> jax.Array:
     Column k is cleared by the row that has the largest entry there among those that have cleared none. Rows
     stay where they are; which one has cleared a column is remembered for the substitution.
     """
-    n = len(augmented)
+    n, width = augmented.shape
     rows = jnp.arange(n)
+    if _WRITTEN_OUT < width < _LOOPED:
+        augmented = jnp.pad(augmented, ((0, 0), (0, _LOOPED - width)))
 
     def clear(k: jax.Array, known: tuple[jax.Array, jax.Array, jax.Array]):
         matrix, done, order = known
@@ -101,6 +108,6 @@ def _eliminated(augmented: jax.Array) -> jax.Array:
         k = n - 1 - number
         row = matrix[order[k]]
         known = (row[:n, None] * solution).sum(axis=0)
-        return jax.lax.dynamic_update_slice(solution, ((row[n:] - known) / row[k])[None], (k, 0))
+        return jax.lax.dynamic_update_slice(solution, ((row[n:width] - known) / row[k])[None], (k, 0))
 
-    return jax.lax.fori_loop(0, n, substitute, jnp.zeros_like(augmented[:, n:]))
+    return jax.lax.fori_loop(0, n, substitute, jnp.zeros((n, width - n)))
