@@ -146,9 +146,9 @@ class ErrorEstimator:
         whole = solution.stopped is None
         steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
         looked, fresh = self._instants(steps.solution.times, instants)
-        both = np.concatenate([looked, fresh])
+        both, places = np.unique(np.concatenate([looked, fresh]), return_inverse=True)
         along = followed(both)
-        missed = system_corrections(
+        at_each = system_corrections(
             reduced,
             tuple(fulls.values()),
             bases,
@@ -157,6 +157,7 @@ class ErrorEstimator:
             between=None if all(full.is_linear for full in fulls.values()) else along,
             progress=None if progress is None else lambda fraction: progress(0.5 * fraction),
         )
+        missed = {name: own.at(places) for name, own in at_each.items()}
         fields = {name: own.deformation for name, own in missed.items()}
         if not whole:
             return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)

@@ -31,7 +31,7 @@ from supple.errors import AccuracyError
 from supple.integrate import StepFactors
 from supple.multibody.full.full_state import Evaluation, FullState
 from supple.multibody.full.full_system import FullSystem
-from supple.multibody.full.kept_tangent import KeptTangent, kept_tangent, serves
+from supple.multibody.full.kept_tangent import KeptTangent, kept_tangent
 
 __all__ = ["FOLLOWED", "SETTLED", "MissingMotion", "MissingMotionSearch"]
 
@@ -154,15 +154,9 @@ class MissingMotionSearch:
 
     def _contracted(self, state: FullState, begin: MissingMotion, settled: float) -> MissingMotion | None:
         """Modified Newton's method with one tangent; None where corrections do not shrink fast at once."""
-        factors = StepFactors(by_position=self._by_position, by_velocity=0.0)
-        if self._tangent is not None and not serves(self._tangent, factors):
-            self._tangent = None
         at, before = begin, np.inf
         for _ in range(MOST_CORRECTIONS):
-            evaluation = self._evaluated(state, at)
-            if self._tangent is None:
-                self._tangent = self._factored(evaluation, factors)
-            more = self._more(evaluation, self._tangent)
+            more = self._by_kept_tangent(self._evaluated(state, at))
             size = self._size(more)
             rate, before = size / before, size
             if not rate <= FAST:
@@ -174,16 +168,10 @@ class MissingMotionSearch:
 
     def _corrected(self, state: FullState, begin: MissingMotion, settled: float) -> MissingMotion | None:
         """Modified Newton's method; None where it does not converge."""
-        factors = StepFactors(by_position=self._by_position, by_velocity=0.0)
-        if self._tangent is not None and not serves(self._tangent, factors):
-            self._tangent = None
         at, before, strikes = begin, np.inf, 0
         for _ in range(MOST_CORRECTIONS):
-            evaluation = self._evaluated(state, at)
             new = self._tangent is None
-            if self._tangent is None:
-                self._tangent = self._factored(evaluation, factors)
-            more = self._more(evaluation, self._tangent)
+            more = self._by_kept_tangent(self._evaluated(state, at))
             size = self._size(more)
             rate, before = size / before, size
             if not np.isfinite(size):
@@ -212,8 +200,7 @@ class MissingMotionSearch:
         self._tangent = None
         for _ in range(MOST_STEPS_DOWNHILL):
             evaluation = self._evaluated(state, at)
-            factors = StepFactors(by_position=by_position, by_velocity=0.0)
-            more = self._more(evaluation, self._factored(evaluation, factors))
+            more = self._more(evaluation, self._factored(evaluation, by_position))
             size = self._size(more)
             if not np.isfinite(size):
                 return None
@@ -241,6 +228,12 @@ class MissingMotionSearch:
     def _evaluated(self, state: FullState, by: MissingMotion) -> Evaluation:
         return self._machine.evaluate(self.moved(state, by), 0.0)
 
+    def _by_kept_tangent(self, evaluation: Evaluation) -> MissingMotion:
+        """A correction by the tangent that is kept, or by that of this place, which is kept from then on."""
+        if self._tangent is None:
+            self._tangent = self._factored(evaluation, self._by_position)
+        return self._more(evaluation, self._tangent)
+
     def _more(self, evaluation: Evaluation, tangent: KeptTangent) -> MissingMotion:
         """A correction of the missing motion."""
         by_position = tangent.factors.by_position
@@ -257,8 +250,9 @@ class MissingMotionSearch:
         """Size of a correction that is the last."""
         return max(settled * self._size(found), IRRELEVANT * self._deformation(state))
 
-    def _factored(self, at: Evaluation, factors: StepFactors) -> KeptTangent:
+    def _factored(self, at: Evaluation, by_position: float) -> KeptTangent:
         """The symmetric part, all but the whole at rest; that, where it has no factor without pivots."""
+        factors = StepFactors(by_position=by_position, by_velocity=0.0)
         still = np.zeros((len(self._machine.interiors), 3))
         self.factorizations += 1
         try:

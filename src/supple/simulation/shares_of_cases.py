@@ -22,10 +22,8 @@ import numpy as np
 from supple.algebra.kept_programs import KeptProgram
 from supple.algebra.worker_processes import Task
 from supple.multibody.compiled.batch_start import Axes, BatchStart, stacked
-from supple.multibody.compiled.elimination import ByLoops
 from supple.multibody.compiled.programs import COMPILED_MARCH
 from supple.multibody.compiled.state import Controls, State
-from supple.multibody.compiled.time_step import march
 from supple.multibody.equations.compiler_options import MARCHING
 from supple.multibody.equations.model import Model
 
@@ -92,12 +90,12 @@ def _mapped(
 def _march_of_cases(
     first: Model, differing: list[Any], settings: Controls, states: State, stops: Any
 ) -> tuple[State, State]:
-    """`march`, mapped over cases: of the first one's model, but for its leaves that differ (else None)."""
+    """The march, mapped over cases: of the first one's model, but for its leaves that differ (else None)."""
     leaves, structure = jax.tree.flatten(first)
 
     def of_case(own: list[Any], state: State) -> tuple[State, State]:
         chosen = [shared if each is None else each for shared, each in zip(leaves, own, strict=True)]
-        return march(ByLoops(), jax.tree.unflatten(structure, chosen), settings, state, stops)
+        return COMPILED_MARCH(jax.tree.unflatten(structure, chosen), settings, state, stops)
 
     return jax.vmap(of_case)(differing, states)
 

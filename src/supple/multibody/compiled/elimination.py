@@ -38,9 +38,7 @@ class ByLapack:
 
     def inverse(self, matrix: jax.Array) -> jax.Array:
         """As of `Elimination`."""
-        n = len(matrix)
-        factors, _, _ = jax.lax.linalg.lu(jnp.concatenate([matrix, jnp.eye(n)], axis=1))
-        return jax.lax.linalg.triangular_solve(factors[:, :n], factors[:, n:], left_side=True)
+        return _factored(_beside_unity(matrix))
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,7 @@ class ByLoops:
         """As of `Elimination`."""
         if not self._serve(matrix):
             return ByLapack().inverse(matrix)
-        return _eliminated(jnp.concatenate([matrix, jnp.eye(len(matrix))], axis=1))
+        return _eliminated(_beside_unity(matrix))
 
     def _serve(self, matrix: jax.Array) -> bool:
         return len(matrix) <= self.largest and jax.default_backend() == "cpu"
@@ -72,14 +70,23 @@ with zeros until it keeps the loop over them, and goes through it in vectors."""
 
 
 def solve_bordering_column(augmented: jax.Array) -> jax.Array:
-    """Solve `A x = b` given `(A | b)`, (n, n + 1), by LAPACK with row pivoting; (n,).
+    """Solve `A x = b` given `(A | b)`, (n, n + 1), by LAPACK with row pivoting; (n,)."""
+    return _factored(augmented)[:, 0]
 
-    The factors of the wide matrix `P (A | b) = L (U | y)` hold `y = L^-1 P b`, so that one triangular solve
+
+def _beside_unity(matrix: jax.Array) -> jax.Array:
+    return jnp.concatenate([matrix, jnp.eye(len(matrix))], axis=1)
+
+
+def _factored(augmented: jax.Array) -> jax.Array:
+    """`A^-1 B` (n, m) of `(A | B)`, (n, n + m), by LAPACK.
+
+    The factors of the wide matrix `P (A | B) = L (U | Y)` hold `Y = L^-1 P B`, so that one triangular solve
     is left and no row exchange has to be applied afterwards.
     """
-    n = augmented.shape[0]
+    n = len(augmented)
     factors, _, _ = jax.lax.linalg.lu(augmented)
-    return jax.lax.linalg.triangular_solve(factors[:, :n], factors[:, n:], left_side=True)[:, 0]
+    return jax.lax.linalg.triangular_solve(factors[:, :n], factors[:, n:], left_side=True)
 
 
 def _eliminated(augmented: jax.Array) -> jax.Array:

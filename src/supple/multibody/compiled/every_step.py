@@ -10,17 +10,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.algebra.kept_programs import KeptProgram
 from supple.errors import RedundantConstraintWarning, StartWarning
 from supple.integrate import Run, Solution, Statistics
 from supple.machine import System
-from supple.multibody.compiled.elimination import ByLapack, ByLoops, Elimination
+from supple.multibody.compiled.elimination import Elimination
 from supple.multibody.compiled.engine import as_solution, controls, initial_state
 from supple.multibody.compiled.inert_motion import in_own_coordinates, with_inert_coordinates
-from supple.multibody.compiled.programs import is_over_soon
+from supple.multibody.compiled.programs import is_over_soon, well_and_quickly
 from supple.multibody.compiled.state import Controls, State
 from supple.multibody.compiled.time_step import substep
-from supple.multibody.equations.compiler_options import MARCHING, STARTING
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, filled_up, stepping_instants
 
@@ -87,5 +85,4 @@ def _next_steps(
     return jax.lax.scan(next_step, start, None, length=_STEPS_AT_ONCE)
 
 
-_march_steps = KeptProgram(partial(_next_steps, ByLoops()), MARCHING)
-_march_steps_quickly = KeptProgram(partial(_next_steps, ByLapack()), STARTING)
+_march_steps, _march_steps_quickly = well_and_quickly(_next_steps)

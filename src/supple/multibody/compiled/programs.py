@@ -8,6 +8,7 @@ it was begun with, so that it ends in the same digits.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -19,10 +20,16 @@ from supple.multibody.compiled.time_step import march
 from supple.multibody.equations.compiler_options import MARCHING, STARTING
 from supple.multibody.equations.model import Model
 
-__all__ = ["COMPILED_MARCH", "QUICK_MARCH", "STOPS_AT_ONCE", "is_over_soon", "march_for"]
+__all__ = ["COMPILED_MARCH", "QUICK_MARCH", "STOPS_AT_ONCE", "is_over_soon", "march_for", "well_and_quickly"]
 
-COMPILED_MARCH = KeptProgram(partial(march, ByLoops()), MARCHING)
-QUICK_MARCH = KeptProgram(partial(march, ByLapack()), STARTING)
+
+def well_and_quickly(function: Callable[..., Any]) -> tuple[KeptProgram, KeptProgram]:
+    """Programs of a function of an elimination and of arrays: of fast steps, and compiled fast."""
+    well = KeptProgram(partial(function, ByLoops()), MARCHING)
+    return well, KeptProgram(partial(function, ByLapack()), STARTING)
+
+
+COMPILED_MARCH, QUICK_MARCH = well_and_quickly(march)
 STOPS_AT_ONCE = 128
 """Output times of a call: fewer repeat the last one, which costs nothing; more take several calls."""
 
