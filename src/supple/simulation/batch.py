@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import jax
 import numpy as np
@@ -36,13 +35,14 @@ from supple.multibody.checks.output_rate import report_output_rate
 from supple.multibody.checks.step_length import report_step_length
 from supple.multibody.checks.validity import Peaks, watch
 from supple.multibody.compiled.batch_start import Axes, BatchStart, batch_start, differing
-from supple.multibody.compiled.engine import as_solution, controls, tangents_made
+from supple.multibody.compiled.engine import controls, tangents_made
 from supple.multibody.compiled.state import State
 from supple.multibody.equations.floating_solution import failure_message
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, filled_up, laws_of, stepping_instants
 from supple.simulation.batch_of_lines import batch_of_lines
 from supple.simulation.batch_solution import BatchSolution
+from supple.simulation.results_of_cases import MarchedCase, solutions_of
 from supple.simulation.shares_of_cases import shares_of
 from supple.simulation.watched_run import check_laws_cover, warn_of_unseen_laws
 
@@ -52,6 +52,7 @@ __all__ = ["simulate_batch"]
 _CHUNK = 64
 _SMALL_CHUNK = 16
 """As fast for a case, and more shares for the cores."""
+_RESULTS_AT_ONCE = 64
 
 
 @checked_arguments
@@ -105,7 +106,9 @@ def simulate_batch(
     limits = watch(cases[0], run.validity)
     peaks: dict[str, Peaks] = {}
     statistics = Statistics()
-    found: dict[int, _Marched] = {}
+    marched: dict[int, MarchedCase] = {}
+    found: dict[int, Solution] = {}
+    failures: dict[int, str] = {}
     began = clock.perf_counter()
     ends, outputs = Stops(run.times, stepping_instants(cases, run)).on_the_way(
         float(run.times[0]), run.times[1:]
@@ -121,23 +124,23 @@ def simulate_batch(
         seconds_of_each = done.seconds / len(shares.cases[done.number])
         for number, last, states in shares.of_each(done.number, done.result):
             history = jax.tree.map(lambda leaf: leaf[outputs], states)
-            marched = _marched(cases[number], starts, number, last, history, seconds_of_each, run)
-            peaks = limits.observe(peaks, marched.solution)
-            statistics = statistics + marched.solution.statistics
-            found[number] = marched
+            marched[number] = _marched(cases[number], starts, number, last, history, seconds_of_each)
+            if last.failed:
+                failures[number] = _why(cases[number], last, run)
+        if len(marched) >= _RESULTS_AT_ONCE or len(marched) + len(found) == len(cases):
+            found |= dict(zip(marched, solutions_of(list(marched.values())), strict=True))
+            for number in marched:
+                peaks = limits.observe(peaks, found[number])
+                statistics = statistics + found[number].statistics
+            marched.clear()
         if progress is not None:
-            progress(len(found) / len(cases))
+            progress((len(found) + len(marched)) / len(cases))
     seconds = clock.perf_counter() - ready
     limits.report(peaks)
     report_step_length(statistics, run)
     in_order = [found[number] for number in range(len(cases))]
-    report_output_rate(cases[0], run, in_order[0].solution)
-    return BatchSolution(
-        tuple(marched.solution for marched in in_order),
-        {number: marched.failure for number, marched in enumerate(in_order) if marched.failure},
-        seconds,
-        ready - began,
-    )
+    report_output_rate(cases[0], run, in_order[0])
+    return BatchSolution(tuple(in_order), dict(sorted(failures.items())), seconds, ready - began)
 
 
 def _briefest(cases: Sequence[System], run: Run) -> System:
@@ -150,18 +153,17 @@ def _briefest(cases: Sequence[System], run: Run) -> System:
     return min(cases, key=shortest)
 
 
-class _Marched(NamedTuple):
-    """What became of a case."""
-
-    solution: Solution
-    failure: str | None
-
-
 def _marched(
-    system: System, starts: BatchStart, number: int, last: State, history: State, seconds: float, run: Run
-) -> _Marched:
-    """A case from its last state, and those at the output times it has reached."""
-    cost = Statistics(
+    system: System, starts: BatchStart, number: int, last: State, history: State, seconds: float
+) -> MarchedCase:
+    """A case from its start, its last state, and those at the output times it has reached."""
+    good = int(np.sum(~history.failed))
+    states = jax.tree.map(
+        lambda begun, leaf: np.concatenate([np.asarray(begun)[None], leaf[:good]]),
+        starts.states[number]._replace(kept=None),
+        history,
+    )
+    statistics = Statistics(
         steps=int(last.steps),
         iterations=int(last.iterations),
         rejected_steps=int(last.rejected_steps),
@@ -170,11 +172,12 @@ def _marched(
         largest_error=float(last.largest_error),
         largest_turn=float(last.largest_turn),
     )
-    solution = _case_solution(system, starts.models[number], starts.states[number], history, cost)
-    if not last.failed:
-        return _Marched(solution, None)
+    return MarchedCase(system, starts.models[number], states, statistics)
+
+
+def _why(system: System, failed: State, run: Run) -> str:
     undamped = bool(system.joints) and not damps_joint_forces(run.second_order_method)
-    return _Marched(solution, failure_message(float(last.time), last.relative_residual, undamped=undamped))
+    return failure_message(float(failed.time), failed.relative_residual, undamped=undamped)
 
 
 def _check_alike(models: Sequence[Model]) -> None:
@@ -206,13 +209,3 @@ def _require_memory(starts: BatchStart, axes: Axes, chunk: int, n_times: int) ->
         f"a chunk of {chunk} cases with {n_times} output times",
         "take fewer cases at a time (`chunk`) or fewer output times",
     )
-
-
-def _case_solution(system: System, model: Model, first: State, history: State, cost: Statistics) -> Solution:
-    good = int(np.sum(~history.failed))
-    states = jax.tree.map(
-        lambda begun, leaf: np.concatenate([np.asarray(begun)[None], leaf[:good]]),
-        first._replace(kept=None),
-        history,
-    )
-    return as_solution(system, model, states, cost)

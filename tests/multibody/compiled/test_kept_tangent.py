@@ -75,6 +75,16 @@ def turning(rod, *loads, newtons=0.0):
     return System([Placed(rod)], [hinge], [push, *loads])
 
 
+def test_the_march_is_one_function_of_machine_code(rod):
+    """No library is called within: a sort for the inverse would take twice the time of a step."""
+    model, start = initial_state(turning(rod), 0.0, STEP)
+    stops = STEP * np.arange(1, N_STEPS + 1)
+    text = COMPILED_MARCH.compiled(model, controls(Run(1.0, STEP)), start, stops).as_text()
+    whole = text[text.index("ENTRY") :]
+    assert "xla_cpu_small_call" in whole
+    assert " while(" not in whole
+
+
 class Marched(NamedTuple):
     """States behind every step, the last one, and the residuals there in parts of the tolerance."""
 

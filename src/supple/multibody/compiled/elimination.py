@@ -1,4 +1,4 @@
-"""Elimination of a small dense system within a compiled program, by LAPACK or by loops of the program itself.
+"""Small dense systems in a compiled program, solved and inverted by LAPACK or by loops of the program itself.
 
 LAPACK is a library: a loop with a call of it is a list of hundreds of operations that XLA goes through one by
 one, each a fraction of a microsecond. A march without is one function of machine code
@@ -38,7 +38,7 @@ class ByLapack:
 
     def inverse(self, matrix: jax.Array) -> jax.Array:
         """As of `Elimination`."""
-        return _factored(_beside_unity(matrix))
+        return _factored(jnp.concatenate([matrix, jnp.eye(len(matrix))], axis=1))
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,7 @@ class ByLoops:
 
     def inverse(self, matrix: jax.Array) -> jax.Array:
         """As of `Elimination`."""
-        if not self._serve(matrix):
-            return ByLapack().inverse(matrix)
-        return _eliminated(_beside_unity(matrix))
+        return _exchanged(matrix) if self._serve(matrix) else ByLapack().inverse(matrix)
 
     def _serve(self, matrix: jax.Array) -> bool:
         return len(matrix) <= self.largest and jax.default_backend() == "cpu"
@@ -72,10 +70,6 @@ with zeros until it keeps the loop over them, and goes through it in vectors."""
 def solve_bordering_column(augmented: jax.Array) -> jax.Array:
     """Solve `A x = b` given `(A | b)`, (n, n + 1), by LAPACK with row pivoting; (n,)."""
     return _factored(augmented)[:, 0]
-
-
-def _beside_unity(matrix: jax.Array) -> jax.Array:
-    return jnp.concatenate([matrix, jnp.eye(len(matrix))], axis=1)
 
 
 def _factored(augmented: jax.Array) -> jax.Array:
@@ -97,8 +91,6 @@ def _eliminated(augmented: jax.Array) -> jax.Array:
     """
     n, width = augmented.shape
     rows = jnp.arange(n)
-    if _WRITTEN_OUT < width < _LOOPED:
-        augmented = jnp.pad(augmented, ((0, 0), (0, _LOOPED - width)))
 
     def clear(k: jax.Array, known: tuple[jax.Array, jax.Array, jax.Array]):
         matrix, done, order = known
@@ -108,7 +100,7 @@ def _eliminated(augmented: jax.Array) -> jax.Array:
         factors = jnp.where(done, 0.0, column / column[pivot])
         return matrix - factors[:, None] * matrix[pivot], done, jnp.where(rows == k, pivot, order)
 
-    start = augmented, jnp.zeros(n, dtype=bool), jnp.zeros(n, dtype=int)
+    start = _in_loops(augmented), jnp.zeros(n, dtype=bool), jnp.zeros(n, dtype=int)
     matrix, _, order = jax.lax.fori_loop(0, n, clear, start)
 
     def substitute(number: jax.Array, solution: jax.Array):
@@ -118,3 +110,43 @@ def _eliminated(augmented: jax.Array) -> jax.Array:
         return jax.lax.dynamic_update_slice(solution, ((row[n:width] - known) / row[k])[None], (k, 0))
 
     return jax.lax.fori_loop(0, n, substitute, jnp.zeros((n, width - n)))
+
+
+def _exchanged(matrix: jax.Array) -> jax.Array:
+    """Inverse of a matrix (n, n) by exchange steps, in place: a third of what elimination beside unity takes.
+
+    Of `y = A x` each step solves the equation of one `y_p` for one `x_k`, and lets them change places,
+
+        a_pk <- 1 / a_pk,   a_pj <- - a_pj / a_pk,   a_ik <- a_ik / a_pk,   a_ij <- a_ij - a_ik a_pj / a_pk
+
+    with `p` of the largest `|a_pk|` among the rows that have not changed. Source: [Stiefel1963], chapter 1.
+    """
+    n = len(matrix)
+    rows = jnp.arange(n)
+    start = _in_loops(matrix)
+    columns = jnp.arange(start.shape[1])
+
+    def exchange(k: jax.Array, known: tuple[jax.Array, jax.Array, jax.Array]):
+        matrix, done, order = known
+        column = jax.lax.dynamic_slice(matrix, (0, k), (n, 1))[:, 0]
+        pivot = jnp.argmax(jnp.where(done, -1.0, jnp.abs(column)))
+        inverted = 1.0 / column[pivot]
+        row = jnp.where(columns == k, inverted, -inverted * matrix[pivot])
+        here = rows == pivot
+        # Masks instead of writing into place: all of a step is one loop over the matrix.
+        others = jnp.where(here[:, None] | (columns == k), 0.0, matrix)
+        exchanged = others + jnp.where(here, 1.0, column)[:, None] * row
+        return exchanged, done | here, jnp.where(rows == k, pivot, order)
+
+    start = start, jnp.zeros(n, dtype=bool), jnp.zeros(n, dtype=int)
+    matrix, _, order = jax.lax.fori_loop(0, n, exchange, start)
+    # Where in the order a row is: not by sorting, which is a library's.
+    return matrix[order][:, jnp.argmax(order == rows[:, None], axis=1)]
+
+
+def _in_loops(matrix: jax.Array) -> jax.Array:
+    """Filled up to rows that the compiler goes through in a loop."""
+    width = matrix.shape[1]
+    if not _WRITTEN_OUT < width < _LOOPED:
+        return matrix
+    return jnp.pad(matrix, ((0, 0), (0, _LOOPED - width)))

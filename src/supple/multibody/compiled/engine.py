@@ -35,7 +35,15 @@ from supple.multibody.equations.floating_solution import (
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.stops import Stops, stepping_instants
 
-__all__ = ["CompiledEngine", "as_solution", "controls", "initial_state", "tangents_made"]
+__all__ = [
+    "CompiledEngine",
+    "as_solution",
+    "controls",
+    "engine_state",
+    "initial_state",
+    "system_motion",
+    "tangents_made",
+]
 
 WARNING = Validity()
 
@@ -233,21 +241,24 @@ def as_solution(
     kept : the tangent at their end, which they do not hold
     """
     states = jax.tree.map(np.asarray, states)
-    motion = SystemMotion(
+    motion, ending = system_motion(states), engine_state(model, states, kept)
+    return floating_solution(system, model.slices, model.active, motion, statistics, ending)
+
+
+def system_motion(states: State) -> SystemMotion:
+    """The motion of stacked states."""
+    return SystemMotion(
         states.time, states.configuration, states.velocity, states.acceleration, states.multipliers
     )
-    return floating_solution(
-        system,
-        model.slices,
-        model.active,
-        motion,
-        statistics,
-        engine_state={
-            "active": np.array(model.active, dtype=float),
-            "auxiliary": states.auxiliary[-1],
-            "step": states.step[-1],
-            "contraction": np.array([own[-1] for own in states.contraction]),
-            **_kept_tangent(kept),
-            **kept_control(jax.tree.map(lambda leaf: leaf[-1], states.control)),
-        },
-    )
+
+
+def engine_state(model: Model, states: State, kept: KeptTangent | None = None) -> dict[str, np.ndarray]:
+    """What an exact resume needs besides the motion at the end of stacked states; `kept` as above."""
+    return {
+        "active": np.array(model.active, dtype=float),
+        "auxiliary": states.auxiliary[-1],
+        "step": states.step[-1],
+        "contraction": np.array([own[-1] for own in states.contraction]),
+        **_kept_tangent(kept),
+        **kept_control(jax.tree.map(lambda leaf: leaf[-1], states.control)),
+    }

@@ -1,0 +1,69 @@
+"""What the cases of a batch did, from the states they went through: joint forces of many cases in one go."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+
+import jax
+import numpy as np
+
+from supple.integrate import Solution, Statistics
+from supple.machine import System
+from supple.multibody.compiled.engine import engine_state, system_motion
+from supple.multibody.compiled.state import State
+from supple.multibody.equations.floating_solution import floating_solution
+from supple.multibody.equations.model import Model
+
+__all__ = ["MarchedCase", "solutions_of"]
+
+
+@dataclass(frozen=True)
+class MarchedCase:
+    """A case that has marched as far as it gets."""
+
+    system: System
+    model: Model
+    states: State
+    """At the output times that it has reached, leading axis: time"""
+    statistics: Statistics
+
+
+def solutions_of(cases: Sequence[MarchedCase]) -> list[Solution]:
+    """The solutions of cases; of those with the same bodies and joints the histories are one behind the other
+    while forces are found, which cost by the call more than by the instant."""
+    alike: dict[Hashable, list[int]] = {}
+    for number, case in enumerate(cases):
+        alike.setdefault(_bodies_and_joints(case), []).append(number)
+    found: dict[int, Solution] = {}
+    for numbers in alike.values():
+        together = _found_together([cases[number] for number in numbers])
+        found |= dict(zip(numbers, together, strict=True))
+    return [found[number] for number in range(len(cases))]
+
+
+def _bodies_and_joints(case: MarchedCase) -> Hashable:
+    """By identity: cases that start alike share the arrays of their joints (`batch_start`)."""
+    return (
+        tuple(id(placed.body) for placed in case.system.bodies),
+        tuple(joint.name for joint in case.system.joints),
+        id(case.model.joints),
+        case.model.active,
+    )
+
+
+def _found_together(cases: Sequence[MarchedCase]) -> list[Solution]:
+    first = cases[0]
+    states = jax.tree.map(lambda *own: np.concatenate(own), *(case.states for case in cases))
+    whole = floating_solution(
+        first.system, first.model.slices, first.model.active, system_motion(states), Statistics()
+    )
+    ends = np.cumsum([len(case.states.time) for case in cases])
+    return [
+        replace(
+            whole.at(slice(end - len(case.states.time), end)),
+            statistics=case.statistics,
+            engine_state=engine_state(case.model, case.states),
+        )
+        for case, end in zip(cases, ends, strict=True)
+    ]
