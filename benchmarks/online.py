@@ -104,12 +104,12 @@ def batch_cost(body: ReducedBody, n: int) -> dict[str, Any]:
     times = np.linspace(0.0, duration, 21)
     random = np.random.default_rng(1)
 
+    system = spun_up(body)
+
     def case() -> System:
         force = np.zeros((times.size, 3))
         force[:, 2] = 5.0 * random.standard_normal(times.size)
-        system = spun_up(body)
-        load = DeadForce(body=BODY, at=tip, force=Table(times, force))
-        return System(bodies=system.bodies, joints=system.joints, loads=(load,))
+        return replace(system, loads=(DeadForce(body=BODY, at=tip, force=Table(times, force)),))
 
     cases = [case() for _ in range(n)]
     run = Run(duration=duration, output_step=0.05, step=FixedStep(STEP))

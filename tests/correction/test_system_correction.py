@@ -93,7 +93,7 @@ def largest_rms(full, reference, body, solution):
     return np.sqrt(np.mean(np.sum(distance**2, axis=2), axis=1)).max()
 
 
-@pytest.fixture(scope="module", params=FRAMES)
+@pytest.fixture(scope="module", params=["mean-axis", pytest.param("nodal-fixed", marks=pytest.mark.slow)])
 def corrected(request):
     """The system with full bodies, its full run, and its self-correction."""
     system = double_pendulum(FRAMES[request.param])

@@ -48,7 +48,7 @@ def equation_of(system, small, bases, run, solution):
     return ErrorEquation(small, bodies, run.method.coefficients, solution, active, {})
 
 
-@pytest.fixture(scope="module", params=["nodal-fixed", "mean-axis"])
+@pytest.fixture(scope="module", params=["mean-axis", pytest.param("nodal-fixed", marks=pytest.mark.slow)])
 def spun(request):
     """A damped strip spun up: systems, bases, run and solution."""
     frame = NODAL if request.param == "nodal-fixed" else MEAN
@@ -93,7 +93,10 @@ def linearized_at(equation, row):
     return _linearized(equation.model, bodies, here, motion, none, StepFactors(1.0, 1.0), (none, none))
 
 
-@pytest.mark.parametrize("frame", [NODAL, MEAN], ids=["nodal-fixed", "mean-axis"])
+@pytest.mark.parametrize(
+    "frame",
+    [pytest.param(NODAL, marks=pytest.mark.slow, id="nodal-fixed"), pytest.param(MEAN, id="mean-axis")],
+)
 def test_a_complete_basis_has_no_error(frame):
     """But for that of Newton's iteration, which the residual holds as well."""
     system, run = spinning(frame)

@@ -54,6 +54,7 @@ def test_small_deformation_has_the_forces_of_the_models_stiffness():
     assert np.abs(found - expected).max() < 1e-4 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_a_turned_plate_has_no_forces_and_a_turned_deformed_one_turned_forces():
     body = plate()
     angle = np.array([0.4, -1.1, 0.7])

@@ -138,6 +138,7 @@ def test_bending_beyond_yield_has_the_moment_of_the_plastic_hinge(force):
     assert errors[1] < errors[0] / 20
 
 
+@pytest.mark.slow
 def test_below_yield_a_layered_shell_is_the_elastic_one(force):
     block, x, triads = built(plate())
     d = 1e-6 * np.random.default_rng(3).standard_normal((6, x.shape[1]))

@@ -128,6 +128,7 @@ def test_a_ball_hits_the_modal_part_and_momentum_goes_over():
     assert np.abs(total / total[0] - 1).max() < 5e-4
 
 
+@pytest.mark.slow
 def test_the_balance_is_closed_while_a_ball_hits_a_spinning_modal_part():
     """What a turn by a finite angle in a step does to the energy is known, and is little."""
     ball = RigidSphere((2.0, 0.5, 1.05), 0.5, velocity=(0.0, 0.0, -0.5), mass=0.5)

@@ -167,6 +167,7 @@ def test_a_slider_crank_is_driven_through_all_its_dead_points(rod):
     np.testing.assert_allclose(solution.bodies["slider"].position[:, 0] - 0.05, 2 * np.cos(angle), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_chain_slightly_bent_moves_as_a_four_bar_linkage(rod):
     """One freedom: the first rod's angle gives the others by two circles, and the energy gives its speed."""
     gravity = np.array([400.0, -9.81])

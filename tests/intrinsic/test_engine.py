@@ -222,6 +222,7 @@ def test_viscous_strains_damp_a_body_that_turns_without_slowing_its_turn():
     assert list(spinning.values())[1] == pytest.approx(1, abs=2e-4)
 
 
+@pytest.mark.slow
 def test_a_damped_body_comes_to_the_equilibrium_of_statics():
     body = beam(CLAMPED, n_modes=10, damping=ModalDamping(0.9))
     system = System([body], [CLAMP], [DeadForce(at="beam.tip", force=(0, 0, 2.0))], gravity=GRAVITY / 10)
@@ -234,6 +235,7 @@ def test_a_damped_body_comes_to_the_equilibrium_of_statics():
     assert solution.joint_forces["clamp"][-1, :3] == pytest.approx(weight, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_dead_torque_acts_at_a_station():
     body = beam(CLAMPED, n_modes=None)
     loads = [DeadTorque(first="beam.tip", torque=(0, -0.5, 0)), DeadForce(at="beam.root", force=(0, 0, 1.0))]
@@ -296,6 +298,7 @@ def test_bodies_in_floating_frames_refuse_rules_of_first_order():
     refused(System([stone]), "RungeKutta4 steps machines of intrinsic bodies only", kind=ValueError)
 
 
+@pytest.mark.slow
 def test_residual_modes_that_do_not_contract_end_the_run():
     body = beam(CLAMPED, n_modes=None)
     load = FollowerForce(first="beam.tip", force=(0, 0, 60.0))
@@ -340,6 +343,7 @@ def test_supports_say_what_is_wrong_with_them():
         intrinsic_body(beam_line(straight(1.0, 4), **SOFT), CLAMPED, 4, stations={"middle": 99})
 
 
+@pytest.mark.slow
 def test_velocities_lead_where_strains_do_to_second_order_in_the_stations():
     apart = []
     for n in (4, 8):

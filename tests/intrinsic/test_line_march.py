@@ -54,6 +54,7 @@ def test_the_tip_is_differentiated_by_the_load(tip_after):
     assert np.asarray(slope) == pytest.approx(np.array(difference), rel=1e-6, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_tip_is_differentiated_by_the_data_of_the_modes(tip_after):
     """Softer frequencies, at the same shapes: both through the march and through the places."""
     force, step = jnp.array([0.1, 0.2, 3.0]), 1e-6

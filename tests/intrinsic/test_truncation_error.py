@@ -66,6 +66,7 @@ def test_as_many_modes_are_taken_as_the_tolerance_asks_for():
     assert away < 0.01 * np.abs(exact - exact[0]).max()
 
 
+@pytest.mark.slow
 def test_all_modes_are_kept_where_no_fewer_are_enough():
     run = Run(0.6, 0.2, step=FixedStep(5e-3), method=GeneralizedAlpha(0.9))
     _, system = held(None)

@@ -105,7 +105,13 @@ def spun(form):
     return System((Placed(form),), (hub,))
 
 
-@pytest.mark.parametrize("frame", [NodalFixedFrame("root"), MeanAxisFrame()], ids=["nf", "ma"])
+@pytest.mark.parametrize(
+    "frame",
+    [
+        pytest.param(NodalFixedFrame("root"), marks=pytest.mark.slow, id="nf"),
+        pytest.param(MeanAxisFrame(), id="ma"),
+    ],
+)
 def test_a_full_body_that_turns_has_the_modes_of_its_complete_basis(body, frame):
     """Stretched by centrifugal forces, with gyroscopic ones: 1e-8."""
     spin = Spin(20.0 * UNIT, (0, 0, 1))

@@ -223,6 +223,7 @@ def test_a_rotor_whirls_forward_and_backward(rotor):
         assert np.min(abs(modes.frequencies - each)) < 1e-4 * max(centre, rate)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
 def test_modes_are_followed_over_speed(rotor):
     """Laval's rotor: its centre whirls at `sqrt(k/m)` in space, seen lower and higher by the rate."""

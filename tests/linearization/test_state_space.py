@@ -137,6 +137,7 @@ def test_a_small_push_moves_the_machine_as_its_linear_equations_say():
     assert extrapolated == pytest.approx(linear, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_a_turn_is_the_slope_of_the_deflection():
     """At the hinge's own body: displacement of the lug = arm times rotation."""
     machine = linearize(crane())

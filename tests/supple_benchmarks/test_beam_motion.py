@@ -118,6 +118,7 @@ def test_steady_extension_balances_the_centrifugal_force(speed):
     assert motion.tip_axial[motion.times >= 16.0].mean() == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_spun_up_tip_converges_in_the_elements():
     peaks = np.array([rotating_beam(6.0, n, 0.02).tip_transverse.min() for n in (2, 4, 8, 16)])
     errors = abs(peaks[:-1] - peaks[-1])

@@ -7,6 +7,10 @@ that one program marches all.
 Where a run keeps the tangent of its steps, cases that are mapped together would each make one at every
 iterate: which case needs a new one is a branch that a map does not have. Of a body with 25 coordinates that
 costs up to three times a case alone. So they stay alone, and share the program of a single case.
+
+Arrays with the cases innermost, so that a vector holds a number of each, were tried for what costs most, the
+inverse of a tangent: 33 us a case of 31 unknowns, 8 or 16 in step, where one after the other takes 18. One
+matrix stays in the cache next to the processor, those of many cases do not.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import jax
@@ -194,28 +194,31 @@ def model_of(system):
         return initial_state(system, 0.0, STEP)
 
 
-def equations(system):
-    model, state = model_of(system)
-    layout = TreeLayout.of(model)
-    factors = StepRule(GeneralizedAlpha(0.8).coefficients, STEP).factors
-
-    def evaluated(model, state, increments):
-        configuration = advance(model, state.configuration, increments)
-        velocity = state.velocity + 10 * increments
-        motion = SystemMotion(STEP, configuration, velocity, state.acceleration, state.multipliers)
-        terms = balance(model, motion)
-        step = LinearizedStep(motion, terms.linearization, increments, factors)
-        load = jnp.concatenate([terms.residual, terms.constraint_residual])
-        return step_matrix(model, step), step_fronts(layout, model, step), load
-
+@lru_cache
+def equations(machine):
+    """Of a machine by the function that makes it: once for all tests."""
+    model, state = model_of(machine())
     increments = 0.05 * np.random.default_rng(5).standard_normal(model.n_velocities)
-    found = jax.jit(evaluated, compiler_options=STARTING)(model, state, increments)
-    return Equations(model, layout, *(np.asarray(item) for item in found))
+    found = evaluated(model, state, increments)
+    return Equations(model, TreeLayout.of(model), *(np.asarray(item) for item in found))
+
+
+@partial(jax.jit, compiler_options=STARTING)
+def evaluated(model, state, increments):
+    """The dense matrix, the fronts and the load: one program for machines that differ in masses."""
+    configuration = advance(model, state.configuration, increments)
+    velocity = state.velocity + 10 * increments
+    motion = SystemMotion(STEP, configuration, velocity, state.acceleration, state.multipliers)
+    terms = balance(model, motion)
+    factors = StepRule(GeneralizedAlpha(0.8).coefficients, STEP).factors
+    step = LinearizedStep(motion, terms.linearization, increments, factors)
+    load = jnp.concatenate([terms.residual, terms.constraint_residual])
+    return step_matrix(model, step), step_fronts(TreeLayout.of(model), model, step), load
 
 
 @pytest.fixture
 def machine(request):
-    return equations(request.param())
+    return equations(request.param)
 
 
 def named(machine):
@@ -280,7 +283,7 @@ def test_loops_alone_make_a_border(machine, unknowns):
 @BOTH
 def test_a_singular_body_is_left_to_the_dense_matrix(elimination):
     """A first front without inertia, which regular machines may have by chance: elimination divides by 0."""
-    model, layout, _, fronts, load = equations(hanging_chain())
+    model, layout, _, fronts, load = equations(hanging_chain)
     n, fronts = layout.own, fronts.copy()
     fronts[0, :6, :6] = 0.0
     fronts[0, :6, n : n + 6] = fronts[0, n : n + 6, :6] = np.eye(6)
@@ -292,7 +295,7 @@ def test_a_singular_body_is_left_to_the_dense_matrix(elimination):
 @BOTH
 def test_cases_can_be_mapped_over(elimination):
     """One regular, one left to the dense matrix."""
-    model, layout, _, fronts, load = equations(ring())
+    model, layout, _, fronts, load = equations(ring)
     singular = fronts.copy()
     singular[0, :6, :6] = 0.0
     both = np.stack([fronts, singular])

@@ -189,6 +189,7 @@ def test_the_state_space_is_that_of_the_closed_loop():
     np.testing.assert_allclose(found, np.stack([expected, s * expected], axis=1), rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_small_motion_is_that_of_the_linear_equations():
     """A run with small steps from a turned start, against the exponential of A."""
     rest = equilibrium(pendulum([PID])).system

@@ -93,6 +93,7 @@ def test_a_full_body_moves_as_its_complete_basis(body):
     np.testing.assert_allclose(ours, theirs, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_run_in_two_parts_is_one_run(body, tmp_path):
     system, half = hinged(full(body)), tmp_path / "half.h5"
 

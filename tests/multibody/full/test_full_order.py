@@ -93,6 +93,7 @@ def full_runs(full):
     return {name: run(body) for name, body in full.items()}
 
 
+@pytest.mark.slow
 def test_the_beam_bends(full, full_runs):
     """Guards the comparisons below: rotations of the tip against the root are not small."""
     motion = full_runs["nodal-fixed"].bodies["beam"]

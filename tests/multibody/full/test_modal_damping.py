@@ -49,6 +49,7 @@ def test_each_mode_decays_at_its_own_rate_and_no_other_does(small):
         np.testing.assert_allclose(q, expected, atol=0.01)
 
 
+@pytest.mark.slow
 def test_the_reduced_body_with_all_coordinates_moves_the_same(small):
     """A swing through space, bent far: the constant matrix acts against the same frame in both."""
     frame = MeanAxisFrame()

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 
+import pytest
 from typer.testing import CliRunner
 
 from supple.cli.main import app
@@ -9,6 +10,7 @@ from supple.mesh import CellType
 from supple_benchmarks.eigenvalue_error.problem import EigenvalueErrors
 
 
+@pytest.mark.slow
 def test_the_command_prints_tables_and_writes_report_and_figures(tmp_path, monkeypatch):
     small = EigenvalueErrors(
         tolerances=(0.1,),

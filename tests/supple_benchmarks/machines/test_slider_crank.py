@@ -59,6 +59,7 @@ def slider_error(solution):
     return np.abs(solution.bodies["slider"].position[:, 0] - slider_position(angle)).max()
 
 
+@pytest.mark.slow
 def test_a_stiff_rod_moves_the_slider_as_a_rigid_one_would(stiff, soft):
     _, _, solution = stiff
     travel = np.ptp(solution.bodies["slider"].position[:, 0])
@@ -75,6 +76,7 @@ def test_slider_position_closes_the_triangle():
     np.testing.assert_allclose(np.linalg.norm(end - pin, axis=1), ROD.length, rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_energy_is_the_work_of_the_torque(stiff):
     machine, system, solution = stiff
     energies = balances(system, solution)
@@ -84,6 +86,7 @@ def test_energy_is_the_work_of_the_torque(stiff):
     assert np.abs(joint_residuals(system, solution)).max() < 1e-11
 
 
+@pytest.mark.slow
 def test_the_slider_stays_on_its_path(stiff):
     slider = stiff[2].bodies["slider"]
     assert np.abs(slider.position[:, 1:]).max() < 1e-12

@@ -74,7 +74,7 @@ def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
     model, state = _initial_state(first, run)
     models, states, alike = [model], [state], []
     for number, system in enumerate(cases[1:], 1):
-        own = build_model(system, model.active)
+        own = build_model(system, model.active, (first, model))
         if _starts_alike(first, model, system, own):
             # The arrays of the first, so that nothing is kept or compared twice.
             own, begun = replace(own, groups=model.groups, joints=model.joints), state

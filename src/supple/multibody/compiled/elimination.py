@@ -62,9 +62,10 @@ class ByLoops:
         return len(matrix) <= self.largest and jax.default_backend() == "cpu"
 
 
-_WRITTEN_OUT, _LOOPED = 24, 44
-"""Rows of so many numbers the compiler writes out one by one, which takes twice the time: they are filled up
-with zeros until it keeps the loop over them, and goes through it in vectors."""
+_ROWS_BESIDE_SIDES = range(25, 44), 44
+_ROWS_IN_PLACE = range(13, 32), 32
+"""Rows of so many numbers the compiler writes out one by one, which takes up to twice the time: they are
+filled up with zeros until it keeps the loop over them, and goes through it in vectors."""
 
 
 def solve_bordering_column(augmented: jax.Array) -> jax.Array:
@@ -100,7 +101,7 @@ def _eliminated(augmented: jax.Array) -> jax.Array:
         factors = jnp.where(done, 0.0, column / column[pivot])
         return matrix - factors[:, None] * matrix[pivot], done, jnp.where(rows == k, pivot, order)
 
-    start = _in_loops(augmented), jnp.zeros(n, dtype=bool), jnp.zeros(n, dtype=int)
+    start = _filled_up(augmented, *_ROWS_BESIDE_SIDES), jnp.zeros(n, dtype=bool), jnp.zeros(n, dtype=int)
     matrix, _, order = jax.lax.fori_loop(0, n, clear, start)
 
     def substitute(number: jax.Array, solution: jax.Array):
@@ -123,7 +124,7 @@ def _exchanged(matrix: jax.Array) -> jax.Array:
     """
     n = len(matrix)
     rows = jnp.arange(n)
-    start = _in_loops(matrix)
+    start = _filled_up(matrix, *_ROWS_IN_PLACE)
     columns = jnp.arange(start.shape[1])
 
     def exchange(k: jax.Array, known: tuple[jax.Array, jax.Array, jax.Array]):
@@ -144,9 +145,7 @@ def _exchanged(matrix: jax.Array) -> jax.Array:
     return matrix[order][:, jnp.argmax(order == rows[:, None], axis=1)]
 
 
-def _in_loops(matrix: jax.Array) -> jax.Array:
-    """Filled up to rows that the compiler goes through in a loop."""
+def _filled_up(matrix: jax.Array, short: range, long: int) -> jax.Array:
+    """Rows of a length that is among the short ones as long as that."""
     width = matrix.shape[1]
-    if not _WRITTEN_OUT < width < _LOOPED:
-        return matrix
-    return jnp.pad(matrix, ((0, 0), (0, _LOOPED - width)))
+    return jnp.pad(matrix, ((0, 0), (0, long - width))) if width in short else matrix

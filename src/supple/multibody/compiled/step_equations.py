@@ -40,8 +40,9 @@ __all__ = [
 
 _LEAST = 4
 """Bodies below which a dense matrix is always solved faster."""
-_LOOP = 4e4
-"""Multiplications that take as long as the calls of one body's elimination."""
+_LOOP = 1e4
+"""Multiplications that take as long as what else the elimination of a body does: four rigid rods on balls are
+faster as one matrix (32 us a step, 42 along the tree), eight along the tree (70 us, 107)."""
 
 
 _ROUNDING = 1e-13

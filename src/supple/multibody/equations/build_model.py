@@ -45,8 +45,12 @@ __all__ = [
 T = TypeVar("T")
 
 
-def build_model(system: System, active: tuple[int, ...] | None = None) -> Model:
+def build_model(
+    system: System, active: tuple[int, ...] | None = None, like: tuple[System, Model] | None = None
+) -> Model:
     """The arrays of a system; `active` leaves out redundant constraint equations.
+
+    like : a system and its model, whose arrays serve where the bodies are its very own, and the joints
 
     A full body takes part by the motions of its interfaces alone, six coordinates each: what joints and
     forces see of it. Its inertia, elasticity and nodal loads are the sparse engine's.
@@ -57,9 +61,13 @@ def build_model(system: System, active: tuple[int, ...] | None = None) -> Model:
     n_equations = system.n_constraints
     forces = [load for load in system.loads if isinstance(load, ForceElement)]
     nodal = [load for load in system.loads if isinstance(load, NodalLoad)]
+    groups = joints = None
+    if like is not None and _are(system.bodies, like[0].bodies):
+        groups = like[1].groups
+        joints = like[1].joints if _are(system.joints, like[0].joints) else None
     return Model(
-        groups=_body_groups(system, places, length),
-        joints=_joint_groups(system, places),
+        groups=_body_groups(system, places, length) if groups is None else groups,
+        joints=_joint_groups(system, places) if joints is None else joints,
         forces=_force_groups(system, forces, places),
         nodal_loads=tuple(
             _nodal_load(system, load, places) for load in nodal if not is_on_full_nodes(system, load)
@@ -73,6 +81,10 @@ def build_model(system: System, active: tuple[int, ...] | None = None) -> Model:
         active=tuple(range(n_equations)) if active is None else active,
         controllers=tuple(_control_law(system, controller, places) for controller in system.controllers),
     )
+
+
+def _are(own: Sequence[Any], others: Sequence[Any]) -> bool:
+    return len(own) == len(others) and all(one is other for one, other in zip(own, others, strict=True))
 
 
 def is_on_full_nodes(system: System, load: NodalLoad) -> bool:
