@@ -150,6 +150,7 @@ def test_below_yield_a_layered_shell_is_the_elastic_one(force):
     assert float(out.plastic) == 0
 
 
+@pytest.mark.slow
 def test_a_plate_that_turns_while_it_yields_has_the_same_stress(force):
     """Strained by halves, the second in another place: the same plastic strain, forces turned."""
     (block, x, triads), (_, far, about) = built(plate()), built(plate(), ANGLE)

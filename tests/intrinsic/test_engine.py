@@ -117,6 +117,7 @@ def test_the_centre_of_mass_moves_as_newton_says_to_second_order_in_the_stations
     assert np.log2(coarse / fine) > 1.7
 
 
+@pytest.mark.slow
 def test_a_stiff_hinged_beam_is_the_pendulum():
     """Against m L^2/3 a'' = m g L/2 cos a, integrated."""
     from scipy.integrate import solve_ivp
@@ -245,6 +246,7 @@ def test_a_dead_torque_acts_at_a_station():
     assert np.arctan2(-rotations[0, -1, 2, 0], rotations[0, -1, 0, 0]) == pytest.approx(-0.5, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_run_in_two_parts_is_the_run_in_one():
     body = beam(CLAMPED, n_modes=6)
     system = System([plucked(body)], [CLAMP], gravity=GRAVITY)
