@@ -93,6 +93,25 @@ def test_failing_case_does_not_stop_the_others(cases):
         together.check()
 
 
+def test_joint_forces_of_cases_found_together_are_those_of_each_alone(cases):
+    """Of cases that share bodies and joints, one of which ends early; one has a joint of another name."""
+    (hinge,) = cases[2].joints
+    systems = [replace(cases[2], gravity=(0.0, 0.0, -g)) for g in (1.62, 100.0, 1.2)]
+    systems.append(replace(systems[2], joints=(replace(hinge, name="pivot"),)))
+    hasty = replace(RUN, step=FixedStep(0.02, smallest=0.015), tolerances=Tolerances(1e-4, max_iterations=1))
+    together = simulate_batch(systems, hasty)
+    assert list(together.failures) == [1]
+    for system, own in zip(systems, together.solutions, strict=True):
+        (name,) = own.joint_forces
+        assert name == system.joints[0].name
+        if len(own.times) == len(RUN.times):
+            alone = simulate(system, hasty)
+            np.testing.assert_allclose(own.joint_forces[name], alone.joint_forces[name], atol=1e-8)
+            np.testing.assert_allclose(
+                own.engine_state["auxiliary"], alone.engine_state["auxiliary"], atol=1e-8
+            )
+
+
 def test_a_batch_needs_a_case():
     with pytest.raises(ModelError, match="a batch needs at least one case"):
         simulate_batch([], Run(duration=1.0, output_step=0.1))

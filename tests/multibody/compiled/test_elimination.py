@@ -37,6 +37,18 @@ def test_inverse_is_one_from_either_side(elimination, n, m):
 
 
 @BOTH
+@pytest.mark.parametrize("n", [9, 23, 31, 46])
+def test_inverse_of_a_body_in_unlike_units_is_right_in_every_unit(elimination, n):
+    """Rows and columns of 18 powers of ten, as of translations beside modal coordinates."""
+    rng = np.random.default_rng(6)
+    like = rng.standard_normal((n, n))
+    like = like @ like.T + n * np.eye(n) + np.triu(rng.standard_normal((n, n)), 1)
+    units = 10.0 ** rng.uniform(-9, 9, n)
+    inverse = np.asarray(elimination.inverse(units[:, None] * like * units))
+    np.testing.assert_allclose(units[:, None] * inverse * units @ like, np.eye(n), rtol=0, atol=1e-11)
+
+
+@BOTH
 def test_rows_are_exchanged_where_the_diagonal_is_zero(elimination):
     matrix = np.array([[0.0, 2.0, 0.0], [0.0, 0.0, 5.0], [4.0, 0.0, 0.0]])
     np.testing.assert_allclose(
