@@ -6,6 +6,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 RESULTS := results
 WORKERS ?= 2
+# The tests of a file stay together: its fixtures are made once, and what one has compiled serves the next.
+SHARED := -n $(WORKERS) --dist loadfile
 # The first interpreter that is new enough; `make PYTHON=/path/to/python3 ...` overrides it.
 PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
   "$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && { echo "$$p"; break; }; done)
@@ -18,7 +20,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
 help:
 	@echo "make demo      set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
-	@echo "make test      set up, then check style, types, layers and run the tests (a quarter of an hour on two cores)"
+	@echo "make test      set up, then check style, types, layers and run the tests (ten minutes on two cores)"
 	@echo "make test-all  the same with the slow tests: half an hour; before every release"
 	@echo "make soak      kill runs and damage files by the hundred, the longest quick benchmarks: an hour"
 	@echo "make lint      style, types and layers only"
@@ -33,13 +35,13 @@ demo: $(VENV)/.ready
 	@find $(RESULTS)/rotating-beam $(RESULTS)/blade -type f | sort | sed 's/^/  /'
 
 test: lint
-	$(ONE_THREAD) $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
+	$(ONE_THREAD) $(BIN)/python -m pytest $(SHARED)
 
 test-all: lint
-	$(ONE_THREAD) $(BIN)/python -m pytest -n $(WORKERS) -m 'not soak'
+	$(ONE_THREAD) $(BIN)/python -m pytest $(SHARED) -m 'not soak'
 
 soak: $(VENV)/.ready-dev
-	$(ONE_THREAD) $(BIN)/python -m pytest -n $(WORKERS) -m soak
+	$(ONE_THREAD) $(BIN)/python -m pytest $(SHARED) -m soak
 	$(BIN)/python tools/fuzz -n 100000
 
 lint: $(VENV)/.ready-dev

@@ -167,6 +167,7 @@ def test_a_plate_that_turns_while_it_yields_has_the_same_stress(force):
     np.testing.assert_allclose(spun.moment, R @ np.asarray(plain.moment), atol=1e-11 * scale)
 
 
+@pytest.mark.slow
 def test_a_spinning_plate_that_yields_and_breaks_keeps_momenta_and_balance():
     """Its own spin tears it: elements go at their plastic strain, and nothing is lost to it."""
     limit = 0.01

@@ -140,6 +140,7 @@ def ends_of(solution, name):
     return motion.position[:, :2] - half, motion.position[:, :2] + half
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.StepCutWarning")  # a step ends in the dead point
 def test_a_parallelogram_is_driven_through_its_dead_point(rod):
     """From 0.52 rad before the flat position to beyond it: it stays a parallelogram."""

@@ -316,6 +316,7 @@ def test_small_machines_stay_dense():
     assert tree_layout(model_of(four_bar())[0]) is None
 
 
+@pytest.mark.slow
 def test_motion_is_that_of_the_dense_matrix(monkeypatch):
     settings = controls(Run(0.05, 0.01, step=FixedStep(1e-3), tolerances=Tolerances(1e-10)))
     model, state = model_of(hanging_chain())
