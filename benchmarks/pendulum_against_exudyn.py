@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from exudyn_run import Outcome, TimedRun, best_of, exudyn, timed_run
+from exudyn_run import Outcome, TimedRun, best_of, exudyn, run_often, timed_run
 from measure import keep
 
 from supple.body import RigidBody
@@ -55,7 +55,7 @@ def in_supple(system: System, link: ReducedBody, end: int, step: float) -> Timed
             node_positions(link, solution.bodies[link.name], [end])[:, 0],
         )
 
-    return run
+    return run_often(run)
 
 
 def in_exudyn(system: System, file: Path, end: int, step: float, *, modified_newton: bool) -> TimedRun:

@@ -22,6 +22,7 @@ from supple.viz import (
     Panel,
     Series,
     Skin,
+    Traces,
     animate,
     displacement_magnitude,
     mode_titles,
@@ -260,7 +261,7 @@ def test_animation_has_a_frame_for_each_time_and_moves(tmp_path, beam):
         positions,
         skin_of(beam),
         values=np.linalg.norm(positions - positions[0], axis=2),
-        traced_nodes=[int(beam.nodes_of("tip_centre")[0])],
+        traces=Traces(times, positions[:, beam.nodes_of("tip_centre")[:1]]),
         n_columns=200,
         frames_per_second=25.0,
         progress=shares.append,
@@ -275,6 +276,31 @@ def test_animation_has_a_frame_for_each_time_and_moves(tmp_path, beam):
             frames.append(np.asarray(animation.convert("RGB"), dtype=int))
     assert all((frame[5, 5] == 255).all() for frame in frames)
     assert all(np.abs(later - earlier).max() > 50 for earlier, later in pairwise(frames))
+
+
+def test_a_path_goes_through_places_between_the_frames(tmp_path, beam):
+    """A full turn in three frames is a circle: its points are as far from the middle."""
+    angle = np.linspace(0.0, 2 * np.pi, 200)
+    circle = 10 * np.ptp(beam.nodes) * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1)
+    film = animate(
+        tmp_path / "turn.gif",
+        np.arange(3.0),
+        np.repeat(beam.nodes[None], 3, axis=0),
+        skin_of(beam),
+        camera=Camera.looking(along=(0.0, 0.0, -1.0), up=(0.0, 1.0, 0.0)),
+        traces=Traces(np.linspace(0.0, 2.0, 200), circle[:, None]),
+    )
+    with Image.open(film) as turn:
+        on_path = []
+        for number in range(3):
+            turn.seek(number)
+            red, _, blue = np.moveaxis(np.asarray(turn.convert("RGB"), dtype=float), -1, 0)
+            on_path.append(np.argwhere(red - blue > 100))
+    middle = 0.5 * (on_path[2].min(axis=0) + on_path[2].max(axis=0))
+    radius = np.linalg.norm(on_path[2] - middle, axis=1)
+    assert radius == pytest.approx(radius.mean(), rel=0.02)
+    assert len(on_path[0]) == 0
+    assert len(on_path[1]) == pytest.approx(0.5 * len(on_path[2]), rel=0.05)
 
 
 def test_a_body_at_rest_still_gives_every_frame(tmp_path, beam):
@@ -294,8 +320,10 @@ def test_bad_animations(tmp_path, beam):
         animate(path, times, positions[:, :-1], seen)
     with pytest.raises(ModelError, match=r"values of shape \(6, 2\): give finite ones of shape \(6, 63\)"):
         animate(path, times, positions, seen, values=np.zeros((6, 2)))
-    with pytest.raises(ModelError, match="cannot trace node 63: there are 63 nodes"):
-        animate(path, times, positions, seen, traced_nodes=[0, 63])
+    with pytest.raises(ModelError, match=r"points of shape \(6, 63, 3\) at 5 times"):
+        animate(path, times, positions, seen, traces=Traces(times[:-1], positions))
+    with pytest.raises(ModelError, match="times that are not in order"):
+        animate(path, times, positions, seen, traces=Traces(times[::-1], positions))
     with pytest.raises(ModelError, match=r"at 60\.0 frames per second"):
         animate(path, times, positions, seen, frames_per_second=60.0)
     assert not list(tmp_path.iterdir())

@@ -1,6 +1,6 @@
 """Pictures: the only importer of matplotlib."""
 
-from supple.viz.animation import animate
+from supple.viz.animation import Traces, animate
 from supple.viz.camera import Camera
 from supple.viz.campbell_plot import plot_campbell
 from supple.viz.contour import plot_contour, stress_field
@@ -34,6 +34,7 @@ __all__ = [
     "Series",
     "Skin",
     "Stroke",
+    "Traces",
     "animate",
     "animate_run",
     "displacement_magnitude",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib import colormaps
@@ -37,6 +38,17 @@ _BAR_PIXELS = 72
 _WHITE = 255
 
 
+class Traces(NamedTuple):
+    """Paths of points, each drawn as far as it has been gone.
+
+    times : (s,), ascending     they may be more than the frames, so that paths are round
+    points : (s, k, 3)
+    """
+
+    times: Array
+    points: Array
+
+
 def animate(
     path: Path | str,
     times: Array,
@@ -46,7 +58,7 @@ def animate(
     glyphs: Glyphs | None = None,
     values: Array | None = None,
     values_label: str = "",
-    traced_nodes: Sequence[int] = (),
+    traces: Traces | None = None,
     camera: Camera | None = None,
     frames_per_second: float = 20.0,
     n_columns: int = 640,
@@ -63,7 +75,7 @@ def animate(
     glyphs : Glyphs                 of what has no mesh, at the same times
     values : array (t, N)           nodal scalar to colour by, in one scale throughout; NaN is plain
     values_label : str              what they are, with their unit, under a colour bar; no bar without
-    traced_nodes : node numbers     whose paths are drawn
+    traces : Traces                 of points whose paths are drawn
     camera : Camera                 a three-quarter view of the whole motion by default
     frames_per_second : float       up to 50, which is as fast as viewers play
     n_columns : int                 pixels across
@@ -75,14 +87,18 @@ def animate(
     ModelError          no frames, arrays of other shapes or not finite, a rate out of range
     ResultFileError     the file cannot be written
     """
-    _check(path, times, positions, skin, values, traced_nodes, frames_per_second)
+    _check(path, times, positions, skin, values, frames_per_second)
     _check_glyphs(glyphs, skin, len(times))
+    traces = traces or Traces(np.zeros(0), np.zeros((0, 0, 3)))
+    _check_traces(traces)
     if values_label and values is None:
         raise ModelError(f"cannot draw a colour bar of '{values_label}': give the values, too")
     seen = positions if glyphs is None else np.concatenate([positions, glyphs.points], axis=1)
     camera = camera or Camera.three_quarter(seen.reshape(-1, 3))
     margin = 0.04 if glyphs is None else 0.08  # marks reach beyond their places
-    page = page_around(camera.project(seen)[0], n_columns, margin=margin, least_aspect=0.25)
+    gone = camera.project(traces.points)[0]
+    corners = np.concatenate([camera.project(seen)[0].reshape(-1, 2), gone.reshape(-1, 2)])
+    page = page_around(corners, n_columns, margin=margin, least_aspect=0.25)
     scale = ScalarMappable(cmap=colormaps[COLOUR_MAP].with_extremes(bad=SURFACE_COLOUR))
     if values is not None:
         scale.set_norm(Normalize(np.nanmin(values), np.nanmax(values)))
@@ -100,8 +116,10 @@ def animate(
         draw_cross(axes, camera)
         draw_length_bar(axes, page, units)
         clock = axes.text(0.98, 0.97, "", transform=axes.transAxes, ha="right", va="top")
-        paths = [axes.plot([], [], color=COLOURS[1], linewidth=0.9, zorder=1.5)[0] for _ in traced_nodes]
-        traced = camera.project(positions[:, list(traced_nodes)])[0]
+        paths = [
+            axes.plot([], [], color=COLOURS[1], linewidth=0.9, zorder=1.5)[0] for _ in range(gone.shape[1])
+        ]
+        reached = np.searchsorted(traces.times, times, side="right")
         frames, digits = [], _digits(times)
         # What does not move, the bar and its numbers, is drawn once.
         axes.set_visible(False)
@@ -117,7 +135,7 @@ def animate(
                 drawn.show(i)
             clock.set_text(measured(f"t = {time:.{digits}f}", units.time))
             for k, line in enumerate(paths):
-                line.set_data(*traced[: i + 1, k].T)
+                line.set_data(*gone[: reached[i], k].T)
             canvas.restore_region(still)
             axes.draw(canvas.get_renderer())
             frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
@@ -203,6 +221,17 @@ def _indexed(frame: Array8, palette: Image.Image) -> Image.Image:
     return indexed
 
 
+def _check_traces(traces: Traces) -> None:
+    times, points = traces
+    if points.ndim != 3 or points.shape[::2] != (len(times), 3) or not np.isfinite(points).all():
+        raise ModelError(
+            f"cannot trace points of shape {points.shape} at {len(times)} times: "
+            "give finite ones, (s, k, 3) and (s,)"
+        )
+    if np.any(np.diff(times) < 0):
+        raise ModelError("cannot trace points at times that are not in order: sort them")
+
+
 def _check_glyphs(glyphs: Glyphs | None, skin: Skin | None, n_times: int) -> None:
     if skin is None and (glyphs is None or glyphs.is_empty):
         raise ModelError("cannot animate nothing: give a skin, or glyphs")
@@ -216,7 +245,6 @@ def _check(
     positions: Array,
     skin: Skin | None,
     values: Array | None,
-    traced_nodes: Sequence[int],
     frames_per_second: float,
 ) -> None:
     if Path(path).suffix.lower() != ".gif":
@@ -236,9 +264,6 @@ def _check(
             f"cannot colour by values of shape {values.shape}: "
             f"give finite ones of shape {positions.shape[:2]}, NaN where a body has none"
         )
-    wrong = [node for node in traced_nodes if not 0 <= node < positions.shape[1]]
-    if wrong:
-        raise ModelError(f"cannot trace node {wrong[0]}: there are {positions.shape[1]} nodes")
     if not 0.0 < frames_per_second <= 50.0:
         raise ModelError(
             f"cannot animate at {frames_per_second} frames per second: give more than 0, at most 50"

@@ -26,7 +26,7 @@ from supple.results import (
 )
 from supple.storage import file_name
 from supple.units import UNNAMED, UnitSystem, labelled, measured
-from supple.viz.animation import animate
+from supple.viz.animation import Traces, animate
 from supple.viz.camera import Camera
 from supple.viz.contour import plot_contour, stress_field
 from supple.viz.glyphs import glyphs_of
@@ -127,7 +127,7 @@ def animate_run(
     """
     chosen = _instants(solution.times, N_FRAMES)
     stress_unit, stress_factor = units.stress_shown
-    actors, traced, n_nodes = [], [], 0
+    actors, traced = [], []
     for body, mesh in _drawn(system, meshes):
         motion = solution.bodies[body.name].at(chosen)
         seen_from = observer_of(system, solution, body.name, bases, chosen)
@@ -137,8 +137,8 @@ def animate_run(
             values = stress_factor * von_mises_history(body, elements[body.name], motion.coordinates)
         actors.append(Actor(skin_of(mesh), node_positions(body, motion), values))
         # The path of the node that moves most against its body tells how the body swings.
-        traced.append(n_nodes + int(np.argmax(deflection.max(axis=0))))
-        n_nodes += len(mesh.nodes)
+        farthest = int(np.argmax(deflection.max(axis=0)))
+        traced.append(node_positions(body, solution.bodies[body.name], [farthest]))
     glyphs = glyphs_of(system, solution, chosen)
     if not actors and glyphs.is_empty:
         return None
@@ -157,7 +157,7 @@ def animate_run(
         camera=_upright_camera(seen, system.gravity),
         values=None if scene is None else scene.values,
         values_label="" if scene is None else label,
-        traced_nodes=traced,
+        traces=Traces(solution.times, np.concatenate(traced, axis=1)) if traced else None,
         frames_per_second=FRAMES_PER_SECOND,
         units=units,
         progress=progress,

@@ -11,7 +11,7 @@ from supple.body import in_space
 from supple.integrate import Solution
 from supple.results import node_positions, von_mises_history
 from supple.units import SI
-from supple.viz.animation import animate
+from supple.viz.animation import Traces, animate
 from supple.viz.contour import plot_contour
 from supple.viz.mesh_plot import NodalField, plot_mesh
 from supple.viz.mesh_skin import skin_of
@@ -173,7 +173,9 @@ def animation(study: Study, path: Path, progress: Progress) -> Path:
         scene.skin,
         values=scene.values,
         values_label="von Mises stress (MPa)",
-        traced_nodes=[study.machine.point],
+        traces=Traces(
+            solution.times, node_positions(run.body, solution.bodies[run.body.name], [study.machine.point])
+        ),
         camera=study.machine.camera,
         units=SI,
         progress=progress,

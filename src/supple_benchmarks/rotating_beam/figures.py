@@ -9,7 +9,7 @@ import numpy as np
 
 from supple.results.recovery import node_positions
 from supple.units import SI
-from supple.viz.animation import animate
+from supple.viz.animation import Traces, animate
 from supple.viz.camera import Camera
 from supple.viz.mesh_skin import skin_of
 from supple.viz.rms_error import plot_error_over_parameter, plot_rms_error
@@ -65,15 +65,17 @@ def animation(run: BeamRun, path: Path, progress: Progress) -> Path:
     rom = [one for one in first if one.n_added and one.tensors == "condensed"][-1]
     motion = rom.solution.bodies[rom.body.name]
     every = max(1, round(_ANIMATION_STEP / run.problem.output_step))
-    rows = slice(0, int(np.searchsorted(rom.solution.times, _ANIMATION_END)), every)
-    shown = motion.at(rows)
+    end = int(np.searchsorted(rom.solution.times, _ANIMATION_END))
+    rows = slice(0, end, every)
+    shown, whole = motion.at(rows), slice(0, end)
     mesh = run.problem.mesh()
+    tip = node_positions(rom.body, motion.at(whole), mesh.nodes_of("tip_centre"))
     return animate(
         path,
         rom.solution.times[rows],
         node_positions(rom.body, shown),
         skin_of(mesh),
-        traced_nodes=[int(node) for node in mesh.nodes_of("tip_centre")],
+        traces=Traces(rom.solution.times[whole], tip),
         camera=Camera.looking(along=(0.25, 1.0, -0.15), up=(0.0, 0.0, 1.0)),
         units=SI,
         progress=progress,
