@@ -47,5 +47,5 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
     rigid_shapes = translations[:, None] + np.cross(rotations[:, None], body.nodes)
     return ClampedModes(
         frequencies=read_only(np.sqrt(np.maximum(values[:n_modes], 0.0))),
-        shapes=read_only(rigid_shapes + body.expand(gammas)),
+        shapes=read_only(rigid_shapes + body.expand_rates(np.zeros_like(gammas), gammas)),
     )

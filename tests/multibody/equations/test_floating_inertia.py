@@ -38,7 +38,7 @@ def motion(floating_blade):
 
 def nodal_velocities(body, blade, motion):
     """Velocities of all nodal freedoms in body components, (n_nodal,)."""
-    displacement = body.expand(motion.coordinates)
+    displacement = body.displacement_basis @ motion.coordinates
     field = np.zeros((len(body.nodes), body.dofs_per_node))
     field[:, :3] = FRAME_VELOCITY + np.cross(motion.angular_velocity, body.nodes + displacement)
     field[:, 3:] = motion.angular_velocity
