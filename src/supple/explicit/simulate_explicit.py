@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import pickle
 from dataclasses import replace
-from hashlib import sha256
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
@@ -13,11 +11,12 @@ from supple.arguments import checked_arguments
 from supple.errors import ResultFileError
 from supple.explicit.engine import ExplicitEngine, ExplicitOptions
 from supple.explicit.explicit_system import ExplicitSystem
+from supple.explicit.run_inputs import check_modes, inputs_of, modes_of
 from supple.integrate import Progress, Run, Solution
 from supple.integrate import run as march_through
 from supple.storage import ResultFile, read_header, read_solution
 from supple.storage.result_content import Metadata
-from supple.storage.run_inputs import Inputs
+from supple.storage.run_inputs import Inputs, changes
 
 __all__ = ["keep_explicit", "simulate_explicit"]
 
@@ -61,18 +60,20 @@ def simulate_explicit(
     if file is None:
         return march_through(engine, run.times, progress=progress, check=check)
     path, case = Path(file), _case(system, run)
-    inputs = {"the run": repr(run), "the system": _digest(engine), "the options": repr(options)}
+    inputs = inputs_of(system, run, options or ExplicitOptions())
     begun = False
     if path.exists() and not overwrite:
         header = read_header(path)
-        if dict(header.inputs) != inputs:
+        if changed := changes(header.inputs, inputs):
             raise ResultFileError(
-                f"{path} holds another run ({header.case}); say overwrite=True to replace it"
+                f"{path} holds another run than the one asked for ({changed}); say overwrite=True to replace "
+                f"it, or choose another file. There: {header.case}. Here: {case}"
             )
+        check_modes(header, system, path)
         if header.complete:
             return read_solution(path)
         begun = bool(header.n_times)
-    names = _Names(case, inputs, {})
+    names = _Names(case, inputs, modes_of(system))
     return _kept(engine, run, path, names, begun, overwrite, progress, check)
 
 
@@ -105,7 +106,10 @@ def keep_explicit(
     """
     engine = ExplicitEngine(system, run, options)
     begun = resume and bool(read_header(path).n_times)
-    return _kept(engine, run, path, _Names(case, inputs, metadata), begun, overwrite, progress, True)
+    if begun:
+        check_modes(read_header(path), system, path)
+    names = _Names(case, inputs, {**metadata, **modes_of(system)})
+    return _kept(engine, run, path, names, begun, overwrite, progress, True)
 
 
 class _Names(NamedTuple):
@@ -159,20 +163,3 @@ def _recorded(
 def _case(system: ExplicitSystem, run: Run) -> str:
     parts = ", ".join(f"{part.name} ({type(part.subdomain).__name__})" for part in system.placed)
     return f"explicit: {parts}; {run.duration:g} from {run.start:g}, every {run.output_step:g}"
-
-
-def _digest(engine: ExplicitEngine) -> str:
-    """Of all numbers and methods of the march."""
-    import jax
-    import numpy as np
-
-    own = engine.built
-    digest = sha256(repr(own.methods).encode())
-    leaves, structure = jax.tree.flatten((own.model, own.start))
-    digest.update(str(structure).encode())
-    for leaf in leaves:
-        array = np.ascontiguousarray(leaf)
-        digest.update(pickle.dumps((array.shape, str(array.dtype))))
-        # Modes have no sign of their own in the last digits; twelve tell another body.
-        digest.update(np.float64(f"{float(np.abs(array.astype(float)).sum()):.6e}").tobytes())
-    return digest.hexdigest()
