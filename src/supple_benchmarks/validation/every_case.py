@@ -11,6 +11,7 @@ __all__ = ["CASES", "TOPICS"]
 TOPICS = (
     "rigid_machines",
     "rigid_rotation",
+    "beams_at_rest",
 )  # fmt: skip
 """Files of this folder that end in `CASES`, in the order of the table."""
 
