@@ -94,7 +94,9 @@ def body_table(numbers: Mapping[str, Any]) -> TextTable:
         headed("lowest frequencies", hertz),
     )
     rows = [row for name, body in numbers["bodies"].items() for row in _body_rows(name, body, hertz)]
-    return TextTable("Bodies", heads, rows)
+    if any("damping ratios held" in body for body in numbers["bodies"].values()):
+        return TextTable("Bodies", (*heads, "their damping, %"), rows)
+    return TextTable("Bodies", heads, [row[:-1] for row in rows])
 
 
 def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[str]]:
@@ -106,10 +108,12 @@ def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[
     cells = [*cells, coordinates, "" if locks is None else f"{100 * locks['largest']:.2g} %"]
     held = {"(its frame)": body.get(headed("frequencies in the frame", hertz), ())}
     held |= body.get(headed("frequencies held", hertz), {})
+    damped = body.get("damping ratios held", {})
     for row, (place, frequencies) in enumerate(held.items()):
         head = cells if row == 0 else [""] * len(cells)
         if len(frequencies) or row == 0:
-            yield [*head, place if len(frequencies) else "", _vector(frequencies, digits=4)]
+            ratios = _vector([100 * ratio for ratio in damped.get(place, ())], digits=3)
+            yield [*head, place if len(frequencies) else "", _vector(frequencies, digits=4), ratios]
 
 
 def motion_table(numbers: Mapping[str, Any]) -> TextTable:
