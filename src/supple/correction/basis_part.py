@@ -1,7 +1,8 @@
 """The part of the bases in the error of a finished run: by the error equation, or by a run with richer bases.
 
 The error equation tells the true motion, to first order, and says itself where that is not enough
-(`BodyError.second` above a third). There a run with much richer bases is made instead.
+(`BodyError.second` above a third). There a run with much richer bases is made instead, and also where the
+estimate is doubtful (`BodyError.is_doubtful`): linearised about a run that locks, the equation can find a small error.
 """
 
 from __future__ import annotations
@@ -16,11 +17,15 @@ from supple.correction.basis_error import ENRICH, FIRST_ORDER, BodyError
 from supple.correction.check_run import check_run
 from supple.correction.error_estimate import ErrorEstimator
 from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
+from supple.correction.run_distance import largest_displacement
 from supple.integrate import ErrorPart, Run, Solution
 from supple.machine import Placed, System
 from supple.reduction import ReductionBasis
 
 __all__ = ["basis_parts", "in_full"]
+
+NEGLIGIBLE = 1e-3
+"""Of the largest displacement: motion missed at rest that is less raises no doubt."""
 
 
 def basis_parts(
@@ -43,7 +48,8 @@ def basis_parts(
     whole = in_full(system, fulls, bases)
     estimate = ErrorEstimator(whole, run).judge(system, bases, solution, progress=share)
     found = estimate.error.bodies
-    if estimate.corrected is not None and all(map(_is_sure, found.values())):
+    doubtful = any(each.is_doubtful(_negligible(system, solution, name)) for name, each in found.items())
+    if estimate.corrected is not None and all(map(_is_sure, found.values())) and not doubtful:
         # What the space of the error lacks is known of whole bodies: of others in the same proportion.
         lack = max(each.estimate / each.rms if each.rms else 1.0 for each in found.values())
         return {
@@ -53,6 +59,11 @@ def basis_parts(
             for each in asked
         }
     return check_run(system, run, solution, fulls, bases, asked, progress=progress)
+
+
+def _negligible(system: System, solution: Solution, name: str) -> float:
+    body = system.bodies[system.body_index(name)].body
+    return NEGLIGIBLE * largest_displacement(body, solution.bodies[name])
 
 
 def _is_sure(error: BodyError) -> bool:

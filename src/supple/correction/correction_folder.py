@@ -116,6 +116,7 @@ class CorrectionFolder:
                             float(kept[f"{name}/indicator"]),
                             kept[f"{name}/singular_values"],
                             float(kept[f"{name}/error"]),
+                            bool(kept[f"{name}/doubtful"]),
                         )
                         for name in fulls
                         if f"{name}/indicator" in kept
@@ -145,6 +146,7 @@ class CorrectionFolder:
             arrays[f"{name}/indicator"] = missed.indicator
             arrays[f"{name}/singular_values"] = missed.singular_values
             arrays[f"{name}/error"] = missed.error
+            arrays[f"{name}/doubtful"] = missed.doubtful
         image = io.BytesIO()
         np.savez(image, **arrays)
         with replacing(path) as temporary:

@@ -116,6 +116,8 @@ class Round:
     seconds : float                 wall time of the reduction, the run and its correction, of all bodies
     allowed : float                 the error to reach, unit of length
     useless : bool                  no better than the round before
+    unconfirmed : bool              the body locks, or misses more motion at rest than the error estimated,
+                                    and no second run has confirmed that error
     number : int | None             of its run, as it is archived; that of the round where it is left out
     run : Run | None                how it was stepped
     """
@@ -128,6 +130,7 @@ class Round:
     seconds: float
     allowed: float = np.nan
     useless: bool = False
+    unconfirmed: bool = False
     number: int | None = None
     run: Run | None = None
 

@@ -18,11 +18,13 @@ __all__ = ["InMemoryArchive", "MissedMotion", "RoundArchive", "RoundBases"]
 
 
 class MissedMotion(NamedTuple):
-    """What a run said of the motion that a body's basis misses; see `Round`."""
+    """What is known of the motion that a body's basis misses on a run; see `Round`."""
 
     indicator: float
     singular_values: np.ndarray
     error: float
+    doubtful: bool = False
+    """Whether the error needs a second run to confirm it (`BodyError.is_doubtful`)"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ from supple.correction.correction_rounds import (
 from supple.correction.error_estimate import ErrorEstimate, ErrorEstimator
 from supple.correction.judged_quantity import JudgedQuantity, WholeBody, quantity_distance
 from supple.correction.round_archive import MissedMotion, RoundArchive, RoundBases
-from supple.correction.stopping import is_useless, missed_part
+from supple.correction.stopping import doubt, is_confirmed, is_useless, missed_part
 from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import Run, Solution
 from supple.machine.system import Placed, System
@@ -73,6 +73,7 @@ class Problem:
     announce, accepted, progress, archive : as for `self_correct`
     first : bases to begin with, where an earlier pass has found them; its number in the archive
     spent : of what is allowed to a body, what other parts of the error than the basis take
+    confirmed : bodies whose estimates an earlier pass has confirmed, from whose bases this one begins
     """
 
     system: System
@@ -86,6 +87,7 @@ class Problem:
     number: int = 0
     spent: Mapping[str, float] = field(default_factory=dict)
     accepted: Accepted | None = None
+    confirmed: frozenset[str] = frozenset()
 
     def report(self, step: str, fraction: float) -> None:
         """Say how far a step has come."""
@@ -141,6 +143,7 @@ def correct(problem: Problem) -> CorrectedSystem:
         )
     past: dict[str, list[_Judged]] = {name: [] for name in problem.fulls}
     estimator = ErrorEstimator(problem.system, problem.run)
+    before: _Run | None = None
     number = problem.number
     kept = problem.archive.read_bases(number, problem.fulls)
     model = _reduced(problem, number, kept or problem.first or _first_bases(problem))
@@ -152,12 +155,14 @@ def correct(problem: Problem) -> CorrectedSystem:
         kept = problem.archive.read_bases(number, problem.fulls)
         next_bases = kept or _enriched(problem, estimator, run, allowed)
         for name, judged in past.items():
-            judged.append(_judge(problem, name, judged, run, next_bases, allowed[name]))
+            confirmed = _confirmed(problem, name, judged, before, run, allowed[name])
+            judged.append(_judge(problem, name, judged, run, next_bases, allowed[name], confirmed))
             if problem.announce is not None:
                 problem.announce(judged[-1].round)
         if all(judged[-1].met for judged in past.values()):
             return _result(past, run)
         _check_prospects(problem, past, number, next_bases)
+        before = run
         model = _reduced(problem, number, next_bases)
 
 
@@ -236,10 +241,15 @@ def _enriched(
             full.body, model.bases.bases[name], estimate.missed[name], problem.target(name).directions
         )
         bases[name] = enriched.basis
+        quantity = problem.target(name).quantity(name)
+        # The indicator is a length; in other quantities the limit is the same share of the displacement.
+        size = quantity.size(model.system, run.solution)
+        share = allowed[name] / size if size else 0.0
         said[name] = MissedMotion(
             float(estimate.corrections[name].rms.max()),
             enriched.singular_values,
-            _error(problem.target(name).quantity(name), name, run, estimate),
+            _error(quantity, name, run, estimate),
+            estimate.error.bodies[name].is_doubtful(share * WholeBody(name).size(model.system, run.solution)),
         )
     next_bases = RoundBases(bases, said, run.seconds + perf_counter() - began)
     # What the last run says is kept as well, though the next one is never made.
@@ -259,12 +269,34 @@ def _error(quantity: JudgedQuantity, name: str, run: _Run, estimate: ErrorEstima
     return difference * (told.estimate / told.rms if told.rms else 1.0)
 
 
+def _confirmed(
+    problem: Problem, name: str, past: list[_Judged], before: _Run | None, run: _Run, allowed: float
+) -> bool:
+    """Whether a run with fewer coordinates was as far from this one as was estimated of it."""
+    if before is None:
+        return name in problem.confirmed
+    distance = quantity_distance(
+        problem.target(name).quantity(name),
+        before.model.system,
+        before.solution,
+        run.model.system,
+        run.solution,
+    )
+    return is_confirmed(past[-1].round.estimated_error, distance, allowed)
+
+
 def _judge(
-    problem: Problem, name: str, before: list[_Judged], run: _Run, after: RoundBases, allowed: float
+    problem: Problem,
+    name: str,
+    before: list[_Judged],
+    run: _Run,
+    after: RoundBases,
+    allowed: float,
+    confirmed: bool,
 ) -> _Judged:
-    """What a run said of its own error, against what is asked."""
+    """What is known of the error of a run, against what is asked."""
     missed = after.missed[name]
-    errors = [*(each.round.estimated_error for each in before), missed.error]
+    known = [np.inf if each.round.unconfirmed else each.round.estimated_error for each in before]
     was_met = any(each.met for each in before)
     after_useless = bool(before) and before[-1].round.useless and not was_met
     return _Judged(
@@ -276,11 +308,14 @@ def _judge(
             singular_values=missed.singular_values,
             seconds=after.seconds,
             allowed=allowed,
-            useless=is_useless(errors),
+            useless=is_useless([*known, missed.error]),
+            unconfirmed=missed.doubtful and not confirmed,
             number=run.model.number,
             run=problem.run,
         ),
-        missed.error <= allowed - problem.spent.get(name, 0.0) and not after_useless,
+        missed.error <= allowed - problem.spent.get(name, 0.0)
+        and not after_useless
+        and (confirmed or not missed.doubtful),
     )
 
 
@@ -324,6 +359,9 @@ def _check_prospects(
         )
         useless = [str(each.round.number) for each in past[name] if each.round.useless]
         idle = f"Round {', '.join(useless)} found nothing that helped. " if useless else ""
+        last = past[name][-1].round
+        if last.unconfirmed and last.estimated_error <= last.allowed:
+            idle += f"The last error is confirmed by no second run, and {doubt(last.body, last.indicator)}. "
         part = missed_part(problem.fulls[name], after.bases[name], past[name][-1].round.size)
         said.append(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted}: "

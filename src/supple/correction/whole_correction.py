@@ -145,6 +145,8 @@ def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, Er
         spent=spent,
         first=RoundBases(reached),
         number=last + 2,  # the one between has bases but no run
+        confirmed=problem.confirmed
+        | {name for name, own in corrected.bodies.items() if not own.rounds[-1].unconfirmed},
     )
 
 

@@ -135,7 +135,7 @@ def correction_table(numbers: Sequence[Mapping[str, Any]], units: UnitSystem = U
     rows = []
     for each in numbers:
         errors = (_error(each[key]) for key in ("estimated_error", "allowed", "indicator"))
-        seen = "useless" if each.get("useless") else ""
+        seen = ", ".join(word for word in ("useless", "unconfirmed") if each.get(word))
         rows.append(
             [each["body"], str(each["round"]), str(each["size"]), *errors, f"{each['seconds']:.1f}", seen]
         )
