@@ -1,8 +1,8 @@
 """An error estimated about a run that locks is not believed before a second run confirms it.
 
-A narrow strip is pushed in its plane until it tips sideways. Five modes and five derivatives with plain tensors
-lock in torsion: their strip stands straight, in near balance, and the equation linearised there finds 3 % of
-the error. The truth is the full run.
+A narrow strip is pushed in its plane until it tips sideways. Five modes and five derivatives with plain
+tensors lock in torsion: their strip stands straight, in near balance, and the equation linearised there finds
+3 % of the error. The truth is the full run.
 """
 
 from __future__ import annotations

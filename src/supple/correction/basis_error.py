@@ -32,8 +32,8 @@ class BodyError:
                             over the deformation, if that is more; above a third the error is an order of
                             magnitude only; None: not looked at
     history : (t,)          RMS over the nodes at the output times
-    indicator : float       largest RMS over the nodes of the motion that the run misses at rest; 0: not looked
-                            at; infinite where no equilibrium was found
+    indicator : float       largest RMS over the nodes of the motion that the run misses at rest; infinite
+                            where no equilibrium was found; 0: not looked at
     withheld : float        share of a static answer that the body withholds because it locks
     """
 

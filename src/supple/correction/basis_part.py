@@ -1,8 +1,8 @@
 """The part of the bases in the error of a finished run: by the error equation, or by a run with richer bases.
 
 The error equation tells the true motion, to first order, and says itself where that is not enough
-(`BodyError.second` above a third). There a run with much richer bases is made instead, and also where the
-estimate is doubtful (`BodyError.is_doubtful`): linearised about a run that locks, the equation can find a small error.
+(`BodyError.second` above a third). There a run with much richer bases is made instead. So it is where the
+estimate is doubtful (`BodyError.is_doubtful`): about a run that locks, the equation can find too small an error.
 """
 
 from __future__ import annotations

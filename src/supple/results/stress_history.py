@@ -34,7 +34,7 @@ def von_mises_history(
     """Von Mises stress (t, N), Pa, the largest over the layers, of coordinates (t, r).
 
     A reduced body goes through its stress modes; the reference, a full body, is recovered one vector at a
-    time. Elements beside rigid interfaces have the strain that their ties leave them. A linear body has the
+    time, as is a body of more columns than tensors are made for (`ReducedBody.elastic_elsewhere`). Elements beside rigid interfaces have the strain that their ties leave them. A linear body has the
     stress of its linear strain; an intrinsic one that of the static shapes that carry its section loads.
 
     Parameters
@@ -46,7 +46,7 @@ def von_mises_history(
     ------
     ModelError   as for stress_modes
     """
-    if isinstance(body, ReducedBody):
+    if isinstance(body, ReducedBody) and not body.elastic_elsewhere:
         return stress_modes(body, model, nodes).von_mises(coordinates)
     return _measured(body, stress_recovery(model), von_mises, coordinates, nodes)
 
@@ -91,7 +91,7 @@ def strain_history(
 
 
 def _measured(
-    body: FullBody | IntrinsicBody,
+    body: ReducedBody | FullBody | IntrinsicBody,
     recovery: StressRecovery,
     measure: Callable[[Array], Array],
     coordinates: Array,
@@ -101,7 +101,10 @@ def _measured(
 
 
 def _fields(
-    body: FullBody | IntrinsicBody, recovery: StressRecovery, coordinates: Array, nodes: ArrayLike | None
+    body: ReducedBody | FullBody | IntrinsicBody,
+    recovery: StressRecovery,
+    coordinates: Array,
+    nodes: ArrayLike | None,
 ) -> Iterator[Array]:
     """(N, l, 6) at one instant after the other, for all of them would not fit in memory.
 
@@ -115,10 +118,10 @@ def _fields(
         return
     if body.is_linear:
         recovery = recovery.linearized()
-    flexible, interfaces = body.body, body.interfaces
-    recovery = tied_recovery(recovery, flexible.nodes, flexible.dofs_per_node, interfaces)
+    d = body.dofs_per_node if isinstance(body, ReducedBody) else body.body.dofs_per_node
+    expansion = body.nodal_basis if isinstance(body, ReducedBody) else body.body.expansion
+    interfaces = body.interfaces
+    recovery = tied_recovery(recovery, body.nodes, d, interfaces)
     for q in np.asarray(coordinates):
-        nodal = with_virtual_freedoms(
-            flexible.expansion @ q, [i.motion @ q for i in interfaces], interfaces, flexible.dofs_per_node
-        )
+        nodal = with_virtual_freedoms(expansion @ q, [i.motion @ q for i in interfaces], interfaces, d)
         yield recovery.at_nodes(nodal)[chosen]
