@@ -151,7 +151,28 @@ def test_an_accuracy_of_a_quantity(beam):
     corrected = self_correct(pushed(full), run, target, study=ErrorStudy())
     stated = corrected.solution.errors["force of wall"]
     assert stated.total <= stated.allowed == pytest.approx(0.02 * stated.size)
-    assert corrected.solution.errors["beam"].allowed is None
+    beside = corrected.solution.errors["beam"]
+    assert beside.allowed is None
+    assert beside.total == beside.at_least
+
+
+def test_a_body_that_corrects_itself_states_the_basis_part_of_every_quantity(beam):
+    """Against the full run with the same steps; parts that nobody looked at leave no total."""
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    run = Run(0.4, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-9))
+    start = ReductionStart(SelfCorrection(relative=0.05), CraigBampton(1), CompressedDerivatives(2))
+    study = ErrorStudy(integration=False, model=False, quantities=STUDY.quantities)
+    corrected = self_correct(pushed(full, 3.0), run, start, study=study)
+    reference = simulate(pushed(full, 3.0), run)
+    for quantity in (WholeBody("beam"), *STUDY.quantities):
+        stated = corrected.solution.errors[quantity.name]
+        true = quantity_distance(
+            quantity, corrected.system, corrected.solution, pushed(full, 3.0), reference
+        )
+        assert 0.7 < stated.basis.value / true < 1.4
+        assert stated.missing == ("step", "model")
+        assert stated.total is None
+        assert stated.at_least == stated.basis.value + stated.newton.value
 
 
 @pytest.mark.slow

@@ -10,13 +10,16 @@ import numpy as np
 from supple.algebra import read_only
 from supple.reduction.locking import TOLERATED
 
-__all__ = ["ENRICH", "FIRST_ORDER", "BasisError", "BodyError"]
+__all__ = ["ASK_FOR_LESS", "ENRICH", "FIRST_ORDER", "BasisError", "BodyError"]
 
 FIRST_ORDER = 1 / 3
 """Size of a second correction over the first above which the first is an order of magnitude only."""
 
 ENRICH = "keep more modes, or let the reduction correct itself (accuracy = { relative = 1e-3 })"
 """The remedy of a basis that costs too much."""
+
+ASK_FOR_LESS = "ask for a smaller error, or start with more modes"
+"""The remedy where the reduction corrects itself."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from supple.algebra import read_only
 from supple.arguments import check_fields
 from supple.correction.judged_quantity import JudgedQuantity, WholeBody
 from supple.errors import AccuracyError, ModelError
-from supple.integrate import Run, Solution
+from supple.integrate import ErrorPart, Run, Solution
 from supple.machine.system import System
 from supple.reduction import (
     CompressedDerivatives,
@@ -177,11 +177,13 @@ class CorrectedSystem:
     system : System                     with the reduced bodies
     bodies : SelfCorrected, by name     their rounds, which are the same runs
     run : Run                           as it was stepped; None where that is the run that was asked for
+    of_basis : ErrorPart, by quantity   what the bases cost in what a study judges besides the targets
     """
 
     system: System
     bodies: Mapping[str, SelfCorrected]
     run: Run | None = None
+    of_basis: Mapping[str, ErrorPart] = field(default_factory=dict)
 
     @property
     def solution(self) -> Solution:

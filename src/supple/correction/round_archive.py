@@ -34,11 +34,13 @@ class RoundBases:
     bases : ReductionBasis, by body
     missed : MissedMotion, by body      of the run before, from which the bases were enriched; empty at first
     seconds : float                     wall time of the round before
+    besides : float, by quantity        error of the run before in what is judged besides (`Problem.besides`)
     """
 
     bases: Mapping[str, ReductionBasis]
     missed: Mapping[str, MissedMotion] = field(default_factory=dict)
     seconds: float = 0.0
+    besides: Mapping[str, float] = field(default_factory=dict)
 
 
 class RoundArchive(Protocol):

@@ -10,7 +10,8 @@ from time import perf_counter
 import numpy as np
 
 from supple.body.full_body import FullBody
-from supple.correction.basis_error import FIRST_ORDER
+from supple.correction.basis_error import ASK_FOR_LESS, FIRST_ORDER
+from supple.correction.basis_part import distances, stated_of
 from supple.correction.correction_rounds import (
     CorrectedSystem,
     ReductionStart,
@@ -24,7 +25,7 @@ from supple.correction.judged_quantity import JudgedQuantity, WholeBody, quantit
 from supple.correction.round_archive import MissedMotion, RoundArchive, RoundBases
 from supple.correction.stopping import doubt, is_confirmed, is_useless, missed_part
 from supple.errors import ConvergenceError, LockingWarning
-from supple.integrate import Run, Solution
+from supple.integrate import ErrorPart, Run, Solution
 from supple.machine.system import Placed, System
 from supple.multibody.checks.load_spectrum import warn_of_missing_modes
 from supple.reduction import ReducedBody, enrich, project, reduction_basis, with_room
@@ -74,6 +75,7 @@ class Problem:
     first : bases to begin with, where an earlier pass has found them; its number in the archive
     spent : of what is allowed to a body, what other parts of the error than the basis take
     confirmed : bodies whose estimates an earlier pass has confirmed, from whose bases this one begins
+    besides : what is judged of the accepted run as well
     """
 
     system: System
@@ -88,6 +90,7 @@ class Problem:
     spent: Mapping[str, float] = field(default_factory=dict)
     accepted: Accepted | None = None
     confirmed: frozenset[str] = frozenset()
+    besides: tuple[JudgedQuantity, ...] = ()
 
     def report(self, step: str, fraction: float) -> None:
         """Say how far a step has come."""
@@ -160,7 +163,7 @@ def correct(problem: Problem) -> CorrectedSystem:
             if problem.announce is not None:
                 problem.announce(judged[-1].round)
         if all(judged[-1].met for judged in past.values()):
-            return _result(past, run)
+            return _result(past, run, next_bases)
         _check_prospects(problem, past, number, next_bases)
         before = run
         model = _reduced(problem, number, next_bases)
@@ -251,7 +254,11 @@ def _enriched(
             _error(quantity, name, run, estimate),
             estimate.error.bodies[name].is_doubtful(share * WholeBody(name).size(model.system, run.solution)),
         )
-    next_bases = RoundBases(bases, said, run.seconds + perf_counter() - began)
+    besides: Mapping[str, float] = {}
+    if all(said[name].error <= error for name, error in allowed.items()):  # it may be the last
+        asked = stated_of(model.system, problem.fulls, problem.besides)
+        besides = distances(model.system, run.solution, estimate, asked)
+    next_bases = RoundBases(bases, said, run.seconds + perf_counter() - began, besides)
     # What the last run says is kept as well, though the next one is never made.
     problem.archive.keep_bases(model.number + 1, next_bases)
     return next_bases
@@ -325,12 +332,16 @@ def _allowed(problem: Problem, name: str, run: _Run) -> float:
     return target.allowed(target.quantity(name).size(run.model.system, run.solution))
 
 
-def _result(past: Mapping[str, list[_Judged]], run: _Run) -> CorrectedSystem:
+def _result(past: Mapping[str, list[_Judged]], run: _Run, after: RoundBases) -> CorrectedSystem:
     return CorrectedSystem(
         run.model.system,
         {
             name: SelfCorrected(tuple(each.round for each in judged), run.model.bases.bases[name])
             for name, judged in past.items()
+        },
+        of_basis={
+            name: ErrorPart(error, "the error equation", ASK_FOR_LESS)
+            for name, error in after.besides.items()
         },
     )
 

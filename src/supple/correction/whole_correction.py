@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from supple.correction.basis_error import ASK_FOR_LESS
 from supple.correction.correction_rounds import CorrectedSystem, Round, SelfCorrected, SelfCorrectionError
 from supple.correction.error_study import ErrorStudy, judged, statements
 from supple.correction.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
@@ -72,7 +73,7 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
     raise SelfCorrectionError(
         " ".join(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted} in "
-            f"{PASSES} passes: {each.total:.2g} for {each.allowed:.2g}, of which {_words(each)}; "
+            f"{PASSES} passes: {each.at_least:.2g} for {each.allowed:.2g}, of which {_words(each)}; "
             f"{each.advice}."
             for name, each in unmet.items()
         )
@@ -84,14 +85,15 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
 def _stated(problem: Problem, corrected: CorrectedSystem, study: ErrorStudy) -> dict[str, ErrorStatement]:
     """Statements of what the targets are of, of every body, and of what is asked for besides."""
     system, solution = corrected.system, corrected.solution
-    of_basis, allowed = {}, {}
+    of_basis: dict[str, ErrorPart] = dict(corrected.of_basis)
+    allowed: dict[str, float] = {}
     for name, own in corrected.bodies.items():
         quantity = problem.target(name).quantity(name)
         last = own.rounds[-1]
-        of_basis[quantity.name] = ErrorPart(last.estimated_error, "the error equation", _REMEDY)
+        of_basis[quantity.name] = ErrorPart(last.estimated_error, "the error equation", ASK_FOR_LESS)
         allowed[quantity.name] = last.allowed
     targets = [problem.target(name).quantity(name) for name in corrected.bodies]
-    others = [each for each in judged(system, study) if each.name not in of_basis]
+    others = [each for each in judged(system, study) if each.name not in allowed]
     bases = {name: own.basis for name, own in corrected.bodies.items()}
     return statements(
         system,
@@ -186,6 +188,3 @@ def _check_model(unmet: Mapping[str, ErrorStatement], rounds: Mapping[str, tuple
 
 def _words(stated: ErrorStatement) -> str:
     return ", ".join(f"{name} {part.value:.2g}" for name, part in stated.parts.items())
-
-
-_REMEDY = "ask for a smaller error, or start with more modes"

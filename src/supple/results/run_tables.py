@@ -152,7 +152,7 @@ def error_table(numbers: Mapping[str, Any]) -> TextTable:
             _error(stated["parts"][part]["value"]) if part in stated["parts"] else "not looked at"
             for part in PARTS
         ]
-        total = _error(stated["total"])
+        total = _error(stated["at_least"])
         at_least = "" if len(stated["parts"]) == len(PARTS) else "at least "
         allowed = "" if stated["allowed"] is None else _error(stated["allowed"])
         rows.append([name, *parts, f"{at_least}{total}", allowed, _error(stated["size"])])
