@@ -26,7 +26,7 @@ from supple.correction import (
     self_correct,
     state_errors,
 )
-from supple.correction.integration_error import with_shorter_steps, with_tolerance
+from supple.correction.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
 from supple.correction.judged_quantity import quantity_distance
 from supple.correction.model_error import model_errors_by_limit
 from supple.correction.whole_correction import _needed
@@ -166,9 +166,7 @@ def test_a_body_that_corrects_itself_states_the_basis_part_of_every_quantity(bea
     reference = simulate(pushed(full, 3.0), run)
     for quantity in (WholeBody("beam"), *STUDY.quantities):
         stated = corrected.solution.errors[quantity.name]
-        true = quantity_distance(
-            quantity, corrected.system, corrected.solution, pushed(full, 3.0), reference
-        )
+        true = quantity_distance(quantity, corrected.system, corrected.solution, pushed(full, 3.0), reference)
         assert 0.7 < stated.basis.value / true < 1.4
         assert stated.missing == ("step", "model")
         assert stated.total is None
@@ -219,6 +217,42 @@ def test_the_cheapest_part_is_mended_first_and_alone_where_that_suffices():
     both = needed(basis=0.9, step=0.9, newton=0.01, model=0.0)
     assert both.step < 1
     assert 1 - both.basis < 0.9
+
+
+@pytest.mark.parametrize("model", [0.0, 0.2, 0.5, 0.79])
+@pytest.mark.parametrize(
+    ("basis", "step", "newton"), [(0.5, 0.49, 0.1), (0.4, 0.6, 0.01), (0.9, 0.01, 0.01), (0.05, 0.2, 2.0)]
+)
+def test_what_a_pass_mends_would_keep_to_what_is_allowed(model, basis, step, newton):
+    """Whatever the model leaves of it: basis as asked for, the step by its square, the tolerance as it is."""
+    mended = needed(basis=basis, step=step, newton=newton, model=model)
+    after = (
+        (basis if mended.basis is None else 1.0 - mended.basis)
+        + mended.step**2 * step
+        + mended.tolerance * newton
+    )
+    if basis + step + newton + model > 1.0:
+        assert after + model <= 1.0
+
+
+def test_a_pass_is_not_made_twice(beam, monkeypatch):
+    """What the tightest tolerance leaves cannot be less: it is said after one pass."""
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    run = Run(0.04, 0.02, step=FixedStep(0.02), tolerances=Tolerances(TIGHTEST))
+    passes = []
+
+    def told(_problem, corrected, _study):
+        passes.append(corrected)
+        parts = {"basis": 0.0, "newton": 2.0}
+        return {
+            "beam": ErrorStatement("", 1.0, allowed=1.0, **{k: ErrorPart(v, "") for k, v in parts.items()})
+        }
+
+    monkeypatch.setattr("supple.correction.whole_correction._stated", told)
+    start = ReductionStart(SelfCorrection(absolute=1.0), CraigBampton(1), NoDerivatives())
+    with pytest.raises(SelfCorrectionError, match="in 1 passes"):
+        self_correct(pushed(full, 0.1), run, start, study=ErrorStudy())
+    assert len(passes) == 1
 
 
 def test_a_part_that_is_unknown_is_mended_as_far_as_goes_at_once():

@@ -72,7 +72,7 @@ def stated_of(
 def distances(
     system: System, solution: Solution, estimate: ErrorEstimate, quantities: Sequence[JudgedQuantity]
 ) -> dict[str, float]:
-    """Error of a run in some quantities, by their names; infinite where the error equation has no solution."""
+    """Error of a run in some quantities, by their names; infinite where the equation has no solution."""
     if estimate.corrected is None:
         return {each.name: np.inf for each in quantities}
     # What the space of the error lacks is known of whole bodies: of others in the same proportion.
