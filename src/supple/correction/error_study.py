@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from supple.arguments import checked_arguments
 from supple.body.full_body import FullBody
 from supple.correction.basis_part import basis_parts
 from supple.correction.integration_error import integration_errors
@@ -41,6 +42,7 @@ class ErrorStudy:
     quantities: tuple[JudgedQuantity, ...] = ()
 
 
+@checked_arguments
 def state_errors(
     system: System,
     run: Run,

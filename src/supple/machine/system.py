@@ -119,7 +119,7 @@ class Placed:
     def positions(self, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
         """Positions `R + A (x + u)` (k, 3) in space of some of its nodes, or all, deformed as it starts."""
         own = nodes if isinstance(nodes, slice) else np.asarray(nodes)
-        local = self.body.nodes[own] + self.body.expand(self.coordinates)[own]
+        local = self.body.nodes[own] + self.body.expand(self.coordinates, own)
         return self.position + local @ self.rotation.T
 
 

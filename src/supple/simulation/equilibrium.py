@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
@@ -48,6 +49,7 @@ class Equilibrium:
         return {name: forces[0] for name, forces in self.solution.joint_forces.items()}
 
 
+@checked_arguments
 def equilibrium(
     system: System,
     *,
