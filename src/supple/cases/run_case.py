@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from supple.cases.case import Case
+from supple.cases.damping import warn_of_ratios
 from supple.cases.drawing import drawing_of
 from supple.cases.drawing_beside import DrawingBeside
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
@@ -162,6 +163,7 @@ def _run_case(
         _write_report(case, folder, correction_numbers(rounds), {})
         raise
     warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
+    _warn_of_damping(case, system)
     tracked = _tracked(case, system, solution)
     readings = read_sensors(case.sensors, system, solution)
     numbers = summarize(system, solution, tracked, units=case.units)
@@ -172,6 +174,14 @@ def _run_case(
     _write_report(case, folder, result.rounds, result.numbers)
     beside.finish(drawing_of(case, system, solution, tracked, folder), progress)
     return result
+
+
+def _warn_of_damping(case: Case, system: System) -> None:
+    """Compare the damping ratios of held modes with those that are asked for, body by body."""
+    reduced = {body.name: body for body in reduced_bodies(system, case.made_here)}
+    for table in case.parts.body:
+        if table.name in reduced:
+            warn_of_ratios(table.damping, reduced[table.name])
 
 
 def _tracked(case: Case, system: System, solution: Solution) -> dict[str, TrackedMotion]:

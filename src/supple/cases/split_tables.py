@@ -109,6 +109,8 @@ def with_damping(body: Body, whole: FlexibleBody) -> Body:
         assert body.frame is not None  # a rule of the case file
         made: RayleighDamping = damping.build(whole, body.frame.build())
         damping = Rayleigh(kind="rayleigh", alpha=made.alpha, beta=made.beta)
+    if isinstance(damping, Rayleigh):
+        damping = damping.model_copy(update={"held": None})  # an interface of one part alone
     if isinstance(damping, Rayleigh) and damping.alpha > 0:
         warnings.warn(
             f"body '{body.name}' is split: the part alpha = {damping.alpha:.3g} 1/s of its damping resists "

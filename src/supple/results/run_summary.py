@@ -100,10 +100,9 @@ def _numbers_of_full(body: FullBody, _: UnitSystem) -> dict[str, Any]:
 
 
 def _numbers_of_reduced(body: ReducedBody, units: UnitSystem) -> dict[str, Any]:
-    held = {
-        i.name: _shown(clamped_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies, units)
-        for i in body.interfaces
-    }
+    clamped = {i.name: clamped_modes(body, i.name, n_modes=N_FREQUENCIES) for i in body.interfaces}
+    held = {name: _shown(modes.frequencies, units) for name, modes in clamped.items()}
+    damped = {name: modes.damping_ratios for name, modes in clamped.items()} if body.damping.any() else {}
     proven, hertz = body.report.certificate, units.frequency_shown.unit
     locking = body.report.locking
     return {
@@ -117,6 +116,7 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem) -> dict[str, Any]:
         "largest singular value dropped": float(np.max(body.report.singular_values_dropped, initial=0.0)),
         headed("frequencies in the frame", hertz): _shown(body.frequencies[:N_FREQUENCIES], units),
         headed("frequencies held", hertz): held,
+        **({"damping ratios held": damped} if damped else {}),
         **({} if proven is None else {"eigenvalues": str(proven)}),
         **({} if locking is None else {"locking": _locking_numbers(locking)}),
         "seconds": dict(body.report.seconds),

@@ -94,7 +94,9 @@ def body_table(numbers: Mapping[str, Any]) -> TextTable:
         headed("lowest frequencies", hertz),
     )
     rows = [row for name, body in numbers["bodies"].items() for row in _body_rows(name, body, hertz)]
-    return TextTable("Bodies", heads, rows)
+    if any("damping ratios held" in body for body in numbers["bodies"].values()):
+        return TextTable("Bodies", (*heads, "their damping, %"), rows)
+    return TextTable("Bodies", heads, [row[:-1] for row in rows])
 
 
 def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[str]]:
@@ -106,10 +108,12 @@ def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[
     cells = [*cells, coordinates, "" if locks is None else f"{100 * locks['largest']:.2g} %"]
     held = {"(its frame)": body.get(headed("frequencies in the frame", hertz), ())}
     held |= body.get(headed("frequencies held", hertz), {})
+    damped = body.get("damping ratios held", {})
     for row, (place, frequencies) in enumerate(held.items()):
         head = cells if row == 0 else [""] * len(cells)
         if len(frequencies) or row == 0:
-            yield [*head, place if len(frequencies) else "", _vector(frequencies, digits=4)]
+            ratios = _vector([100 * ratio for ratio in damped.get(place, ())], digits=3)
+            yield [*head, place if len(frequencies) else "", _vector(frequencies, digits=4), ratios]
 
 
 def motion_table(numbers: Mapping[str, Any]) -> TextTable:
@@ -174,7 +178,7 @@ def correction_table(numbers: Sequence[Mapping[str, Any]], units: UnitSystem = U
     rows = []
     for each in numbers:
         errors = (_error(each[key]) for key in ("estimated_error", "allowed", "indicator"))
-        seen = "useless" if each.get("useless") else ""
+        seen = ", ".join(word for word in ("useless", "unconfirmed") if each.get(word))
         rows.append(
             [each["body"], str(each["round"]), str(each["size"]), *errors, f"{each['seconds']:.1f}", seen]
         )
@@ -191,7 +195,7 @@ def error_table(numbers: Mapping[str, Any]) -> TextTable:
             _error(stated["parts"][part]["value"]) if part in stated["parts"] else "not looked at"
             for part in PARTS
         ]
-        total = _error(stated["total"])
+        total = _error(stated["at_least"])
         at_least = "" if len(stated["parts"]) == len(PARTS) else "at least "
         allowed = "" if stated["allowed"] is None else _error(stated["allowed"])
         rows.append([name, *parts, f"{at_least}{total}", allowed, _error(stated["size"])])

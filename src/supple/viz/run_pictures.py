@@ -223,7 +223,8 @@ def _draw_modes(path: Path, body: ReducedBody, surface: Skin, units: UnitSystem)
         return plot_mode_shapes(path, body.nodes, surface, _of_one_sign(modes.shapes), titles)
     values, vectors = np.linalg.eigh(body.stiffness)
     titles = mode_titles(np.sqrt(values[:N_MODES]) / (2 * np.pi), units)
-    shapes = _of_one_sign(body.expand(vectors[:, :N_MODES].T))
+    lowest = vectors[:, :N_MODES].T
+    shapes = _of_one_sign(body.expand_rates(np.zeros_like(lowest), lowest))
     return plot_mode_shapes(path, body.nodes, surface, shapes, titles)
 
 
