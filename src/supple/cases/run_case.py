@@ -21,7 +21,7 @@ from supple.errors import CaseError
 from supple.integrate import Solution, Validity
 from supple.machine import System
 from supple.multibody import warn_of_missing_modes
-from supple.results import TrackedMotion, summarize, tracked_places
+from supple.results import TrackedMotion, stress_numbers, summarize, tracked_places
 from supple.sensors import Reading, read_sensors, write_readings, write_readings_hdf5
 from supple.simulation import reduced_bodies, simulate_kept
 from supple.storage import write_errors, write_json
@@ -167,6 +167,7 @@ def _run_case(
     tracked = _tracked(case, system, solution)
     readings = read_sensors(case.sensors, system, solution)
     numbers = summarize(system, solution, tracked, units=case.units)
+    numbers |= {"stress": stress_numbers(system, solution, case.elements, units=case.units)}
     numbers |= {"sensors": {each.name: each.plain(case.units) for each in readings}}
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_readings(case, folder, readings)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +62,7 @@ class ExplicitShell:
     damping : LinearRayleighDamping | None      alpha alone
     """
 
+    used_with: ClassVar[str] = "which an ExplicitSystem takes as a part, and no System"
     name: str
     model: FiniteElementModel = field(repr=False)
     law: J2Plasticity | None = None

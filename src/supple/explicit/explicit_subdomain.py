@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,7 @@ class ExplicitSubdomain:
     damping : LinearRayleighDamping | None      beta acts on the rate of Green-Lagrange's strain
     """
 
+    used_with: ClassVar[str] = "which an ExplicitSystem takes as a part, and no System"
     name: str
     model: FiniteElementModel = field(repr=False)
     law: Law

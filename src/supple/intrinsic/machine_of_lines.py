@@ -109,8 +109,8 @@ def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineStat
     body = body_of(placed)
     k = body.modes.n_rigid
     root = body.line.tree.points[0]
-    w = placed.angular_velocity
-    twist = np.concatenate([placed.rotation.T @ placed.velocity + np.cross(w, root), w])
+    velocity, w = placed.twist[:3], placed.twist[3:]
+    twist = np.concatenate([placed.rotation.T @ velocity + np.cross(w, root), w])
     allowed = body.modes.velocities[0, :, :k]
     amplitudes = np.linalg.lstsq(allowed, twist, rcond=None)[0] if k else np.zeros(0)
     missed = twist - allowed @ amplitudes

@@ -10,6 +10,7 @@ import numpy as np
 import scipy.linalg
 from scipy.spatial.transform import Rotation
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
@@ -42,6 +43,7 @@ _TURNED_ON = 0.7
 """rad, after which they are compared: no fraction of a turn that a machine is likely to repeat."""
 
 
+@checked_arguments
 def linearize(
     system: System,
     *,

@@ -51,6 +51,8 @@ class Placed:
     rotation : (3,) or (3, 3) rotation vector (rad) or matrix, body to global
     velocity : (3,)           of the frame origin, global
     angular_velocity : (3,)   body components, rad/s
+        Of the two, what is left out (None) is what joints, their laws and other bodies ask for at the start,
+        and zero where they ask for nothing; zeros that are given are kept where the joints allow.
     coordinates, coordinate_rates : (r,) deformation at the start; zero unless given
     assembled : Assembly      where it stood when joints and forces were put on, which fixes their points and
         axes; where it starts unless given. An `equilibrium` starts elsewhere, in the same machine.
@@ -61,8 +63,8 @@ class Placed:
     body: Body | Any
     position: np.ndarray = field(default_factory=lambda: np.zeros(3))
     rotation: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    angular_velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    velocity: np.ndarray | None = None
+    angular_velocity: np.ndarray | None = None
     coordinates: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coordinate_rates: np.ndarray = field(default_factory=lambda: np.zeros(0))
     assembled: Assembly | None = None
@@ -77,7 +79,8 @@ class Placed:
                 "reduce(body, frame, basis), or FullBody(body, frame) to keep every freedom"
             )
         for item in ("position", "velocity", "angular_velocity"):
-            object.__setattr__(self, item, space_vector(f"{item} of body '{name}'", getattr(self, item)))
+            if item == "position" or getattr(self, item) is not None:
+                object.__setattr__(self, item, space_vector(f"{item} of body '{name}'", getattr(self, item)))
         object.__setattr__(self, "rotation", rotation_matrix(f"rotation of body '{name}'", self.rotation))
         r = self.body.n_coordinates
         for item in ("coordinates", "coordinate_rates"):
@@ -96,6 +99,12 @@ class Placed:
         """Where it stood when joints and forces were put on."""
         return self.assembled or Assembly(self.position, self.rotation)
 
+    @property
+    def twist(self) -> np.ndarray:
+        """Velocity and angular velocity (6,) as given, zero where left out."""
+        given = (self.velocity, self.angular_velocity)
+        return np.concatenate([np.zeros(3) if part is None else part for part in given])
+
     def moved_to(self, position: np.ndarray, rotation: np.ndarray) -> Placed:
         """Placed elsewhere, its joints and forces on the same points and axes of it.
 
@@ -107,7 +116,7 @@ class Placed:
     def positions(self, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
         """Positions `R + A (x + u)` (k, 3) in space of some of its nodes, or all, deformed as it starts."""
         own = nodes if isinstance(nodes, slice) else np.asarray(nodes)
-        local = self.body.nodes[own] + self.body.expand(self.coordinates)[own]
+        local = self.body.nodes[own] + self.body.expand(self.coordinates, own)
         return self.position + local @ self.rotation.T
 
 

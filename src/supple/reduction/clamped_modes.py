@@ -52,5 +52,5 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
     return ClampedModes(
         frequencies=read_only(frequencies),
         damping_ratios=read_only(damped / (2 * frequencies)),
-        shapes=read_only(rigid_shapes + body.expand(gammas)),
+        shapes=read_only(rigid_shapes + body.expand_rates(np.zeros_like(gammas), gammas)),
     )

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from supple.body import FullBody, RigidBody
+from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution, Statistics
 from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.reduction import Locking, ReducedBody, clamped_modes
 from supple.results.joint_loads import joint_loads, joint_meanings
+from supple.results.stress_history import largest_stress
 from supple.results.tracked_motion import TrackedMotion
 from supple.units import UNNAMED, UnitSystem, headed
 
@@ -45,6 +47,35 @@ def summarize(
         "errors": {name: each.plain() for name, each in solution.errors.items()},
         "statistics": cost_numbers(solution.statistics),
     }
+
+
+def stress_numbers(
+    system: System,
+    solution: Solution,
+    elements: Mapping[str, FiniteElementModel],
+    *,
+    units: UnitSystem = UNNAMED,
+) -> dict[str, Any]:
+    """By body: its largest von Mises stress over all nodes and output times, and at which of them.
+
+    elements : of the bodies, by name; one whose sections do not say where their stress acts is left out
+    """
+    found = {}
+    for placed in system.bodies:
+        body = placed.body
+        model = elements.get(body.name)
+        if model is None or not has_stress(model):
+            continue
+        if isinstance(body, ReducedBody | FullBody | IntrinsicBody):
+            largest = largest_stress(body, model, solution.bodies[body.name].coordinates)
+            found[body.name] = {
+                "largest von Mises stress": largest.value,
+                "unit": units.stress,
+                "node": int(model.mesh.node_ids[largest.node]),
+                "point": model.mesh.nodes[largest.node].tolist(),
+                "time": float(solution.times[largest.instant]),
+            }
+    return found
 
 
 def unit_names(units: UnitSystem) -> dict[str, str]:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
@@ -48,6 +49,7 @@ class Equilibrium:
         return {name: forces[0] for name, forces in self.solution.joint_forces.items()}
 
 
+@checked_arguments
 def equilibrium(
     system: System,
     *,
@@ -159,8 +161,7 @@ def _one_instant(found: RestingState, time: float) -> Solution:
 
 
 def _at_rest(placed: Placed) -> Placed:
-    none = np.zeros(3)
-    return replace(placed, velocity=none, angular_velocity=none, coordinate_rates=np.zeros(0))
+    return replace(placed, velocity=None, angular_velocity=None, coordinate_rates=np.zeros(0))
 
 
 def placed_at_rest(found: RestingState) -> System:
@@ -171,14 +172,14 @@ def placed_at_rest(found: RestingState) -> System:
         after = first + placed.body.n_coordinates
         rotation = np.asarray(state.configuration.rotations[index])
         moved = placed.moved_to(np.asarray(state.configuration.origins[index]), rotation)
-        bodies.append(
-            replace(
-                moved,
+        resting = replace(moved, coordinates=state.configuration.coordinates[first:after])
+        if velocities.any():
+            resting = replace(
+                resting,
                 velocity=np.cross(velocities[index], moved.position - point),
                 angular_velocity=velocities[index] @ moved.rotation,
-                coordinates=state.configuration.coordinates[first:after],
             )
-        )
+        bodies.append(resting)
         first = after
     return replace(system, bodies=tuple(bodies), controllers=_resting(system, found))
 

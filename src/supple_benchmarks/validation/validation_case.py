@@ -12,8 +12,8 @@ __all__ = ["Comparison", "ValidationCase"]
 class Comparison:
     """One number beside its reference: error = |value - reference| / scale, at most `allowed`.
 
-    `scale` is |reference| unless given; a reference of zero needs one, in the unit of the value. `source` names where
-    the reference is from: a closed form, a paper and its table, another code and its version.
+    `scale` is |reference| unless given; a reference of zero needs one, in the unit of the value. `source`
+    names where the reference is from: a closed form, a paper and its table, another code and its version.
     """
 
     quantity: str

@@ -40,7 +40,7 @@ def kept(floating_blade, motion):
 def nodal(floating_blade, motion):
     """Global positions (N, 3) and velocities (N, 6), translations and rotations, of all nodes."""
     A, spin = motion.rotation[0], motion.angular_velocity[0]
-    place = floating_blade.nodes + floating_blade.expand(motion.coordinates[0])
+    place = floating_blade.nodes + floating_blade.displacement_basis @ motion.coordinates[0]
     rates = (floating_blade.nodal_basis @ motion.coordinate_rates[0]).reshape(-1, 6)
     velocity = motion.velocity[0] + (np.cross(spin, place) + rates[:, :3]) @ A.T
     return motion.position[0] + place @ A.T, np.hstack([velocity, (spin + rates[:, 3:]) @ A.T])
