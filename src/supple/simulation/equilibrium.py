@@ -13,6 +13,8 @@ from supple.body import FullBody
 from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
 from supple.intrinsic import IntrinsicBody
+from supple.intrinsic.line_rest import resting_lines
+from supple.intrinsic.supported_root import is_joined
 from supple.machine import Placed, Spin, System
 from supple.machine.control import Controller, SampledController
 from supple.multibody import CompiledStatics, FullStatics
@@ -79,13 +81,26 @@ def equilibrium(
 
     Raises
     ------
-    ModelError          whatever the start of a run would find wrong with the joints; an intrinsic body; a
-        controller that is sampled
+    ModelError          whatever the start of a run would find wrong with the joints; a controller that is
+        sampled; intrinsic bodies that turn, or that hold other bodies or each other
     ConvergenceError    no equilibrium was found, or a controller's state has none
-    Source: Kelley & Keyes (1998) for the search.
+    Source: Kelley & Keyes (1998) for the search; intrinsic bodies by `line_rest`.
     """
+    if system.bodies_of(IntrinsicBody) and not is_joined(system) and spin is None:
+        return _equilibrium_of_lines(system, time)
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
     return Equilibrium(placed_at_rest(found), _one_instant(found, time), found.iterations)
+
+
+def _equilibrium_of_lines(system: System, time: float) -> Equilibrium:
+    """Of intrinsic bodies whose roots the ground holds."""
+    _check_time(time)
+    still = replace(system, bodies=tuple(_at_rest(placed) for placed in system.bodies))
+    found = resting_lines(still, time=time)
+    bodies = tuple(
+        replace(placed, coordinates=found.bodies[placed.body.name].coordinates[0]) for placed in still.bodies
+    )
+    return Equilibrium(replace(still, bodies=bodies), found, found.statistics.iterations)
 
 
 class RestingState(NamedTuple):
@@ -112,11 +127,11 @@ def resting_state(
     """The arrays behind an `equilibrium`, with its arguments and errors."""
     if intrinsic := system.bodies_of(IntrinsicBody):
         raise ModelError(
-            f"body '{next(iter(intrinsic))}' is intrinsic: find its rest with supple.intrinsic.line_rest, "
-            "where all bodies are and the ground alone holds them, or by a run with damping"
+            f"body '{next(iter(intrinsic))}' is intrinsic: its equilibrium is known where all bodies are, "
+            "the ground alone holds their roots, and nothing spins. Leave out the spin, or find where the "
+            "machine rests by a run with damping"
         )
-    if not np.isfinite(time):
-        raise ModelError(f"the time of an equilibrium must be finite, got {time}")
+    _check_time(time)
     _refuse_sampled(system)
     search = StaticSearch() if search is None else search
     turning = Turning(np.zeros((len(system.bodies), 3)), np.zeros(3))
@@ -135,6 +150,11 @@ def resting_state(
     start = StaticState(configuration, np.zeros(len(model.active)), frames, first_states(model))
     state, iterations = search_equilibrium(statics, start, time, search, progress)
     return RestingState(still, model, slices, turning, state, iterations)
+
+
+def _check_time(time: float) -> None:
+    if not np.isfinite(time):
+        raise ModelError(f"the time of an equilibrium must be finite, got {time}")
 
 
 def _refuse_sampled(system: System) -> None:
