@@ -51,6 +51,7 @@ def body_of_columns(body: FlexibleBody, frame: Frame, columns: Array, damping: D
         frequencies=np.sqrt(np.maximum(np.diag(stiffness), 0.0)),
         report=ReductionReport(linear=tuple(f"column {i + 1}" for i in range(k))),
         inert=padded_size(k) - k,
+        elastic_elsewhere=not body.is_linear,
     )
     return filled_up(own)
 

@@ -109,6 +109,8 @@ class ReducedBody:
     condensed : the motion z outside the columns that the quartic tensor lets follow them; None where it lets
                 none
     inert : int                 coordinates that a run takes along besides, see `with_room`; not kept in files
+    elastic_elsewhere : bool    what deformation adds to the force is not in the tensors, though the elements
+                                are nonlinear, and so their strains; not kept in files
     Raises ModelError when the shapes disagree, a value is not finite, or the tensors have no potential.
     """
 
@@ -130,6 +132,7 @@ class ReducedBody:
     damping_quartic: np.ndarray | None = None
     condensed: CondensedMotion | None = None
     inert: int = 0
+    elastic_elsewhere: bool = False
 
     def __post_init__(self):
         _set_read_only(self)
@@ -158,8 +161,8 @@ class ReducedBody:
 
     @property
     def is_linear(self) -> bool:
-        """True when the internal force is K gamma alone."""
-        return self.cubic is None
+        """True when the internal force of the elements is K gamma alone."""
+        return self.cubic is None and not self.elastic_elsewhere
 
     @property
     def dofs_per_node(self) -> int:

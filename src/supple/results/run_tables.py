@@ -178,7 +178,7 @@ def correction_table(numbers: Sequence[Mapping[str, Any]], units: UnitSystem = U
     rows = []
     for each in numbers:
         errors = (_error(each[key]) for key in ("estimated_error", "allowed", "indicator"))
-        seen = "useless" if each.get("useless") else ""
+        seen = ", ".join(word for word in ("useless", "unconfirmed") if each.get(word))
         rows.append(
             [each["body"], str(each["round"]), str(each["size"]), *errors, f"{each['seconds']:.1f}", seen]
         )
@@ -195,7 +195,7 @@ def error_table(numbers: Mapping[str, Any]) -> TextTable:
             _error(stated["parts"][part]["value"]) if part in stated["parts"] else "not looked at"
             for part in PARTS
         ]
-        total = _error(stated["total"])
+        total = _error(stated["at_least"])
         at_least = "" if len(stated["parts"]) == len(PARTS) else "at least "
         allowed = "" if stated["allowed"] is None else _error(stated["allowed"])
         rows.append([name, *parts, f"{at_least}{total}", allowed, _error(stated["size"])])

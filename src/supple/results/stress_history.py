@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,8 +49,9 @@ def von_mises_history(
     """Von Mises stress (t, N), Pa, the largest over the layers, of coordinates (t, r).
 
     A reduced body goes through its stress modes; the reference, a full body, is recovered one vector at a
-    time. Elements beside rigid interfaces have the strain that their ties leave them. A linear body has the
-    stress of its linear strain; an intrinsic one that of the static shapes that carry its section loads.
+    time, as is a body of more columns than tensors are made for (`ReducedBody.elastic_elsewhere`). Elements
+    beside rigid interfaces have the strain that their ties leave them. A linear body has the stress of its
+    linear strain; an intrinsic one that of the static shapes that carry its section loads.
 
     Parameters
     ----------
@@ -61,7 +62,7 @@ def von_mises_history(
     ------
     ModelError   as for stress_modes
     """
-    if isinstance(body, ReducedBody):
+    if _has_modes(body):
         return stress_modes(body, model, nodes).von_mises(coordinates)
     return _measured(body, stress_recovery(model), von_mises, coordinates, nodes)
 
@@ -73,7 +74,7 @@ def von_mises_strain_history(
     nodes: ArrayLike | None = None,
 ) -> Array:
     """Von Mises equivalent strain (t, N): as von_mises_history, with the same parameters and errors."""
-    if isinstance(body, ReducedBody):
+    if _has_modes(body):
         return strain_modes(body, model, nodes).von_mises(coordinates)
     return _measured(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
 
@@ -86,7 +87,7 @@ def stress_blocks(
     Components xx yy zz yz xz xy in the body's axes, of l layers: 1 of solids, 3 of shells (bottom, middle,
     top). Every pair of an instant and a node is in one block.
     """
-    if isinstance(body, ReducedBody):
+    if _has_modes(body):
         return _of_modes(body, lambda some: stress_modes(body, model, some), coordinates, nodes)
     return _recovered(body, stress_recovery(model), coordinates, nodes)
 
@@ -95,7 +96,7 @@ def strain_blocks(
     body: ElasticForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
 ) -> Iterator[TensorBlock]:
     """Strain with engineering shears: as stress_blocks."""
-    if isinstance(body, ReducedBody):
+    if _has_modes(body):
         return _of_modes(body, lambda some: strain_modes(body, model, some), coordinates, nodes)
     return _recovered(body, strain_recovery(model), coordinates, nodes)
 
@@ -148,7 +149,7 @@ def _whole(blocks: Iterator[TensorBlock], n_times: int, n_nodes: int) -> Array:
 
 
 def _measured(
-    body: FullBody | IntrinsicBody,
+    body: ReducedBody | FullBody | IntrinsicBody,
     recovery: StressRecovery,
     measure: Callable[[Array], Array],
     coordinates: Array,
@@ -176,12 +177,16 @@ def _of_modes(
             yield TensorBlock(times, some, modes.at(coordinates[times]))
 
 
+def _has_modes(body: ElasticForm) -> TypeGuard[ReducedBody]:
+    return isinstance(body, ReducedBody) and not body.elastic_elsewhere
+
+
 def _n_condensed(body: ReducedBody) -> int:
     return 0 if body.condensed is None else body.condensed.fields.shape[1]
 
 
 def _recovered(
-    body: FullBody | IntrinsicBody, recovery: StressRecovery, coordinates: Array, nodes: ArrayLike | None
+    body: ElasticForm, recovery: StressRecovery, coordinates: Array, nodes: ArrayLike | None
 ) -> Iterator[TensorBlock]:
     """Of a body whose cells are recovered, those at the nodes alone, some instants after the others.
 
@@ -194,21 +199,25 @@ def _recovered(
         recovery = recovery.around(chosen)
     if isinstance(body, IntrinsicBody) or body.is_linear:
         recovery = recovery.linearized()
-    if isinstance(body, FullBody):
-        flexible = body.body
-        recovery = tied_recovery(recovery, flexible.nodes, flexible.dofs_per_node, body.interfaces)
+    if not isinstance(body, IntrinsicBody):
+        recovery = tied_recovery(recovery, body.nodes, _dofs_per_node(body), body.interfaces)
     size = _FIELD_NUMBERS // (recovery.numbers_per_instant + len(body.nodes))
     for times in _slices(len(coordinates), size):
         nodal = _displacements(body, np.asarray(coordinates)[times].T)
         yield TensorBlock(times, slice(0, len(chosen)), recovery.over(nodal, chosen))
 
 
-def _displacements(body: FullBody | IntrinsicBody, q: Array) -> Array:
+def _displacements(body: ElasticForm, q: Array) -> Array:
     """Nodal displacements (n, t) of coordinates (r, t), and behind them those of virtual nodes."""
     if isinstance(body, IntrinsicBody):
         return body.nodal_basis @ q
     motions = [interface.motion @ q for interface in body.interfaces]
-    return with_virtual_freedoms(body.body.expansion @ q, motions, body.interfaces, body.body.dofs_per_node)
+    nodal = (body.body.expansion if isinstance(body, FullBody) else body.nodal_basis) @ q
+    return with_virtual_freedoms(nodal, motions, body.interfaces, _dofs_per_node(body))
+
+
+def _dofs_per_node(body: FullBody | ReducedBody) -> int:
+    return body.body.dofs_per_node if isinstance(body, FullBody) else body.dofs_per_node
 
 
 def _slices(length: int, size: int) -> Iterator[slice]:

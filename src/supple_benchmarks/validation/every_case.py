@@ -12,6 +12,7 @@ TOPICS = (
     "rigid_machines",
     "rigid_rotation",
     "beams_at_rest",
+    "vibrations",
 )  # fmt: skip
 """Files of this folder that end in `CASES`, in the order of the table."""
 
