@@ -15,6 +15,7 @@ from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.reduction import Locking, ReducedBody, clamped_modes
 from supple.results.joint_loads import joint_loads, joint_meanings
+from supple.results.run_start import start_numbers
 from supple.results.stress_history import largest_stress
 from supple.results.tracked_motion import TrackedMotion
 from supple.units import UNNAMED, UnitSystem, headed
@@ -44,6 +45,7 @@ def summarize(
             name: {**meanings[name], **_joint_numbers(loads, solution.times)}
             for name, loads in joint_loads(system, solution).items()
         },
+        "start": start_numbers(system, solution),
         "errors": {name: each.plain() for name, each in solution.errors.items()},
         "statistics": cost_numbers(solution.statistics),
     }
