@@ -164,7 +164,7 @@ def _run_case(
     warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
     tracked = _tracked(case, system, solution)
     readings = read_sensors(case.sensors, system, solution)
-    numbers = summarize(system, solution, tracked, units=case.units)
+    numbers = summarize(system, solution, tracked, fulls=case.fulls, units=case.units)
     numbers |= {"sensors": {each.name: each.plain(case.units) for each in readings}}
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_readings(case, folder, readings)

@@ -67,10 +67,11 @@ def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[
     cells = [*cells, coordinates, "" if locks is None else f"{100 * locks['largest']:.2g} %"]
     held = {"(its frame)": body.get(headed("frequencies in the frame", hertz), ())}
     held |= body.get(headed("frequencies held", hertz), {})
+    of_basis = ", basis" if body.get("frequencies of") == "the basis" else ""
     for row, (place, frequencies) in enumerate(held.items()):
         head = cells if row == 0 else [""] * len(cells)
         if len(frequencies) or row == 0:
-            yield [*head, place if len(frequencies) else "", _vector(frequencies, digits=4)]
+            yield [*head, place + of_basis if len(frequencies) else "", _vector(frequencies, digits=4)]
 
 
 def motion_table(numbers: Mapping[str, Any]) -> TextTable:

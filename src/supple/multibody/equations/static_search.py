@@ -130,6 +130,8 @@ class StaticCorrection(NamedTuple):
     frame_multipliers: tuple[np.ndarray, ...] = ()
     control: np.ndarray = _NONE
     """Of the controllers' states"""
+    climbs: bool = False
+    """Known to go uphill: the tangent of the step has negative directions"""
 
 
 class StaticMachine(Protocol):
@@ -227,7 +229,8 @@ def _downhill(
 ) -> tuple[StaticState, int]:
     """The equilibrium downhill by implicit steps; errors as above.
 
-    careful : shorten steps that leave far more than there was, as where membranes stiffen on the way
+    careful : shorten steps that leave far more than there was, as where membranes stiffen on the way, and
+        those that go uphill, as Newton's method does where walls are about to wrinkle
     """
     found = machine.unbalance(state, time)
     # Without stiffness a step moves by k times the acceleration from rest: the first no further than allowed.
@@ -252,6 +255,9 @@ def _downhill(
                 change = machine.correction(state, time, found, k)
             except AccuracyError:
                 k = longest = 0.1 * k
+                continue
+            if careful and change.climbs and k > _SHORTEST * first:
+                k, growth = 0.3 * k, 1.0
                 continue
             move = float(np.max(abs(change.increment) / scale))
             if move <= search.largest_move:
