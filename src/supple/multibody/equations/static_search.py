@@ -63,7 +63,7 @@ _SHORTEST = 1e-4
 """Of the first step: no step is refused that is shorter."""
 _DIRECT = 60
 """Iterations after which load and spin are followed up in steps instead."""
-_OF_A_SHARE = 12
+_OF_A_SHARE = 20
 """Iterations with one share of them."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
 _FASTER = 1.5

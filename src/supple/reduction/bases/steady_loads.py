@@ -59,6 +59,17 @@ class SteadyLoads:
         )
 
 
+@dataclass(frozen=True)
+class NoLoads:
+    """The columns of a recipe alone, as in published work: `reduce(.., loads=NoLoads)`."""
+
+    recipe: LinearBasisRecipe
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """The recipe's columns; errors of the recipe."""
+        return self.recipe.build(body, frame)
+
+
 def _loads(body: FlexibleBody) -> NDArray[np.float64]:
     """Inertia loads (n_nodal, 12) on the nodal freedoms, in the order of NAMES, but for their sign."""
     spins = np.zeros((len(body.nodes), body.dofs_per_node, 6))
