@@ -80,8 +80,14 @@ class ReductionReport:
     def __post_init__(self):
         _set_read_only(self)
 
+    def __str__(self) -> str:
+        counts = [f"{len(self.linear)} linear columns", f"{len(self.derivatives)} derivatives"]
+        counts += [f"{len(self.corrections)} corrections"] if self.corrections else []
+        left_out = f"; left out: {', '.join(self.dropped)}" if self.dropped else ""
+        return ", ".join(counts) + left_out
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class ReducedBody:
     """A flexible body in r coordinates gamma, whose columns V are M-orthonormal (V^T M V = I, D V = 0).
 
@@ -133,6 +139,9 @@ class ReducedBody:
     condensed: CondensedMotion | None = None
     inert: int = 0
     elastic_elsewhere: bool = False
+
+    def __repr__(self) -> str:
+        return f"<ReducedBody '{self.name}' in {self.frame}: {self.r} coordinates; {self.report}>"
 
     def __post_init__(self):
         _set_read_only(self)
