@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from supple.algebra import read_only
 from supple.body.floating_kinematics import floating_positions
 from supple.body.interface import interface_named
+from supple.body.mass_properties import centre_of_gram
 from supple.errors import ModelError
 from supple.integrate.motion import FloatingMotion
 from supple.reduction.condensed_motion import CondensedMotion
@@ -157,6 +158,11 @@ class ReducedBody:
     def mass(self) -> float:
         """Of the whole body, kg."""
         return float(self.gram[0, 0])
+
+    @property
+    def centre_of_mass(self) -> np.ndarray:
+        """(3,) undeformed, in the body's frame, m."""
+        return centre_of_gram(self.gram)
 
     @property
     def r(self) -> int:

@@ -68,6 +68,6 @@ def _not_there(n: int, n_kept: int) -> tuple[str, ...]:
     if n_kept == n:
         return ()
     return (
-        f"compressed derivatives {n_kept + 1} to {n} (all derivatives lie in {n_kept} directions; what is left "
-        f"of them is below {ROUND_OFF:.0e} of the first)",
+        f"compressed derivatives {n_kept + 1} to {n} (all derivatives lie in {n_kept} directions; what is "
+        f"left of them is below {ROUND_OFF:.0e} of the first)",
     )
