@@ -28,7 +28,7 @@ class CampbellDiagram:
     rates : (ns,) rad/s
     eigenvalues : complex (ns, nm)      of a mode each column, in turning axes; NaN where it
         is no longer there
-    errors : (ns, nm) | None            of each eigenvalue, relative, by what the bases of reduced bodies cost;
+    errors : (ns, nm) | None            of each eigenvalue, relative, by the bases of reduced bodies;
         infinite for a mode of the bases alone; None where the full bodies were not given
     likeness : (ns - 1, nm)             modal assurance between neighbouring speeds; low where modes veer
     """
