@@ -13,6 +13,8 @@ TOPICS = (
     "rigid_rotation",
     "beams_at_rest",
     "vibrations",
+    "elements_at_rest",
+    "machine_elements",
 )  # fmt: skip
 """Files of this folder that end in `CASES`, in the order of the table."""
 
