@@ -14,6 +14,7 @@ TOPICS = (
     "beams_at_rest",
     "vibrations",
     "elements_at_rest",
+    "flexible_motion",
     "machine_elements",
 )  # fmt: skip
 """Files of this folder that end in `CASES`, in the order of the table."""
