@@ -52,7 +52,7 @@ def _beam(length: float, n: int, section: BeamSection) -> FlexibleBody:
 
 
 def spun_up() -> Sequence[Comparison]:
-    """The beam of Simo and Vu-Quoc spun up to 6 rad/s in 15 s: it lags; when it turns steadily it is stretched.
+    """The beam of Simo and Vu-Quoc spun up to 6 rad/s in 15 s: it lags, and in the end is stretched.
 
     extension = m w^2 L^3 / (3 E A)
     """
