@@ -107,8 +107,14 @@ class Body(CheckedTable):
     linear: bool = Field(False, description="true leaves the nonlinear strains out (for comparison)")
     position: Vector = Field(ZERO, description="start of the mesh origin, global axes")
     rotation: Vector = Field(ZERO, description="start orientation as a rotation vector, global axes, rad")
-    velocity: Vector = Field(ZERO, description="start velocity of the mesh origin, global axes")
-    angular_velocity: Vector = Field(ZERO, description="start angular velocity, body axes, rad per time")
+    velocity: Vector | None = Field(
+        None,
+        description="start velocity of the mesh origin, global axes; by default what joints and laws ask for",
+    )
+    angular_velocity: Vector | None = Field(
+        None,
+        description="start angular velocity, body axes, rad per time; by default as velocity",
+    )
 
     @property
     def kind(self) -> str:
@@ -165,7 +171,8 @@ class Body(CheckedTable):
         folder : where that file lies
         notify : hears of each long step
         """
-        start: dict[str, Any] = {key: np.array(getattr(self, key)) for key in _START}
+        given = {key: getattr(self, key) for key in _START}
+        start: dict[str, Any] = {key: np.array(value) for key, value in given.items() if value is not None}
         return Placed(self._form(flexible, folder, notify), **start)
 
     def _form(

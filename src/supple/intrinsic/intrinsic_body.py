@@ -140,9 +140,15 @@ class IntrinsicBody:
         """Amplitudes q_2 (..., e) of the internal forces of elastic amplitudes (..., e)."""
         return -np.asarray(coordinates) * self.modes.omega[self.modes.n_rigid :]
 
-    def expand(self, coordinates: ArrayLike) -> Array:
-        """Linear displacements (..., N, 3) of elastic amplitudes (..., e), the root as it is supported."""
-        return np.einsum("nie,...e->...ni", self.expansion.modes[:, :3], np.asarray(coordinates))
+    def expand(self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> Array:
+        """Linear displacements (..., k, 3) of elastic amplitudes (..., e), the root as it is supported."""
+        return np.einsum("nie,...e->...ni", self.expansion.modes[nodes, :3], np.asarray(coordinates))
+
+    def expand_rates(
+        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> Array:
+        """Their rates (..., k, 3)."""
+        return self.expand(rates, nodes)
 
     def places(self, motion: IntrinsicMotion) -> tuple[Array, Array]:
         """Rotations (t, n, 3, 3) and positions (t, n, 3) of the stations in space."""

@@ -16,10 +16,12 @@ class ClampedModes:
     """Modes with unit modal mass.
 
     frequencies : (m,)      rad/s, ascending
+    damping_ratios : (m,)   phi^T D phi / (2 omega), of the damping at rest
     shapes : (m, N, 3)      nodal displacements, mesh axes
     """
 
     frequencies: np.ndarray
+    damping_ratios: np.ndarray
     shapes: np.ndarray
 
 
@@ -45,7 +47,10 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
     motion = (free @ vectors[:, :n_modes]).T
     translations, rotations, gammas = motion[:, :3], motion[:, 3:6], motion[:, 6:]
     rigid_shapes = translations[:, None] + np.cross(rotations[:, None], body.nodes)
+    frequencies = np.sqrt(np.maximum(values[:n_modes], 0.0))
+    damped = np.einsum("mi,ij,mj->m", gammas, body.damping, gammas)
     return ClampedModes(
-        frequencies=read_only(np.sqrt(np.maximum(values[:n_modes], 0.0))),
-        shapes=read_only(rigid_shapes + body.expand(gammas)),
+        frequencies=read_only(frequencies),
+        damping_ratios=read_only(damped / (2 * frequencies)),
+        shapes=read_only(rigid_shapes + body.expand_rates(np.zeros_like(gammas), gammas)),
     )

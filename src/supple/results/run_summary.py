@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from supple.body import FullBody, RigidBody
+from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution, Statistics
 from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.reduction import Locking, ReducedBody, clamped_modes
 from supple.results.joint_loads import joint_loads, joint_meanings
+from supple.results.stress_history import largest_stress
 from supple.results.tracked_motion import TrackedMotion
 from supple.units import UNNAMED, UnitSystem, headed
 
@@ -47,6 +49,35 @@ def summarize(
     }
 
 
+def stress_numbers(
+    system: System,
+    solution: Solution,
+    elements: Mapping[str, FiniteElementModel],
+    *,
+    units: UnitSystem = UNNAMED,
+) -> dict[str, Any]:
+    """By body: its largest von Mises stress over all nodes and output times, and at which of them.
+
+    elements : of the bodies, by name; one whose sections do not say where their stress acts is left out
+    """
+    found = {}
+    for placed in system.bodies:
+        body = placed.body
+        model = elements.get(body.name)
+        if model is None or not has_stress(model):
+            continue
+        if isinstance(body, ReducedBody | FullBody | IntrinsicBody):
+            largest = largest_stress(body, model, solution.bodies[body.name].coordinates)
+            found[body.name] = {
+                "largest von Mises stress": largest.value,
+                "unit": units.stress,
+                "node": int(model.mesh.node_ids[largest.node]),
+                "point": model.mesh.nodes[largest.node].tolist(),
+                "time": float(solution.times[largest.instant]),
+            }
+    return found
+
+
 def unit_names(units: UnitSystem) -> dict[str, str]:
     """Of each quantity of a report the name of its unit; quantities without a name are left out."""
     named = {what: getattr(units, what) for what in _QUANTITIES} | {"frequency": units.frequency_shown.unit}
@@ -69,10 +100,9 @@ def _numbers_of_full(body: FullBody, _: UnitSystem) -> dict[str, Any]:
 
 
 def _numbers_of_reduced(body: ReducedBody, units: UnitSystem) -> dict[str, Any]:
-    held = {
-        i.name: _shown(clamped_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies, units)
-        for i in body.interfaces
-    }
+    clamped = {i.name: clamped_modes(body, i.name, n_modes=N_FREQUENCIES) for i in body.interfaces}
+    held = {name: _shown(modes.frequencies, units) for name, modes in clamped.items()}
+    damped = {name: modes.damping_ratios for name, modes in clamped.items()} if body.damping.any() else {}
     proven, hertz = body.report.certificate, units.frequency_shown.unit
     locking = body.report.locking
     return {
@@ -86,6 +116,7 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem) -> dict[str, Any]:
         "largest singular value dropped": float(np.max(body.report.singular_values_dropped, initial=0.0)),
         headed("frequencies in the frame", hertz): _shown(body.frequencies[:N_FREQUENCIES], units),
         headed("frequencies held", hertz): held,
+        **({"damping ratios held": damped} if damped else {}),
         **({} if proven is None else {"eigenvalues": str(proven)}),
         **({} if locking is None else {"locking": _locking_numbers(locking)}),
         "seconds": dict(body.report.seconds),

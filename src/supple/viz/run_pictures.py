@@ -19,6 +19,7 @@ from supple.results import (
     TrackedMotion,
     deflections,
     joint_loads,
+    largest_stress,
     node_positions,
     observer_of,
     von_mises_history,
@@ -222,7 +223,8 @@ def _draw_modes(path: Path, body: ReducedBody, surface: Skin, units: UnitSystem)
         return plot_mode_shapes(path, body.nodes, surface, _of_one_sign(modes.shapes), titles)
     values, vectors = np.linalg.eigh(body.stiffness)
     titles = mode_titles(np.sqrt(values[:N_MODES]) / (2 * np.pi), units)
-    shapes = _of_one_sign(body.expand(vectors[:, :N_MODES].T))
+    lowest = vectors[:, :N_MODES].T
+    shapes = _of_one_sign(body.expand_rates(np.zeros_like(lowest), lowest))
     return plot_mode_shapes(path, body.nodes, surface, shapes, titles)
 
 
@@ -293,19 +295,20 @@ def _draw_stress(
     units: UnitSystem,
 ) -> Path:
     """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
-    instants, motion = _sampled(body, solution)
-    stress = von_mises_history(body, model, motion.coordinates)
-    worst = int(np.argmax(stress.max(axis=1)))
-    displaced = deflections(body, motion.at(np.array([worst])))[0]
+    motion = solution.bodies[body.name]
+    worst = largest_stress(body, model, motion.coordinates).instant
+    then = motion.at(np.array([worst]))
+    stress = von_mises_history(body, model, then.coordinates)[0]
+    displaced = deflections(body, then)[0]
     scale, enlarged = _enlargement(body, displaced)
     return plot_contour(
         path,
         body.nodes + scale * displaced,
         skin_of(mesh),
-        stress_field(stress[worst], units),
+        stress_field(stress, units),
         node_ids=mesh.node_ids,
         undeformed=body.nodes,
-        title=_title(body, float(solution.times[instants[worst]]), enlarged, units),
+        title=_title(body, float(solution.times[worst]), enlarged, units),
         units=units,
     )
 
