@@ -12,7 +12,7 @@ from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import At, System
 from supple.mesh import Mesh
-from supple.reduction import ClampedModes, ReducedBody, body_modes
+from supple.reduction import BodyModes, ReducedBody, body_modes
 from supple.results import TrackedMotion
 from supple.units import UnitSystem
 
@@ -34,7 +34,7 @@ class Drawing:
     solution: Solution
     meshes: Mapping[str, Mesh]
     tracked: Mapping[str, TrackedMotion]
-    modes: Mapping[str, ClampedModes]
+    modes: Mapping[str, BodyModes]
     elements: Mapping[str, FiniteElementModel] | None
     bases: Mapping[str, At]
     units: UnitSystem
@@ -96,7 +96,7 @@ def drawing_of(
     )
 
 
-def _modes(case: Case, system: System) -> dict[str, ClampedModes]:
+def _modes(case: Case, system: System) -> dict[str, BodyModes]:
     """Of reduced bodies with all their coordinates, held at the first interface, or in the frame."""
     found = {}
     for name in system.bodies_of(ReducedBody):

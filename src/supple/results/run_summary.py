@@ -165,7 +165,7 @@ def _locking_numbers(locking: Locking) -> dict[str, Any]:
     }
 
 
-_NUMBERS_OF: Mapping[str, Callable[[Any, UnitSystem], dict[str, Any]]] = MappingProxyType(
+_NUMBERS_OF: Mapping[str, Callable[..., dict[str, Any]]] = MappingProxyType(
     {
         "rigid": _numbers_of_rigid,
         "intrinsic": _numbers_of_intrinsic,

@@ -14,7 +14,7 @@ from supple.integrate import FloatingMotion, Solution
 from supple.intrinsic import IntrinsicBody
 from supple.machine import At, System
 from supple.mesh import Mesh
-from supple.reduction import ClampedModes, ReducedBody, clamped_modes
+from supple.reduction import BodyModes, ReducedBody, clamped_modes
 from supple.results import (
     TrackedMotion,
     deflections,
@@ -58,7 +58,7 @@ def draw_run(
     meshes: Mapping[str, Mesh],
     *,
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
-    modes: Mapping[str, ClampedModes] = MappingProxyType({}),
+    modes: Mapping[str, BodyModes] = MappingProxyType({}),
     elements: Elements | None = None,
     bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
@@ -221,7 +221,7 @@ def _drawn(system: System, meshes: Mapping[str, Mesh]) -> list[tuple[ElasticBody
 
 
 def _draw_modes(
-    path: Path, body: ReducedBody, modes: ClampedModes | None, surface: Skin, units: UnitSystem
+    path: Path, body: ReducedBody, modes: BodyModes | None, surface: Skin, units: UnitSystem
 ) -> Path:
     """Modes clamped at the first interface, or in the frame; of the basis where those are not known."""
     if modes is not None:
