@@ -144,14 +144,13 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem, full: FullBody | N
 
 def _numbers_of_intrinsic(body: IntrinsicBody, units: UnitSystem, _: Any) -> dict[str, Any]:
     first, second = body.modes.orthonormality
-    elastic = body.modes.omega[body.modes.n_rigid :]
     return {
         "mass": body.mass,
         "nodes": len(body.nodes),
         "stations": body.line.n,
         "coordinates": body.n_coordinates,
         headed("frequencies in the frame", units.frequency_shown.unit): _shown(
-            elastic[:N_FREQUENCIES], units
+            body.modes.frequencies[:N_FREQUENCIES], units
         ),
         "orthonormality": {"velocities": first, "forces": second},
     }
