@@ -10,7 +10,7 @@ from supple.errors import ModelError
 from supple.export import exudyn_arrays, interface_nodes, write_exudyn
 from supple.fem import HomogeneousSection, Isotropic, shell_model, stress_recovery
 from supple.mesh import strip
-from supple.reduction import NoDerivatives, NormalModes, reduce
+from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
 from supple.results import stress_modes
 
 
@@ -139,6 +139,7 @@ def test_a_shell_goes_without_stress():
         MeanAxisFrame(),
         NormalModes(3),
         derivatives=NoDerivatives(),
+        loads=NoLoads,
     )
     assert exudyn_arrays(body)["modeBasis"].shape == (3 * shell.mesh.n_nodes, 3)
     with pytest.raises(ModelError, match="is a shell with 3 layers of stress"):

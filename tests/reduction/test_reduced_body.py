@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from supple.errors import ModelError
-from supple.reduction import CompressedDerivatives, NormalModes, reduce
+from supple.reduction import CompressedDerivatives, NoLoads, NormalModes, reduce
 
 
 @pytest.fixture(scope="module")
 def reduced(strip_body, root_frame):
-    return reduce(strip_body, root_frame, NormalModes(3), derivatives=CompressedDerivatives(2))
+    return reduce(strip_body, root_frame, NormalModes(3), derivatives=CompressedDerivatives(2), loads=NoLoads)
 
 
 def test_expand_gives_nodal_displacements_of_one_or_many_states(reduced):
