@@ -250,3 +250,10 @@ def test_what_has_no_constant_equations_is_refused(flat_strip):
         linearize(heavy, spin=Spin(3.0, (0, 0, 1)))
     with pytest.raises(ModelError, match="there is no body 'stirp'"):
         linearize(machine, spin=Spin(3.0, (0, 0, 1), bodies=["stirp"]))
+
+
+def test_of_modes_as_slow_as_each_other_those_that_grow_come_first():
+    rod = RigidBody("rod", 1.0, (0, 0, 0.5), np.eye(3) / 12, {"hinge": (0, 0, 0)})
+    hinge = Revolute(first=GROUND, second=At("rod", "hinge"), axis=(0, 1, 0))
+    modes = machine_modes(linearize(System((rod,), (hinge,), gravity=(0, 0, -9.81))), 1)
+    assert modes.unstable.all()

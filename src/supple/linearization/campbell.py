@@ -25,9 +25,9 @@ class CampbellDiagram:
     """Modes over speed, each followed by the likeness of its shape.
 
     rates : (ns,) rad/s
-    eigenvalues : complex (ns, nm)      of a mode each column, in turning axes; NaN where it
-        is no longer there
-    errors : (ns, nm) | None            of each eigenvalue, relative, by what the bases of reduced bodies cost;
+    eigenvalues : complex (ns, nm)      of a mode each column, in turning axes; NaN where
+        it is no longer there
+    errors : (ns, nm) | None            of each eigenvalue, relative, by what the bases cost;
         infinite for a mode of the bases alone; None where the full bodies were not given
     likeness : (ns - 1, nm)             modal assurance between neighbouring speeds; low where modes veer
     """

@@ -54,7 +54,7 @@ def resting_state(
             "where all bodies are and the ground alone holds them, or by a run with damping"
         )
     if not np.isfinite(time):
-        raise ModelError(f"the time of an equilibrium must be finite, got {time}")
+        raise ModelError(f"the time of loads and laws must be finite, got {time}")
     _refuse_sampled(system)
     search = StaticSearch() if search is None else search
     turning = Turning(np.zeros((len(system.bodies), 3)), np.zeros(3))
@@ -81,8 +81,8 @@ def _refuse_sampled(system: System) -> None:
             raise ModelError(
                 f"controller '{controller.name}' is sampled: plain Python that is called between steps has "
                 "neither a rest nor eigenvalues. Write its law as a Controller, in jax.numpy, with what it "
-                "remembers as states; leave it out, replace(system, controllers=()); or let a damped run "
-                "find its rest"
+                "remembers as states, or leave it out, replace(system, controllers=()). A damped run finds "
+                "a rest with it, but no modes"
             )
 
 
