@@ -54,7 +54,7 @@ def spinning_bar() -> Sequence[Comparison]:
 def cantilever_under_its_weight() -> Sequence[Comparison]:
     """A strip under its own weight, small deflection; two vibrations to begin with."""
     body, gravity = _strip(), 0.01
-    system = System((FullBody(body, ROOT),), (_hub(),), gravity=(0.0, 0.0, -gravity))
+    system = System((FullBody(body, ROOT),), (_hub(),), gravity=np.array([0.0, 0.0, -gravity]))
     found, _ = correct_at_rest(system, SelfCorrection(relative=1e-4))
     (placed,) = found.system.bodies
     load = DENSITY * THICKNESS * gravity
@@ -115,7 +115,7 @@ def _on_hub(form: object) -> System:
 
 
 def _spin() -> Spin:
-    return Spin(RATE, (0.0, 0.0, 1.0))
+    return Spin(RATE, np.array([0.0, 0.0, 1.0]))
 
 
 def _end(body: FlexibleBody, field: np.ndarray) -> np.ndarray:
