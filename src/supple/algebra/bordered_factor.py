@@ -1,7 +1,7 @@
 """A sparse matrix with a narrow border, on the motions that linear constraints leave free: factored once.
 
-    [ K + c W W^T   A^T ] [ x ]   [ b ]
-    [ A              0  ] [ l ] = [ g ]
+    [ K + W diag(c) W^T   A^T ] [ x ]   [ b ]
+    [ A                    0  ] [ l ] = [ g ]
 
 Most rows, the interior, are sparse and have a factor of their own; the others, the constraints `A` and the
 columns `W` are few, and left over when the interior is eliminated.
@@ -111,7 +111,7 @@ def bordered_factor(
     constraint: Any,
     interior: NDArray[np.intp],
     columns: Array | None = None,
-    weight: float = 0.0,
+    weights: Array | None = None,
 ) -> BorderedFactor:
     """Factor a sparse matrix on the motions that a constraint leaves free.
 
@@ -120,19 +120,19 @@ def bordered_factor(
     matrix : sparse (n, n)      K, of symmetric pattern; its `interior` rows and columns regular
     constraint : sparse (m, n)  A, of full row rank
     interior : (k,)             numbers of the rows that are eliminated sparsely
-    columns : W, (n, w)         weight : c, not negative
+    columns : W, (n, w)         weights : c, (w,), none of them zero
 
     Raises AccuracyError where the system is singular.
     """
     n = int(matrix.shape[0])
     parts: list[list[Any]] = [[sparse.csr_array(matrix), constraint.T], [constraint, None]]
-    if columns is not None and columns.size and weight:
-        # c W W^T x by unknowns of its own, z = c W^T x.
+    if columns is not None and weights is not None and columns.size:
+        # W diag(c) W^T x by unknowns of its own, z = diag(c) W^T x.
         wide = sparse.csr_array(columns)
         parts = [
             [*parts[0], wide],
             [*parts[1], None],
-            [wide.T, None, -sparse.eye_array(columns.shape[1]) / weight],
+            [wide.T, None, -sparse.diags_array(1 / weights)],
         ]
     whole: Any = sparse.csr_array(sparse.block_array(parts, format="csr"))
     border = np.setdiff1d(np.arange(whole.shape[0]), interior)

@@ -29,7 +29,7 @@ from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mista
 from supple.integrate import Run
 from supple.machine import At, ForceElement, SplitBody, System
 from supple.mesh import Mesh
-from supple.reduction import ClampedModes, body_modes
+from supple.reduction import BodyModes, body_modes
 from supple.sensors import Sensor
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
@@ -317,7 +317,7 @@ class Case:
         return made
 
     @cached_property
-    def held_modes(self) -> Mapping[str, ClampedModes]:
+    def held_modes(self) -> Mapping[str, BodyModes]:
         """Of bodies reduced here, with all coordinates: held at the first interface, or in the frame."""
         found = {}
         for name, full in self.fulls.items():

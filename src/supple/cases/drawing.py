@@ -12,7 +12,7 @@ from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import At, System
 from supple.mesh import Mesh
-from supple.reduction import ClampedModes, ReducedBody
+from supple.reduction import BodyModes, ReducedBody
 from supple.results import TrackedMotion
 from supple.units import UnitSystem
 
@@ -31,7 +31,7 @@ class Drawing:
     solution: Solution
     meshes: Mapping[str, Mesh]
     tracked: Mapping[str, TrackedMotion]
-    modes: Mapping[str, ClampedModes]
+    modes: Mapping[str, BodyModes]
     elements: Mapping[str, FiniteElementModel] | None
     bases: Mapping[str, At]
     units: UnitSystem

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
+from supple.body.damping import refuse_held
 from supple.errors import ModelError
 from supple.explicit.elements import SolidPoints, element_limits, solid_points
 from supple.explicit.elements.solid_block import hourglass_stiffness
@@ -36,6 +38,7 @@ class ExplicitSubdomain:
     damping : LinearRayleighDamping | None      beta acts on the rate of Green-Lagrange's strain
     """
 
+    used_with: ClassVar[str] = "which an ExplicitSystem takes as a part, and no System"
     name: str
     model: FiniteElementModel = field(repr=False)
     law: Law
@@ -45,6 +48,7 @@ class ExplicitSubdomain:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        refuse_held(self.damping, f"explicit sub-domain '{self.name}'")
         if self.model.dofs_per_node != 3:
             raise ModelError(
                 f"explicit sub-domain '{self.name}': its law is of solids, its model of shells; "

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
@@ -67,6 +68,7 @@ def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
     return product / np.where(both > 0, both, 1.0)
 
 
+@checked_arguments
 def campbell_diagram(
     system: System,
     spins: Sequence[Spin],

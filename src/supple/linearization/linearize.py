@@ -11,6 +11,7 @@ import scipy.linalg
 from scipy.sparse import block_diag, csr_array, eye_array
 from scipy.spatial.transform import Rotation
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import ModelError
 from supple.intrinsic import IntrinsicBody
@@ -46,6 +47,7 @@ _TURNED_ON = 0.7
 """rad, after which they are compared: no fraction of a turn that a machine is likely to repeat."""
 
 
+@checked_arguments
 def linearize(
     system: System,
     *,

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
+from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.mode_error import ModeError, mode_error
@@ -81,6 +82,7 @@ class MachineModes:
         return self.eigenvalues.real > 1e-7 * largest
 
 
+@checked_arguments
 def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = None) -> MachineModes:
     """The slowest modes of a linearised machine, all of them unless told how many.
 

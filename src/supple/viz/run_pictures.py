@@ -14,11 +14,12 @@ from supple.integrate import FloatingMotion, Solution
 from supple.intrinsic import IntrinsicBody
 from supple.machine import At, System
 from supple.mesh import Mesh
-from supple.reduction import ClampedModes, ReducedBody, clamped_modes
+from supple.reduction import BodyModes, ReducedBody, clamped_modes
 from supple.results import (
     TrackedMotion,
     deflections,
     joint_loads,
+    largest_stress,
     node_positions,
     observer_of,
     von_mises_history,
@@ -57,7 +58,7 @@ def draw_run(
     meshes: Mapping[str, Mesh],
     *,
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
-    modes: Mapping[str, ClampedModes] = MappingProxyType({}),
+    modes: Mapping[str, BodyModes] = MappingProxyType({}),
     elements: Elements | None = None,
     bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
@@ -220,7 +221,7 @@ def _drawn(system: System, meshes: Mapping[str, Mesh]) -> list[tuple[ElasticBody
 
 
 def _draw_modes(
-    path: Path, body: ReducedBody, modes: ClampedModes | None, surface: Skin, units: UnitSystem
+    path: Path, body: ReducedBody, modes: BodyModes | None, surface: Skin, units: UnitSystem
 ) -> Path:
     """Modes clamped at the first interface, or in the frame; of the basis where those are not known."""
     if modes is not None:
@@ -232,7 +233,8 @@ def _draw_modes(
         return plot_mode_shapes(path, body.nodes, surface, _of_one_sign(modes.shapes), titles)
     values, vectors = np.linalg.eigh(body.stiffness)
     titles = _of_basis(mode_titles(np.sqrt(values[:N_MODES]) / (2 * np.pi), units))
-    shapes = _of_one_sign(body.expand(vectors[:, :N_MODES].T))
+    lowest = vectors[:, :N_MODES].T
+    shapes = _of_one_sign(body.expand_rates(np.zeros_like(lowest), lowest))
     return plot_mode_shapes(path, body.nodes, surface, shapes, titles)
 
 
@@ -307,19 +309,20 @@ def _draw_stress(
     units: UnitSystem,
 ) -> Path:
     """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
-    instants, motion = _sampled(body, solution)
-    stress = von_mises_history(body, model, motion.coordinates)
-    worst = int(np.argmax(stress.max(axis=1)))
-    displaced = deflections(body, motion.at(np.array([worst])))[0]
+    motion = solution.bodies[body.name]
+    worst = largest_stress(body, model, motion.coordinates).instant
+    then = motion.at(np.array([worst]))
+    stress = von_mises_history(body, model, then.coordinates)[0]
+    displaced = deflections(body, then)[0]
     scale, enlarged = _enlargement(body, displaced)
     return plot_contour(
         path,
         body.nodes + scale * displaced,
         skin_of(mesh),
-        stress_field(stress[worst], units),
+        stress_field(stress, units),
         node_ids=mesh.node_ids,
         undeformed=body.nodes,
-        title=_title(body, float(solution.times[instants[worst]]), enlarged, units),
+        title=_title(body, float(solution.times[worst]), enlarged, units),
         units=units,
     )
 

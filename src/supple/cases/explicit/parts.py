@@ -63,6 +63,11 @@ class ModalPart(CheckedTable):
     spin_stiffness: bool = Field(
         False, description="true stiffens the modes by the centrifugal stress of the part's own free spin"
     )
+    yield_stress: Positive | None = Field(
+        None,
+        description="force per area, beyond which the run warns; the lowest of the explicit parts of its "
+        "material if left out",
+    )
 
 
 class ExplicitPart(CheckedTable):
@@ -123,7 +128,14 @@ class PartTable(CheckedTable):
             highest = np.inf if self.modal.highest_hz is None else 2 * np.pi * self.modal.highest_hz
             body = flexible_body(self.name, model, ends)
             stiffening = CentrifugalStiffness() if self.modal.spin_stiffness else None
-            return modal_subdomain(body, basis, highest=highest, damping=damping, stiffening=stiffening)
+            return modal_subdomain(
+                body,
+                basis,
+                highest=highest,
+                damping=damping,
+                stiffening=stiffening,
+                yield_stress=self.modal.yield_stress,
+            )
         given = self.explicit
         assert given is not None  # a rule of the case file
         if self.shell is not None:

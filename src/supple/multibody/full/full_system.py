@@ -14,7 +14,7 @@ A Python loop over time steps is unavoidable here: each iteration solves with sp
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -391,18 +391,33 @@ class FullSystem:
         joint_residual: np.ndarray,
     ) -> np.ndarray:
         """`M x + G^T y + D^T z = 0`, `G x = - residual`, `D x = - D velocity` of every full body."""
-        at_rest = self.state_at(0.0, configuration, np.zeros(self.n))
-        still = self.evaluate(at_rest, 0.0)
-        balanced = still.left_with(
-            np.zeros_like(still.border.inertia), tuple(np.zeros_like(r) for r in still.interior_residuals)
-        )
         drifts = tuple(
             -interior.frame_rows @ velocity[self._coordinates(interior)] for interior in self.interiors
         )
-        change, _, _ = self.correction(
-            balanced, (-joint_residual, drifts), np.zeros(self.n), StepFactors(0.0, 0.0)
-        )
+        ((change, _),) = self._pushed(configuration, [(-joint_residual, drifts)])
         return change
+
+    def joint_masses(self, configuration: Configuration, terms: JointTerms) -> np.ndarray:
+        """The multipliers of `least_change` for a unit of each equation."""
+        none = tuple(np.zeros(6) for _ in self.interiors)
+        units = -np.eye(len(terms.residual))
+        return np.array([own for _, own in self._pushed(configuration, [(unit, none) for unit in units])])
+
+    def _pushed(
+        self, configuration: Configuration, targets: Sequence[Targets]
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Motions (n,) that joints alone give to bodies at rest, and their multipliers, for each target."""
+        still = self.evaluate(self.state_at(0.0, configuration, np.zeros(self.n)), 0.0)
+        balanced = still.left_with(
+            np.zeros_like(still.border.inertia), tuple(np.zeros_like(r) for r in still.interior_residuals)
+        )
+        none, factors = np.zeros(self.n), StepFactors(0.0, 0.0)
+        eliminations = self.eliminated(
+            balanced.interior_states, self.turns(none), factors, FullTangent.serving
+        )
+        return [
+            self.correction_behind(eliminations, balanced, target, none, factors)[:2] for target in targets
+        ]
 
     def _coordinates(self, interior: FullInterior) -> slice:
         """Where the coordinates of a full body stand in the velocities."""

@@ -23,14 +23,16 @@ __all__ = ["SparseEquations", "frame_conditions", "full_linear_equations", "to_b
 
 
 class SparseEquations(NamedTuple):
-    """`M p'' + (C + W W^T) p' + K p + A^T l = H z`, `A p = 0`, in axes that turn with the bodies."""
+    """`M p'' + (C + W S W^T) p' + K p + A^T l = H z`, `A p = 0`, in axes that turn with the bodies."""
 
     mass: Any
     """Sparse (n, n), regular on the motions that the constraints leave free"""
     damping: Any
     """Sparse (n, n), with the gyroscopic terms"""
     damping_columns: np.ndarray
-    """`W` (n, w), of damped modes"""
+    """`W` (n, w), of damped modes and of interfaces that damping by mass acts against"""
+    damping_signs: np.ndarray
+    """Diagonal of `S`, (w,), each 1 or -1"""
     stiffness: Any
     """Sparse (n, n), with the centrifugal terms and those of the forces that are carried"""
     constraint: Any
@@ -41,8 +43,9 @@ class SparseEquations(NamedTuple):
     """States z of controllers"""
 
     def damped(self, motions: np.ndarray) -> np.ndarray:
-        """`(C + W W^T) p` of motions (n, k)."""
-        return self.damping @ motions + self.damping_columns @ (self.damping_columns.T @ motions)
+        """`(C + W S W^T) p` of motions (n, k)."""
+        along = self.damping_signs[:, None] * (self.damping_columns.T @ motions)
+        return self.damping @ motions + self.damping_columns @ along
 
 
 def full_linear_equations(machine: FullSystem, turning: Turning, terms: Evaluation) -> SparseEquations:
@@ -57,10 +60,12 @@ def full_linear_equations(machine: FullSystem, turning: Turning, terms: Evaluati
         for number, of_border in enumerate((border.mass, border.damping, border.stiffness))
     )
     columns = {each.index: _behind_frame(each.damping.columns.T).T for each in machine.interiors}
+    signs = {each.index: each.damping.signs for each in machine.interiors}
     return SparseEquations(
         mass=csr_array((mass + mass.T) / 2),
         damping=damping,
         damping_columns=_by_body(machine, columns, square=False).toarray(),
+        damping_signs=np.concatenate([signs[index] for index in sorted(signs)]),
         stiffness=stiffness,
         constraint=csr_array(vstack([csr_array(border.jacobian) @ seen, frame_conditions(machine)])),
         interior=np.concatenate([_interior(machine, each) for each in machine.interiors]),
