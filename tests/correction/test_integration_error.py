@@ -21,7 +21,7 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import AdaptiveStep, FixedStep, Newmark, Run, Tolerances
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, PrescribedRotation, Revolute, System
 from supple.mesh import strip
-from supple.reduction import CompressedDerivatives, CraigBampton, reduce
+from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
 from supple.simulation import simulate
 
 DAMPING = RayleighDamping(alpha=0.5, beta=1e-3)
@@ -38,6 +38,7 @@ def small():
         CraigBampton(n_modes=3),
         derivatives=CompressedDerivatives(3),
         damping=DAMPING,
+        loads=NoLoads,
     )
 
 

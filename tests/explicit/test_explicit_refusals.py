@@ -26,7 +26,7 @@ from supple.linearization import campbell_diagram, linearize, machine_modes
 from supple.machine import At, Placed, System
 from supple.machine.laws import Table
 from supple.mesh import CellType, Mesh
-from supple.reduction import NormalModes, reduce
+from supple.reduction import NoLoads, NormalModes, reduce
 from supple.simulation import equilibrium, simulate, simulate_batch
 
 RUN = Run(0.02, 0.01)
@@ -60,7 +60,7 @@ def test_questions_of_a_system_name_who_takes_an_explicit_one(ask):
     "body",
     [
         BODY,
-        reduce(BODY, MeanAxisFrame(), NormalModes(4)),
+        reduce(BODY, MeanAxisFrame(), NormalModes(4), loads=NoLoads),
         FullBody(BODY, MeanAxisFrame()),
         RigidBody("ball", 1.0, np.zeros(3), np.eye(3)),
     ],

@@ -29,6 +29,7 @@ from supple.intrinsic import (
     sliding,
 )
 from supple.intrinsic.expansion import expansion_of_stations
+from supple.linearization import linearize
 from supple.machine import (
     Ball,
     DeadForce,
@@ -341,6 +342,8 @@ def test_equilibrium_names_what_intrinsic_bodies_have_instead():
     system = System([beam(CLAMPED, n_modes=6)], [CLAMP])
     with pytest.raises(ModelError, match=r"find its rest with supple\.intrinsic\.line_rest"):
         equilibrium(system)
+    with pytest.raises(ModelError, match=r"is intrinsic: such a machine is not linearised"):
+        linearize(system)
 
 
 def test_supports_say_what_is_wrong_with_them():

@@ -29,9 +29,13 @@ from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mista
 from supple.integrate import Run
 from supple.machine import At, ForceElement, SplitBody, System
 from supple.mesh import Mesh
+from supple.reduction import BodyModes, body_modes
 from supple.sensors import Sensor
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
+
+N_MODES = 6
+"""Drawn of a body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,6 +315,15 @@ class Case:
                     damped = replace(damped, n_modes=form.n_coordinates)
                 made[table.name] = FullBody(self.flexible[table.name], frame, damped)
         return made
+
+    @cached_property
+    def held_modes(self) -> Mapping[str, BodyModes]:
+        """Of bodies reduced here, with all coordinates: held at the first interface, or in the frame."""
+        found = {}
+        for name, full in self.fulls.items():
+            held = full.interfaces[0].motion if full.interfaces else full.frame.constraint(full.body)
+            found[name] = body_modes(full.body, held, n_modes=N_MODES)
+        return found
 
     @property
     def drawn(self) -> Mapping[str, Mesh]:
