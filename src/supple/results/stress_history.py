@@ -34,7 +34,8 @@ def von_mises_history(
     """Von Mises stress (t, N), Pa, the largest over the layers, of coordinates (t, r).
 
     A reduced body goes through its stress modes; the reference, a full body, is recovered one vector at a
-    time, as is a body of more columns than tensors are made for (`ReducedBody.elastic_elsewhere`). Elements beside rigid interfaces have the strain that their ties leave them. A linear body has the
+    time, as is a body of more columns than tensors are made for (`ReducedBody.elastic_elsewhere`).
+    Elements beside rigid interfaces have the strain that their ties leave them. A linear body has the
     stress of its linear strain; an intrinsic one that of the static shapes that carry its section loads.
 
     Parameters
