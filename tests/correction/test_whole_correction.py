@@ -30,8 +30,10 @@ from supple.correction import (
 from supple.correction.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
 from supple.correction.judged_quantity import quantity_distance
 from supple.correction.model_error import model_errors_by_limit
-from supple.correction.whole_correction import _needed
-from supple.errors import LockingWarning
+from supple.correction.round_archive import InMemoryArchive
+from supple.correction.system_correction import Problem
+from supple.correction.whole_correction import _announce_steps, _needed
+from supple.errors import LockingWarning, StepCutWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import ErrorPart, ErrorStatement, FixedStep, Run, Tolerances
 from supple.machine import (
@@ -257,6 +259,23 @@ def test_a_pass_is_not_made_twice(beam, monkeypatch):
     with pytest.raises(SelfCorrectionError, match="in 1 passes"):
         self_correct(pushed(full, 0.1), run, start, study=ErrorStudy())
     assert len(passes) == 1
+
+
+def test_many_more_steps_are_announced_before_they_are_taken(beam):
+    """In words of the progress whenever steps change, and by a warning from ten times those asked for."""
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    system, run = pushed(full), Run(0.6, 0.02, step=FixedStep(0.02))
+    words = []
+    problem = Problem(
+        system, {"beam": full}, {}, run, None, lambda step, _: words.append(step), InMemoryArchive()
+    )
+    eight, eleven = (replace(problem, run=with_shorter_steps(run, 1 / n)) for n in (8, 11))
+    _announce_steps(run, problem, eight)
+    assert words == ["the step costs too much: 240 steps of at most 0.0025 instead of 30"]
+    with pytest.warns(StepCutWarning, match="takes 330 steps .* where 30 were asked for"):
+        _announce_steps(run, eight, eleven)
+    _announce_steps(run, eleven, eleven)
+    assert len(words) == 2
 
 
 def test_a_part_that_is_unknown_is_mended_as_far_as_goes_at_once():
