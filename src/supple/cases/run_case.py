@@ -242,9 +242,7 @@ def _simulated(
     system, solution = simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
     if errors:
         known(system, solution)
-        # What a basis lacks is found from linearised equations, in which controllers have no part.
-        study = replace(case.study, basis=False) if system.controllers else case.study
-        solution = state_errors(system, case.run, solution, study, fulls=case.fulls, progress=progress)
+        solution = state_errors(system, case.run, solution, case.study, fulls=case.fulls, progress=progress)
         write_errors(path, solution)
     return system, solution
 
