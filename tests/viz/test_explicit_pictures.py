@@ -16,7 +16,7 @@ from supple.explicit import (
 )
 from supple.explicit.series_motion import SeriesMotion
 from supple.fem import solid_model
-from supple.integrate import Solution
+from supple.integrate import Solution, Statistics
 from supple.machine import At
 from supple.mesh import CellType, block
 from supple.viz import explicit_pictures, skin_of
@@ -105,7 +105,7 @@ def test_ways_and_energies_of_round_off_are_no_curves(tmp_path, monkeypatch):
     times = np.linspace(0.0, 1.0, 5)
     energies = np.zeros((5, 8))
     energies[:, 0], energies[:, 6] = 1.0, 1e-14 * times
-    solution = Solution(times, {"energies": SeriesMotion(energies)}, {})
+    solution = Solution(times, {"energies": SeriesMotion(energies)}, {}, Statistics())
     way = np.column_stack([1.2 + 0.01 * times, 1e-15 * times, np.full(5, 0.3)])
     draw_explicit(tmp_path, solution, {"tip": way})
     (energy,), (x, y, z) = panels

@@ -91,7 +91,7 @@ def draw_explicit(
     *,
     units: UnitSystem = UNNAMED,
 ) -> list[Path]:
-    """Draw `energies.png`, every term of the balance over time, and in `tracked-motion.png` the way of places.
+    """Draw `energies.png`, every term of the balance, and in `tracked-motion.png` the way of places.
 
     tracked : positions (t, 3) by name
     """

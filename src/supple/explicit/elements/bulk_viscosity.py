@@ -11,8 +11,7 @@ Since it follows at the rates of the half step before, it shortens the stable st
 dt_e (sqrt(1 + xi^2) - xi). Steps are chosen at output times, and a front may come in between: there b is cut
 back to what the step bears.
 
-Source: J. von Neumann, R. D. Richtmyer, J. Appl. Phys. 21 (1950) 232-237, for the quadratic part;
-R. Landshoff, Los Alamos report LA-1930 (1955), for the linear one.
+Source: [vonNeumann1950] for the quadratic part, [Landshoff1955] for the linear one.
 """
 
 from __future__ import annotations
