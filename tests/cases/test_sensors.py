@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from supple.cases import read_case
 from supple.cli.main import app
 from supple.errors import CaseError
+from supple.sensors import Maximum, Mean, Nearest
 
 SENSORS = """
 [[sensor]]
@@ -63,13 +64,39 @@ def test_a_run_writes_what_its_sensors_read(case, tmp_path):
     table = dict(zip(heads, np.array(rows, dtype=float).T, strict=True))
     report = json.loads((out / "strip.json").read_text())
     told = report["sensors"]["tip"]["z"]
+    told_fibre = report["sensors"]["fibre"]["top xx"]
     assert told["smallest"] == table["tip.z (m)"].min() < 0
     assert report["tracked"]["strip.TIP"]["last deflection"][2] == pytest.approx(told["last"])
     assert table["fibre.top xx (Pa)"][-1] > 0 > table["fibre.bottom xx (Pa)"][-1]
     assert heads[-6:] == [*(f"cut.F{axis} (N)" for axis in "xyz"), *(f"cut.M{axis} (N m)" for axis in "xyz")]
     assert table["cut.Fz (N)"][-1] < 0 < table["cut.My (N m)"][-1], "what hangs on it pulls down"
+    stress = report["stress"]["strip"]
+    assert stress["largest von Mises stress"] >= 0.99 * abs(table["fibre.top xx (Pa)"]).max()
+    assert stress["point"][0] < 0.2
+    assert 0 < stress["time"] <= 0.04
+    assert str(stress["node"]) in result.output
+    assert told_fibre["place"] == "largest of 3 nodes"
+    assert told_fibre["point of largest"][0] == 0.0
     assert (out / "sensors.h5").exists()
     assert (out / "sensors.png").stat().st_size > 5_000
+
+
+@pytest.mark.parametrize(
+    ("given", "component", "over"),
+    [
+        ("", "von Mises", Maximum()),
+        ('measure = "max"', "von Mises", Maximum()),
+        ('measure = "mean"\ncomponent = "yy"', "yy", Mean()),
+        ('measure = "nearest"', "von Mises", Nearest()),
+        ('measure = "xx"', "xx", Maximum()),
+    ],
+)
+def test_what_is_read_of_a_set(case, given, component, over):
+    case.write_text(case.read_text().replace('measure = "xx"', given))
+    (sensor,) = [each for each in read_case(case).sensors if each.name == "fibre"]
+    assert sensor.measure.names == (component,)
+    assert sensor.over == over
+    assert len(sensor.nodes) == 3
 
 
 @pytest.mark.parametrize(
@@ -83,6 +110,7 @@ def test_a_run_writes_what_its_sensors_read(case, tmp_path):
         ('kind = "joint-force"', 'kind = "joint-force"\nseen_from = "strip.root"', "seen_from"),
         ('at = "strip.ROOT"', 'at = "strip.root"', "no node set of a body with elements"),
         ('measure = "xx"', 'measure = "xxx"', "measure"),
+        ('measure = "xx"', 'component = "xx"\nmeasure = "yy"', "beside component, measure is one of max"),
         ("normal = [1, 0, 0]", "", "normal"),
     ],
 )

@@ -26,7 +26,7 @@ from supple.correction import (
     self_correct,
     state_errors,
 )
-from supple.correction.integration_error import with_shorter_steps, with_tolerance
+from supple.correction.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
 from supple.correction.judged_quantity import quantity_distance
 from supple.correction.model_error import model_errors_by_limit
 from supple.correction.whole_correction import _needed
@@ -55,17 +55,21 @@ from supple.reduction import (
     PlainQuartic,
     reduce,
 )
+from supple.results.judged_stress import JudgedStress
 from supple.simulation import simulate
 
 DAMPING = RayleighDamping(alpha=0.5, beta=1e-3)
 WALL = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
-STUDY = ErrorStudy(quantities=(Deflection("beam", "tip"), JointForce("wall")))
+MODEL = shell_model(strip(1.0, 0.1, 4, 2), WALL)
+MIDDLE = np.flatnonzero(MODEL.mesh.nodes[:, 0] == 0.5)
+STRESS = JudgedStress("beam", MODEL, MIDDLE, "middle")
+STUDY = ErrorStudy(quantities=(Deflection("beam", "tip"), JointForce("wall"), STRESS))
 
 
 @pytest.fixture(scope="module")
 def beam():
     ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
-    return flexible_body("beam", shell_model(strip(1.0, 0.1, 4, 2), WALL), ends)
+    return flexible_body("beam", MODEL, ends)
 
 
 def pushed(body, size=2.0, rise=0.3):
@@ -98,11 +102,11 @@ def plain(beam, request):
 
 
 def test_every_part_of_a_plain_run_is_the_truth(plain):
-    """Basis against the full run with the same steps, step against a sixteenth of it, in three quantities."""
+    """Basis against the full run with the same steps, step against a sixteenth of it, in four quantities."""
     full, system, run, solution = plain
     whole = pushed(full, 0.5)
     same, fine = simulate(whole, run), simulate(system, with_shorter_steps(run, 1 / 16))
-    assert set(solution.errors) == {"beam", "beam.tip", "force of wall"}
+    assert set(solution.errors) == {"beam", "beam.tip", "force of wall", "stress at middle"}
     for quantity in (WholeBody("beam"), *STUDY.quantities):
         stated = solution.errors[quantity.name]
         basis = quantity_distance(quantity, system, solution, whole, same)
@@ -147,7 +151,40 @@ def test_an_accuracy_of_a_quantity(beam):
     corrected = self_correct(pushed(full), run, target, study=ErrorStudy())
     stated = corrected.solution.errors["force of wall"]
     assert stated.total <= stated.allowed == pytest.approx(0.02 * stated.size)
-    assert corrected.solution.errors["beam"].allowed is None
+    beside = corrected.solution.errors["beam"]
+    assert beside.allowed is None
+    assert beside.total == beside.at_least
+
+
+def test_a_body_that_corrects_itself_states_the_basis_part_of_every_quantity(beam):
+    """Against the full run with the same steps; parts that nobody looked at leave no total."""
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    run = Run(0.4, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-9))
+    start = ReductionStart(SelfCorrection(relative=0.05), CraigBampton(1), CompressedDerivatives(2))
+    study = ErrorStudy(integration=False, model=False, quantities=STUDY.quantities)
+    corrected = self_correct(pushed(full, 3.0), run, start, study=study)
+    reference = simulate(pushed(full, 3.0), run)
+    for quantity in (WholeBody("beam"), *STUDY.quantities):
+        stated = corrected.solution.errors[quantity.name]
+        true = quantity_distance(quantity, corrected.system, corrected.solution, pushed(full, 3.0), reference)
+        assert 0.7 < stated.basis.value / true < 1.4
+        assert stated.missing == ("step", "model")
+        assert stated.total is None
+        assert stated.at_least == stated.basis.value + stated.newton.value
+
+
+@pytest.mark.slow
+def test_an_accuracy_of_a_stress_is_met_and_true(beam):
+    """A strip bent by 0.4 rad: without the quadratic strain of the corrected motion, none is ever met."""
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    run = Run(0.6, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-9))
+    corrected = self_correct(pushed(full, 4.0), run, SelfCorrection(relative=0.01, of=STRESS))
+    last = corrected.bodies["beam"].rounds[-1]
+    true = quantity_distance(
+        STRESS, corrected.system, corrected.solution, pushed(full, 4.0), simulate(pushed(full, 4.0), run)
+    )
+    assert last.estimated_error <= last.allowed
+    assert 0.7 < last.estimated_error / true < 1.4
 
 
 @pytest.mark.slow
@@ -180,6 +217,42 @@ def test_the_cheapest_part_is_mended_first_and_alone_where_that_suffices():
     both = needed(basis=0.9, step=0.9, newton=0.01, model=0.0)
     assert both.step < 1
     assert 1 - both.basis < 0.9
+
+
+@pytest.mark.parametrize("model", [0.0, 0.2, 0.5, 0.79])
+@pytest.mark.parametrize(
+    ("basis", "step", "newton"), [(0.5, 0.49, 0.1), (0.4, 0.6, 0.01), (0.9, 0.01, 0.01), (0.05, 0.2, 2.0)]
+)
+def test_what_a_pass_mends_would_keep_to_what_is_allowed(model, basis, step, newton):
+    """Whatever the model leaves of it: basis as asked for, the step by its square, the tolerance as it is."""
+    mended = needed(basis=basis, step=step, newton=newton, model=model)
+    after = (
+        (basis if mended.basis is None else 1.0 - mended.basis)
+        + mended.step**2 * step
+        + mended.tolerance * newton
+    )
+    if basis + step + newton + model > 1.0:
+        assert after + model <= 1.0
+
+
+def test_a_pass_is_not_made_twice(beam, monkeypatch):
+    """What the tightest tolerance leaves cannot be less: it is said after one pass."""
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    run = Run(0.04, 0.02, step=FixedStep(0.02), tolerances=Tolerances(TIGHTEST))
+    passes = []
+
+    def told(_problem, corrected, _study):
+        passes.append(corrected)
+        parts = {"basis": 0.0, "newton": 2.0}
+        return {
+            "beam": ErrorStatement("", 1.0, allowed=1.0, **{k: ErrorPart(v, "") for k, v in parts.items()})
+        }
+
+    monkeypatch.setattr("supple.correction.whole_correction._stated", told)
+    start = ReductionStart(SelfCorrection(absolute=1.0), CraigBampton(1), NoDerivatives())
+    with pytest.raises(SelfCorrectionError, match="in 1 passes"):
+        self_correct(pushed(full, 0.1), run, start, study=ErrorStudy())
+    assert len(passes) == 1
 
 
 def test_a_part_that_is_unknown_is_mended_as_far_as_goes_at_once():

@@ -18,15 +18,19 @@ def part(value, remedy="mend it"):
     return ErrorPart(value, "a run", remedy)
 
 
-def test_the_sum_is_of_the_parts_that_were_looked_at():
+def test_where_a_part_is_missing_the_error_is_at_least_the_sum_of_the_others():
     half = stated(step=part(3e-4), newton=part(1e-4))
-    assert half.total == pytest.approx(4e-4)
+    assert half.at_least == pytest.approx(4e-4)
+    assert half.total is None
+    assert half.plain()["total"] is None
+    assert half.plain()["at_least"] == half.at_least
     assert half.missing == ("basis", "model")
     assert list(half.parts) == ["step", "newton"]
 
 
 def test_the_largest_part_is_named_with_its_remedy():
     whole = stated(basis=part(1e-5), step=part(4e-4, "halve the step"), newton=part(1e-6), model=part(2e-6))
+    assert whole.total == whole.at_least == pytest.approx(4.13e-4)
     assert whole.largest == "step"
     assert whole.advice == "the step costs 40 times the basis: halve the step"
 
@@ -56,7 +60,7 @@ def test_a_motion_knows_its_error_but_not_as_an_array():
     motion = FloatingMotion(*zeros)
     assert motion.error is None
     told = motion.with_error(stated(step=part(1.0)))
-    assert told.error.total == 1.0
+    assert told.error.at_least == 1.0
     assert told.at(slice(0, 1)).error is told.error
     assert told.arrays().keys() == motion.arrays().keys()
     assert motion.error is None

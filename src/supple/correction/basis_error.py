@@ -8,14 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from supple.algebra import read_only
+from supple.reduction.locking import TOLERATED
 
-__all__ = ["ENRICH", "FIRST_ORDER", "BasisError", "BodyError"]
+__all__ = ["ASK_FOR_LESS", "ENRICH", "FIRST_ORDER", "BasisError", "BodyError"]
 
 FIRST_ORDER = 1 / 3
 """Size of a second correction over the first above which the first is an order of magnitude only."""
 
 ENRICH = "keep more modes, or let the reduction correct itself (accuracy = { relative = 1e-3 })"
 """The remedy of a basis that costs too much."""
+
+ASK_FOR_LESS = "ask for a smaller error, or start with more modes"
+"""The remedy where the reduction corrects itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +35,9 @@ class BodyError:
                             over the deformation, if that is more; above a third the error is an order of
                             magnitude only; None: not looked at
     history : (t,)          RMS over the nodes at the output times
+    indicator : float       largest RMS over the nodes of the motion that the run misses at rest; infinite
+                            where no equilibrium was found; 0: not looked at
+    withheld : float        share of a static answer that the body withholds because it locks
     """
 
     rms: float
@@ -40,6 +47,8 @@ class BodyError:
     rest: float
     second: float | None
     history: np.ndarray
+    indicator: float = 0.0
+    withheld: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "history", read_only(self.history))
@@ -48,6 +57,16 @@ class BodyError:
     def estimate(self) -> float:
         """Error stated, RMS over the nodes, largest over the run: what was found and what cannot be."""
         return self.rms + self.rest
+
+    def is_doubtful(self, limit: float) -> bool:
+        """Whether the estimate may be far too small: the body locks, or misses more than estimate and limit.
+
+        The equation is linearised about the run. Where a strip that should tip sideways locks and stands
+        straight, that is nearly in balance, and the error found small.
+
+        limit : RMS over the nodes below which a missing motion raises no doubt
+        """
+        return self.withheld > TOLERATED or not self.indicator <= max(self.estimate, limit)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,12 +1,13 @@
 """The part of the bases in the error of a finished run: by the error equation, or by a run with richer bases.
 
 The error equation tells the true motion, to first order, and says itself where that is not enough
-(`BodyError.second` above a third). There a run with much richer bases is made instead.
+(`BodyError.second` above a third). There a run with much richer bases is made instead. So it is where the
+estimate is doubtful (`BodyError.is_doubtful`): about a run that locks the equation can find too little.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,13 +15,17 @@ import numpy as np
 from supple.body.full_body import FullBody
 from supple.correction.basis_error import ENRICH, FIRST_ORDER, BodyError
 from supple.correction.check_run import check_run
-from supple.correction.error_estimate import ErrorEstimator
+from supple.correction.error_estimate import ErrorEstimate, ErrorEstimator
 from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
+from supple.correction.run_distance import largest_displacement
 from supple.integrate import ErrorPart, Run, Solution
 from supple.machine import Placed, System
 from supple.reduction import ReductionBasis
 
-__all__ = ["basis_parts", "in_full"]
+__all__ = ["basis_parts", "distances", "in_full", "stated_of"]
+
+NEGLIGIBLE = 1e-3
+"""Of the largest displacement: motion missed at rest that is less raises no doubt."""
 
 
 def basis_parts(
@@ -37,22 +42,51 @@ def basis_parts(
 
     fulls, bases : of the reduced bodies that are judged, by name
     """
-    asked = [each for each in quantities if each.body is None or each.body in bases]
+    asked = stated_of(system, bases, quantities)
     step = "the error equation"
     share = None if progress is None else lambda fraction: progress(step, fraction)
     whole = in_full(system, fulls, bases)
     estimate = ErrorEstimator(whole, run).judge(system, bases, solution, progress=share)
     found = estimate.error.bodies
-    if estimate.corrected is not None and all(map(_is_sure, found.values())):
-        # What the space of the error lacks is known of whole bodies: of others in the same proportion.
-        lack = max(each.estimate / each.rms if each.rms else 1.0 for each in found.values())
+    doubtful = any(each.is_doubtful(_negligible(system, solution, name)) for name, each in found.items())
+    if all(map(_is_sure, found.values())) and not doubtful:
         return {
-            each.name: ErrorPart(
-                lack * quantity_distance(each, system, solution, *estimate.corrected), step, ENRICH
-            )
-            for each in asked
+            name: ErrorPart(value, step, ENRICH)
+            for name, value in distances(system, solution, estimate, asked).items()
         }
     return check_run(system, run, solution, fulls, bases, asked, progress=progress)
+
+
+def stated_of(
+    system: System, names: Collection[str], quantities: Sequence[JudgedQuantity]
+) -> list[JudgedQuantity]:
+    """Those quantities of which the bases of some bodies are all that is missing.
+
+    names : of the bodies whose bases are judged; what moves with others as well is not known from these
+    """
+    elastic = {each.body.name for each in system.bodies if each.body.n_coordinates}
+    is_whole = elastic <= set(names)
+    return [each for each in quantities if is_whole or each.body in names]
+
+
+def distances(
+    system: System, solution: Solution, estimate: ErrorEstimate, quantities: Sequence[JudgedQuantity]
+) -> dict[str, float]:
+    """Error of a run in some quantities, by their names; infinite where the equation has no solution."""
+    if estimate.corrected is None:
+        return {each.name: np.inf for each in quantities}
+    # What the space of the error lacks is known of whole bodies: of others in the same proportion.
+    bodies = estimate.error.bodies.values()
+    lack = max(each.estimate / each.rms if each.rms else 1.0 for each in bodies)
+    return {
+        each.name: lack * quantity_distance(each, system, solution, *estimate.corrected)
+        for each in quantities
+    }
+
+
+def _negligible(system: System, solution: Solution, name: str) -> float:
+    body = system.bodies[system.body_index(name)].body
+    return NEGLIGIBLE * largest_displacement(body, solution.bodies[name])
 
 
 def _is_sure(error: BodyError) -> bool:

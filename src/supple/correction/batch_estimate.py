@@ -14,7 +14,7 @@ import numpy as np
 
 from supple.body.full_body import FullBody
 from supple.correction.basis_error import ENRICH, BasisError
-from supple.correction.basis_part import in_full
+from supple.correction.basis_part import basis_parts, in_full
 from supple.correction.error_estimate import (
     FRESH,
     INSTANTS,
@@ -27,10 +27,10 @@ from supple.correction.error_estimate import (
 )
 from supple.correction.error_study import ErrorStudy, statements
 from supple.correction.judged_quantity import WholeBody
-from supple.correction.kept_basis import kept_bases
 from supple.correction.looked_at_instants import jittered
 from supple.correction.residual_correction import system_corrections
 from supple.correction.settled_error import is_small
+from supple.correction.stopping import withheld
 from supple.error_equation import (
     ErrorEquation,
     JudgedBody,
@@ -46,6 +46,7 @@ from supple.integrate import ErrorPart, FloatingMotion, Run, Solution
 from supple.machine import System
 from supple.multibody.compiled.every_step import every_step
 from supple.reduction import ReducedBody, ReductionBasis
+from supple.simulation.kept_basis import kept_bases
 
 __all__ = ["estimate_batch_errors", "state_batch_errors"]
 
@@ -64,9 +65,13 @@ def state_batch_errors(
     for system, solution, own in zip(
         cases, solutions, estimate_batch_errors(cases, run, solutions, fulls), strict=True
     ):
-        parts = {
-            name: ErrorPart(each.estimate, "the error equation", ENRICH) for name, each in own.bodies.items()
-        }
+        if any(each.is_doubtful(np.inf) for each in own.bodies.values()):  # they lock
+            parts = basis_parts(system, run, solution, fulls, bases, quantities)
+        else:
+            parts = {
+                name: ErrorPart(each.estimate, "the error equation", ENRICH)
+                for name, each in own.bodies.items()
+            }
         stated.append(
             solution.with_errors(
                 statements(system, run, solution, study, fulls, bases, parts, quantities=quantities)
@@ -168,10 +173,15 @@ class _Batch:
                 fields[name].append(own.deformation)
         return {name: np.hstack(each) for name, each in fields.items()}
 
+    def _body(self, name: str) -> ReducedBody:
+        """The same in all runs."""
+        body = self.cases[0].bodies[self.cases[0].body_index(name)].body
+        assert isinstance(body, ReducedBody)
+        return body
+
     def _judged(self, name: str, corrections: np.ndarray) -> JudgedBody:
         """A body along all runs, one after the other."""
-        full, body = self.fulls[name], self.cases[0].bodies[self.cases[0].body_index(name)].body
-        assert isinstance(body, ReducedBody)
+        full, body = self.fulls[name], self._body(name)
         motions = [each.solution.bodies[name] for each in self.steps]
         together = FloatingMotion(
             **{
@@ -208,7 +218,13 @@ class _Batch:
                 outputs = self.steps[number].outputs
                 return BasisError(
                     {
-                        name: body_error(history, second[name], outputs, fresh[name])
+                        name: body_error(
+                            history,
+                            second[name],
+                            outputs,
+                            fresh[name],
+                            withheld=withheld(self._body(name)),
+                        )
                         for name, history in histories.items()
                     }
                 )

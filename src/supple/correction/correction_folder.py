@@ -116,11 +116,12 @@ class CorrectionFolder:
                             float(kept[f"{name}/indicator"]),
                             kept[f"{name}/singular_values"],
                             float(kept[f"{name}/error"]),
+                            bool(kept[f"{name}/doubtful"]),
                         )
                         for name in fulls
                         if f"{name}/indicator" in kept
                     }
-                    seconds = float(kept["seconds"])
+                    seconds, besides = float(kept["seconds"]), json.loads(str(kept["besides"]))
             except (*DAMAGE, BadZipFile) as error:
                 raise ResultFileError(f"{path} is damaged ({error}): run the case again") from error
         for name, basis in bases.items():
@@ -130,14 +131,14 @@ class CorrectionFolder:
                     f"{basis.vectors.shape[0]} coordinates and the body has {fulls[name].n_coordinates}; "
                     "write to another folder"
                 )
-        return RoundBases(bases, missed, seconds)
+        return RoundBases(bases, missed, seconds, besides)
 
     def keep_bases(self, number: int, bases: RoundBases) -> None:
         """Write the bases of a run, unless they were read."""
         path = self._bases(number)
         if path.exists():
             return
-        arrays: dict[str, Any] = {"seconds": bases.seconds}
+        arrays: dict[str, Any] = {"seconds": bases.seconds, "besides": json.dumps(dict(bases.besides))}
         for name, basis in bases.bases.items():
             arrays[f"{name}/vectors"] = basis.vectors
             arrays[f"{name}/report"] = json.dumps(_plain_report(basis.report))
@@ -145,6 +146,7 @@ class CorrectionFolder:
             arrays[f"{name}/indicator"] = missed.indicator
             arrays[f"{name}/singular_values"] = missed.singular_values
             arrays[f"{name}/error"] = missed.error
+            arrays[f"{name}/doubtful"] = missed.doubtful
         image = io.BytesIO()
         np.savez(image, **arrays)
         with replacing(path) as temporary:

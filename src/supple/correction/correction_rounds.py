@@ -11,7 +11,7 @@ from supple.algebra import read_only
 from supple.arguments import check_fields
 from supple.correction.judged_quantity import JudgedQuantity, WholeBody
 from supple.errors import AccuracyError, ModelError
-from supple.integrate import Run, Solution
+from supple.integrate import ErrorPart, Run, Solution
 from supple.machine.system import System
 from supple.reduction import (
     CompressedDerivatives,
@@ -116,6 +116,8 @@ class Round:
     seconds : float                 wall time of the reduction, the run and its correction, of all bodies
     allowed : float                 the error to reach, unit of length
     useless : bool                  no better than the round before
+    unconfirmed : bool              the body locks, or misses more motion at rest than the error estimated,
+                                    and no second run has confirmed that error
     number : int | None             of its run, as it is archived; that of the round where it is left out
     run : Run | None                how it was stepped
     """
@@ -128,6 +130,7 @@ class Round:
     seconds: float
     allowed: float = np.nan
     useless: bool = False
+    unconfirmed: bool = False
     number: int | None = None
     run: Run | None = None
 
@@ -174,11 +177,13 @@ class CorrectedSystem:
     system : System                     with the reduced bodies
     bodies : SelfCorrected, by name     their rounds, which are the same runs
     run : Run                           as it was stepped; None where that is the run that was asked for
+    of_basis : ErrorPart, by quantity   what the bases cost in what a study judges besides the targets
     """
 
     system: System
     bodies: Mapping[str, SelfCorrected]
     run: Run | None = None
+    of_basis: Mapping[str, ErrorPart] = field(default_factory=dict)
 
     @property
     def solution(self) -> Solution:

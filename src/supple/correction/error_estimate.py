@@ -15,6 +15,7 @@ from supple.correction.looked_at_instants import followed, jittered, striking
 from supple.correction.missing_motion import FOLLOWED
 from supple.correction.residual_correction import ResidualCorrections, system_corrections
 from supple.correction.settled_error import Told, is_clearly_larger, is_finite, is_small, settled
+from supple.correction.stopping import withheld
 from supple.error_equation import (
     ErrorEquation,
     ErrorHistory,
@@ -189,7 +190,14 @@ class ErrorEstimator:
         if progress is not None:
             progress(1.0)
         errors = {
-            name: body_error(history, second[name], steps.outputs, fields[name][:, len(looked) :])
+            name: body_error(
+                history,
+                second[name],
+                steps.outputs,
+                fields[name][:, len(looked) :],
+                indicator=float(missed[name].rms.max()),
+                withheld=withheld(_reduced(reduced, name)),
+            )
             for name, history in histories.items()
         }
         missing = {name: _missing(history, second[name], fields[name]) for name, history in histories.items()}
@@ -233,9 +241,7 @@ class ErrorEstimator:
     ) -> JudgedBody:
         if name not in self._modes:
             self._modes[name] = modes_in_frame(full.body, full.frame)
-        body = reduced.bodies[reduced.body_index(name, "error estimate")].body
-        if not isinstance(body, ReducedBody):
-            raise ModelError(f"error estimate: body '{name}' ran as a {type(body).__name__}, not reduced")
+        body = _reduced(reduced, name)
         motion = run_columns(full.body, body, basis, steps.bodies[name])
         corrections = missed.deformation[:, :n_looked]
         if name in start:
@@ -254,8 +260,8 @@ class ErrorEstimator:
             for given, motion in (
                 (each.position, steps.bodies[name].position),
                 (each.rotation, steps.bodies[name].rotation),
-                (each.velocity, steps.bodies[name].velocity),
-                (each.angular_velocity, steps.bodies[name].angular_velocity),
+                (each.twist[:3], steps.bodies[name].velocity),
+                (each.twist[3:], steps.bodies[name].angular_velocity),
             )
         )
         if as_given and not any(
@@ -272,6 +278,13 @@ class ErrorEstimator:
             name: _start_error(machine, index, name, configuration, velocity, steps, bases)
             for index, name in enumerate(placed)
         }
+
+
+def _reduced(system: System, name: str) -> ReducedBody:
+    body = system.bodies[system.body_index(name, "error estimate")].body
+    if not isinstance(body, ReducedBody):
+        raise ModelError(f"error estimate: body '{name}' ran as a {type(body).__name__}, not reduced")
+    return body
 
 
 def check_linearised(system: System) -> None:
@@ -370,8 +383,14 @@ def body_error(
     second: float,
     outputs: np.ndarray,
     fresh: np.ndarray,
+    *,
+    indicator: float = 0.0,
+    withheld: float = 0.0,
 ) -> BodyError:
-    """What a body's error comes to; fresh (n, m) are corrections that its space does not know."""
+    """What a body's error comes to; fresh (n, m) are corrections that its space does not know.
+
+    indicator, withheld : as of BodyError
+    """
     rms = history.rms[outputs]
     row = int(outputs[np.argmax(rms)])
     sizes = np.linalg.norm(history.at_nodes(row), axis=1)
@@ -383,6 +402,8 @@ def body_error(
         rest=_rest(history, fresh),
         second=max(second, float(rms.max()) / max(_deflection(history), 1e-300)),
         history=rms,
+        indicator=indicator,
+        withheld=withheld,
     )
 
 

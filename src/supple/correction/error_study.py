@@ -10,13 +10,13 @@ from supple.body.full_body import FullBody
 from supple.correction.basis_part import basis_parts
 from supple.correction.integration_error import integration_errors
 from supple.correction.judged_quantity import JudgedQuantity, WholeBody
-from supple.correction.kept_basis import kept_bases
 from supple.correction.model_error import model_errors
 from supple.errors import ModelError
 from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution
 from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.reduction import ReductionBasis
+from supple.simulation.kept_basis import kept_bases
 
 __all__ = ["ErrorStudy", "state_errors", "statements"]
 
@@ -121,13 +121,14 @@ def statements(
         step = "elements and ties at the widest turns"
         told = None if progress is None else lambda fraction: progress(step, fraction)
         model = model_errors(system, fulls, bases, solution, quantities, progress=told)
-    full_order = set(system.bodies_of(FullBody))
+    full_order = system.bodies_of(FullBody)
+    no_basis = all(each.body.name in full_order for each in system.bodies if each.body.n_coordinates)
     return {
         each.name: ErrorStatement(
             of=each.words,
             size=each.size(system, solution),
             basis=ErrorPart(0.0, "no basis: all coordinates")
-            if each.body in full_order
+            if no_basis or each.body in full_order
             else of_basis.get(each.name),
             step=integration[each.name].step,
             newton=integration[each.name].newton,

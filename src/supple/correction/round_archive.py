@@ -18,11 +18,13 @@ __all__ = ["InMemoryArchive", "MissedMotion", "RoundArchive", "RoundBases"]
 
 
 class MissedMotion(NamedTuple):
-    """What a run said of the motion that a body's basis misses; see `Round`."""
+    """What is known of the motion that a body's basis misses on a run; see `Round`."""
 
     indicator: float
     singular_values: np.ndarray
     error: float
+    doubtful: bool = False
+    """Whether the error needs a second run to confirm it (`BodyError.is_doubtful`)"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,11 +34,13 @@ class RoundBases:
     bases : ReductionBasis, by body
     missed : MissedMotion, by body      of the run before, from which the bases were enriched; empty at first
     seconds : float                     wall time of the round before
+    besides : float, by quantity        error of the run before in what is judged besides (`Problem.besides`)
     """
 
     bases: Mapping[str, ReductionBasis]
     missed: Mapping[str, MissedMotion] = field(default_factory=dict)
     seconds: float = 0.0
+    besides: Mapping[str, float] = field(default_factory=dict)
 
 
 class RoundArchive(Protocol):

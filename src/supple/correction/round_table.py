@@ -27,16 +27,21 @@ def correction_numbers(rounds: Sequence[Round]) -> list[dict[str, Any]]:
                 "indicator": _finite(each.indicator),
                 "seconds": each.seconds,
                 "useless": each.useless,
+                "unconfirmed": each.unconfirmed,
             }
         )
     return numbers
 
 
 def best_round(numbers: Sequence[Mapping[str, Any]]) -> int:
-    """Number of the round whose worst body comes nearest to what is allowed; the last if none is known."""
+    """Number of the round whose worst body comes nearest to what is allowed; the last if none is known.
+
+    Errors that no second run has confirmed are not known.
+    """
     worst: dict[int, float] = {}
     for each in numbers:
-        error = np.inf if each["estimated_error"] is None else each["estimated_error"] / each["allowed"]
+        unknown = each["estimated_error"] is None or each["unconfirmed"]
+        error = np.inf if unknown else each["estimated_error"] / each["allowed"]
         worst[each["round"]] = max(worst.get(each["round"], 0.0), error)
     return min(worst, key=lambda number: (worst[number], -number))
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.correction.correction_rounds import CorrectedSystem, ReductionStart, SelfCorrection
-from supple.correction.error_study import ErrorStudy
+from supple.correction.error_study import ErrorStudy, judged
 from supple.correction.round_archive import InMemoryArchive, RoundArchive
 from supple.correction.system_correction import Accepted, Announce, CorrectionProgress, Problem, correct
 from supple.correction.whole_correction import correct_wholly
@@ -86,7 +86,10 @@ def self_correct(
         archive=archive or InMemoryArchive(),
         accepted=None if accepted is None else lambda corrected: accepted(_without_room(corrected)),
     )
-    corrected = correct(problem) if study is None else correct_wholly(problem, study)
+    if study is None:
+        return _without_room(correct(problem))
+    problem = replace(problem, besides=tuple(judged(system, study)))
+    corrected = correct_wholly(problem, study)
     return _without_room(corrected)
 
 

@@ -10,7 +10,8 @@ from time import perf_counter
 import numpy as np
 
 from supple.body.full_body import FullBody
-from supple.correction.basis_error import FIRST_ORDER
+from supple.correction.basis_error import ASK_FOR_LESS, FIRST_ORDER
+from supple.correction.basis_part import distances, stated_of
 from supple.correction.correction_rounds import (
     CorrectedSystem,
     ReductionStart,
@@ -22,9 +23,9 @@ from supple.correction.correction_rounds import (
 from supple.correction.error_estimate import ErrorEstimate, ErrorEstimator
 from supple.correction.judged_quantity import JudgedQuantity, WholeBody, quantity_distance
 from supple.correction.round_archive import MissedMotion, RoundArchive, RoundBases
-from supple.correction.stopping import is_useless, missed_part
+from supple.correction.stopping import doubt, is_confirmed, is_useless, missed_part
 from supple.errors import ConvergenceError, LockingWarning
-from supple.integrate import Run, Solution
+from supple.integrate import ErrorPart, Run, Solution
 from supple.machine.system import Placed, System
 from supple.multibody.checks.load_spectrum import warn_of_missing_modes
 from supple.reduction import ReducedBody, enrich, project, reduction_basis, with_room
@@ -73,6 +74,8 @@ class Problem:
     announce, accepted, progress, archive : as for `self_correct`
     first : bases to begin with, where an earlier pass has found them; its number in the archive
     spent : of what is allowed to a body, what other parts of the error than the basis take
+    confirmed : bodies whose estimates an earlier pass has confirmed, from whose bases this one begins
+    besides : what is judged of the accepted run as well
     """
 
     system: System
@@ -86,6 +89,8 @@ class Problem:
     number: int = 0
     spent: Mapping[str, float] = field(default_factory=dict)
     accepted: Accepted | None = None
+    confirmed: frozenset[str] = frozenset()
+    besides: tuple[JudgedQuantity, ...] = ()
 
     def report(self, step: str, fraction: float) -> None:
         """Say how far a step has come."""
@@ -141,6 +146,7 @@ def correct(problem: Problem) -> CorrectedSystem:
         )
     past: dict[str, list[_Judged]] = {name: [] for name in problem.fulls}
     estimator = ErrorEstimator(problem.system, problem.run)
+    before: _Run | None = None
     number = problem.number
     kept = problem.archive.read_bases(number, problem.fulls)
     model = _reduced(problem, number, kept or problem.first or _first_bases(problem))
@@ -152,12 +158,14 @@ def correct(problem: Problem) -> CorrectedSystem:
         kept = problem.archive.read_bases(number, problem.fulls)
         next_bases = kept or _enriched(problem, estimator, run, allowed)
         for name, judged in past.items():
-            judged.append(_judge(problem, name, judged, run, next_bases, allowed[name]))
+            confirmed = _confirmed(problem, name, judged, before, run, allowed[name])
+            judged.append(_judge(problem, name, judged, run, next_bases, allowed[name], confirmed))
             if problem.announce is not None:
                 problem.announce(judged[-1].round)
         if all(judged[-1].met for judged in past.values()):
-            return _result(past, run)
+            return _result(past, run, next_bases)
         _check_prospects(problem, past, number, next_bases)
+        before = run
         model = _reduced(problem, number, next_bases)
 
 
@@ -236,12 +244,21 @@ def _enriched(
             full.body, model.bases.bases[name], estimate.missed[name], problem.target(name).directions
         )
         bases[name] = enriched.basis
+        quantity = problem.target(name).quantity(name)
+        # The indicator is a length; in other quantities the limit is the same share of the displacement.
+        size = quantity.size(model.system, run.solution)
+        share = allowed[name] / size if size else 0.0
         said[name] = MissedMotion(
             float(estimate.corrections[name].rms.max()),
             enriched.singular_values,
-            _error(problem.target(name).quantity(name), name, run, estimate),
+            _error(quantity, name, run, estimate),
+            estimate.error.bodies[name].is_doubtful(share * WholeBody(name).size(model.system, run.solution)),
         )
-    next_bases = RoundBases(bases, said, run.seconds + perf_counter() - began)
+    besides: Mapping[str, float] = {}
+    if all(said[name].error <= error for name, error in allowed.items()):  # it may be the last
+        asked = stated_of(model.system, problem.fulls, problem.besides)
+        besides = distances(model.system, run.solution, estimate, asked)
+    next_bases = RoundBases(bases, said, run.seconds + perf_counter() - began, besides)
     # What the last run says is kept as well, though the next one is never made.
     problem.archive.keep_bases(model.number + 1, next_bases)
     return next_bases
@@ -259,12 +276,34 @@ def _error(quantity: JudgedQuantity, name: str, run: _Run, estimate: ErrorEstima
     return difference * (told.estimate / told.rms if told.rms else 1.0)
 
 
+def _confirmed(
+    problem: Problem, name: str, past: list[_Judged], before: _Run | None, run: _Run, allowed: float
+) -> bool:
+    """Whether a run with fewer coordinates was as far from this one as was estimated of it."""
+    if before is None:
+        return name in problem.confirmed
+    distance = quantity_distance(
+        problem.target(name).quantity(name),
+        before.model.system,
+        before.solution,
+        run.model.system,
+        run.solution,
+    )
+    return is_confirmed(past[-1].round.estimated_error, distance, allowed)
+
+
 def _judge(
-    problem: Problem, name: str, before: list[_Judged], run: _Run, after: RoundBases, allowed: float
+    problem: Problem,
+    name: str,
+    before: list[_Judged],
+    run: _Run,
+    after: RoundBases,
+    allowed: float,
+    confirmed: bool,
 ) -> _Judged:
-    """What a run said of its own error, against what is asked."""
+    """What is known of the error of a run, against what is asked."""
     missed = after.missed[name]
-    errors = [*(each.round.estimated_error for each in before), missed.error]
+    known = [np.inf if each.round.unconfirmed else each.round.estimated_error for each in before]
     was_met = any(each.met for each in before)
     after_useless = bool(before) and before[-1].round.useless and not was_met
     return _Judged(
@@ -276,11 +315,14 @@ def _judge(
             singular_values=missed.singular_values,
             seconds=after.seconds,
             allowed=allowed,
-            useless=is_useless(errors),
+            useless=is_useless([*known, missed.error]),
+            unconfirmed=missed.doubtful and not confirmed,
             number=run.model.number,
             run=problem.run,
         ),
-        missed.error <= allowed - problem.spent.get(name, 0.0) and not after_useless,
+        missed.error <= allowed - problem.spent.get(name, 0.0)
+        and not after_useless
+        and (confirmed or not missed.doubtful),
     )
 
 
@@ -290,12 +332,16 @@ def _allowed(problem: Problem, name: str, run: _Run) -> float:
     return target.allowed(target.quantity(name).size(run.model.system, run.solution))
 
 
-def _result(past: Mapping[str, list[_Judged]], run: _Run) -> CorrectedSystem:
+def _result(past: Mapping[str, list[_Judged]], run: _Run, after: RoundBases) -> CorrectedSystem:
     return CorrectedSystem(
         run.model.system,
         {
             name: SelfCorrected(tuple(each.round for each in judged), run.model.bases.bases[name])
             for name, judged in past.items()
+        },
+        of_basis={
+            name: ErrorPart(error, "the error equation", ASK_FOR_LESS)
+            for name, error in after.besides.items()
         },
     )
 
@@ -324,6 +370,9 @@ def _check_prospects(
         )
         useless = [str(each.round.number) for each in past[name] if each.round.useless]
         idle = f"Round {', '.join(useless)} found nothing that helped. " if useless else ""
+        last = past[name][-1].round
+        if last.unconfirmed and last.estimated_error <= last.allowed:
+            idle += f"The last error is confirmed by no second run, and {doubt(last.body, last.indicator)}. "
         part = missed_part(problem.fulls[name], after.bases[name], past[name][-1].round.size)
         said.append(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted}: "

@@ -3,9 +3,9 @@
 The rounds make the basis good for the steps that are taken. Then the accepted bodies are run twice more for
 the other parts, and if the sum is above what is allowed, the parts that are too large are mended, those first
 that cost least: a tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the
-basis costs rounds and coordinates. Each is asked for no more than its share of what is allowed, and one that
-suffices leaves the next alone. Then the rounds go on from the bases that are there. What the model costs no
-run can mend: where it alone is too large, that is said.
+basis costs rounds and coordinates. Each is asked for no more than its share of what the model leaves of the
+error allowed, and one that suffices leaves the next alone. Then the rounds go on from the bases that are
+there. What the model costs no run can mend: where it alone is too large, that is said.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from supple.correction.basis_error import ASK_FOR_LESS
 from supple.correction.correction_rounds import CorrectedSystem, Round, SelfCorrected, SelfCorrectionError
 from supple.correction.error_study import ErrorStudy, judged, statements
 from supple.correction.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
@@ -25,7 +26,7 @@ from supple.integrate import ErrorPart, ErrorStatement, Run, Solution
 __all__ = ["correct_wholly"]
 
 SHARES = {"newton": 0.1, "step": 0.4, "basis": 0.5}
-"""Of what is allowed: what a part is mended to, the cheapest first."""
+"""Of what the model leaves of what is allowed: what a part is mended to, the cheapest first."""
 ROOM = 0.8
 """Of what is left for a part: what it is brought to, so that it is not tried twice."""
 SHORTEST = 1 / 8
@@ -53,6 +54,7 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
     """
     before: dict[str, tuple[Round, ...]] = {name: () for name in problem.fulls}
     unmet: dict[str, ErrorStatement] = {}
+    attempt = 0
     for attempt in range(PASSES):
         corrected = _with_rounds(correct(problem), before)
         before = {name: own.rounds for name, own in corrected.bodies.items()}
@@ -66,13 +68,14 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
         if not unmet:
             return corrected
         _check_model(unmet, before)
-        if attempt == PASSES - 1:
+        mended = _mended(problem, corrected, unmet)
+        if attempt == PASSES - 1 or _is_same(mended, problem):
             break
-        problem = _mended(problem, corrected, unmet)
+        problem = mended
     raise SelfCorrectionError(
         " ".join(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted} in "
-            f"{PASSES} passes: {each.total:.2g} for {each.allowed:.2g}, of which {_words(each)}; "
+            f"{attempt + 1} passes: {each.at_least:.2g} for {each.allowed:.2g}, of which {_words(each)}; "
             f"{each.advice}."
             for name, each in unmet.items()
         )
@@ -84,14 +87,15 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
 def _stated(problem: Problem, corrected: CorrectedSystem, study: ErrorStudy) -> dict[str, ErrorStatement]:
     """Statements of what the targets are of, of every body, and of what is asked for besides."""
     system, solution = corrected.system, corrected.solution
-    of_basis, allowed = {}, {}
+    of_basis: dict[str, ErrorPart] = dict(corrected.of_basis)
+    allowed: dict[str, float] = {}
     for name, own in corrected.bodies.items():
         quantity = problem.target(name).quantity(name)
         last = own.rounds[-1]
-        of_basis[quantity.name] = ErrorPart(last.estimated_error, "the error equation", _REMEDY)
+        of_basis[quantity.name] = ErrorPart(last.estimated_error, "the error equation", ASK_FOR_LESS)
         allowed[quantity.name] = last.allowed
     targets = [problem.target(name).quantity(name) for name in corrected.bodies]
-    others = [each for each in judged(system, study) if each.name not in of_basis]
+    others = [each for each in judged(system, study) if each.name not in allowed]
     bases = {name: own.basis for name, own in corrected.bodies.items()}
     return statements(
         system,
@@ -145,19 +149,32 @@ def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, Er
         spent=spent,
         first=RoundBases(reached),
         number=last + 2,  # the one between has bases but no run
+        confirmed=problem.confirmed
+        | {name for name, own in corrected.bodies.items() if not own.rounds[-1].unconfirmed},
+    )
+
+
+def _is_same(mended: Problem, problem: Problem) -> bool:
+    """Whether a pass would be the last one again: what its steps and its tolerance leave cannot be less."""
+    one, other = mended.run, problem.run
+    return (
+        mended.spent == problem.spent
+        and one.tolerances == other.tolerances
+        and one.step_control == other.step_control
     )
 
 
 def _needed(stated: ErrorStatement) -> _Mended:
     """What brings the sum below what is allowed: the cheapest parts first, none below its share."""
     allowed = stated.allowed or 0.0
-    values = {name: part.value for name, part in stated.parts.items()}
+    values = {name: part.value for name, part in stated.parts.items() if name in SHARES}
+    left = ROOM * (allowed - (0.0 if stated.model is None else stated.model.value))
     brought = dict(values)
     for name, share in SHARES.items():
-        if sum(brought.values()) <= ROOM * allowed or name not in values:
+        if sum(brought.values()) <= left or name not in values:
             continue
-        rest = ROOM * allowed - sum(value for key, value in brought.items() if key != name)
-        brought[name] = min(values[name], max(rest, ROOM * share * allowed))
+        rest = left - sum(value for key, value in brought.items() if key != name)
+        brought[name] = min(values[name], max(rest, share * left))
     step = 1.0
     if brought.get("step", 0.0) < values.get("step", 0.0):
         ratio = brought["step"] / values["step"] if np.isfinite(values["step"]) else 0.0
@@ -184,6 +201,3 @@ def _check_model(unmet: Mapping[str, ErrorStatement], rounds: Mapping[str, tuple
 
 def _words(stated: ErrorStatement) -> str:
     return ", ".join(f"{name} {part.value:.2g}" for name, part in stated.parts.items())
-
-
-_REMEDY = "ask for a smaller error, or start with more modes"

@@ -21,6 +21,9 @@ N_COUPLINGS = 30
 SMALLEST_REMAINDER = 1e-6
 """Of the largest column of a block: what is left of it outside the others and smaller is round-off."""
 
+HALF = 0.5
+"""Of the unit length of a remainder that was scaled up: shorter ones outside the others are round-off."""
+
 
 @dataclass(frozen=True, eq=False)
 class ErrorSpace:
@@ -117,7 +120,8 @@ class _Growing:
         # Once more after scaling: round-off that has grown with a small remainder would move the frame.
         new = self._outside(self._seen(left @ (directions[:, kept] / lengths[kept])))
         weights, lengths = _lengths(new, self._mass)
-        self.columns = np.hstack([self.columns, new @ (weights / lengths)])
+        whole = lengths > HALF  # the others lie within the columns: where these are nearly all there is
+        self.columns = np.hstack([self.columns, new @ (weights[:, whole] / lengths[whole])])
 
     def _outside(self, fields: Array) -> Array:
         return fields - self.columns @ (self.columns.T @ (self._mass @ fields))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
+from supple.body.damping import refuse_held
 from supple.errors import ModelError
 from supple.explicit.materials import J2Plasticity
 from supple.fem import FiniteElementModel, HomogeneousSection, lumped_mass, stress_recovery
@@ -71,6 +72,7 @@ class ExplicitShell:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        refuse_held(self.damping, f"explicit shell '{self.name}'")
         for section in self.model.sections:
             if section.cell_type is not CellType.TRIANGLE3 or not isinstance(
                 section.property, HomogeneousSection

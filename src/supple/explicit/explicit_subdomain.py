@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
+from supple.body.damping import refuse_held
 from supple.errors import ModelError
 from supple.explicit.elements import (
     BulkArrays,
@@ -56,6 +57,7 @@ class ExplicitSubdomain:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        refuse_held(self.damping, f"explicit sub-domain '{self.name}'")
         if self.model.dofs_per_node != 3:
             raise ModelError(
                 f"explicit sub-domain '{self.name}': its law is of solids, its model of shells; "

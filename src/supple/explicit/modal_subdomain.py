@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
 from supple.body import FlexibleBody, LinearRayleighDamping, MeanAxisFrame
+from supple.body.damping import refuse_held
 from supple.body.mass_properties import rigid_mass_properties
 from supple.errors import ModelError
 from supple.explicit.frame_model import FrameModel
@@ -144,6 +145,7 @@ def modal_subdomain(
     Raises ModelError when no mode is left; errors of the recipe.
     Source: [Radioss]; docs/theory/explicit.md for the orthogonality.
     """
+    refuse_held(damping, f"modal sub-domain '{body.name}'")
     frame = MeanAxisFrame()
     linear = rayleigh_ritz(body, frame, basis.build(body, frame))
     kept = linear.frequencies <= highest

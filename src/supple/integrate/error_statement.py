@@ -39,7 +39,7 @@ class ErrorStatement:
     model : ErrorPart   strains that rotations against the frame make, ties included
     allowed : float     that the sum was to keep to; None where nothing was asked for
 
-    A part is None where nobody looked; the sum is then of the others.
+    A part is None where nobody looked; the error is then at least the sum of the others.
     """
 
     of: str
@@ -62,9 +62,14 @@ class ErrorStatement:
         return tuple(name for name in PARTS if name not in self.parts)
 
     @property
-    def total(self) -> float:
+    def at_least(self) -> float:
         """Sum of the parts that were looked at: they may all err to one side."""
         return sum((part.value for part in self.parts.values()), 0.0)
+
+    @property
+    def total(self) -> float | None:
+        """Sum of all four parts; None where one is missing: the error is `at_least` the sum of the others."""
+        return None if self.missing else self.at_least
 
     @property
     def largest(self) -> str | None:
@@ -93,8 +98,8 @@ class ErrorStatement:
 
     @property
     def is_met(self) -> bool:
-        """Whether the sum keeps to what is allowed; true where nothing was asked for."""
-        return self.allowed is None or self.total <= self.allowed
+        """Whether the parts looked at keep to what is allowed; true where nothing was asked for."""
+        return self.allowed is None or self.at_least <= self.allowed
 
     def plain(self) -> dict[str, Any]:
         """Numbers and words for JSON; what is not finite is None."""
@@ -105,7 +110,8 @@ class ErrorStatement:
                 name: {"value": _finite(part.value), "how": part.how, "remedy": part.remedy}
                 for name, part in self.parts.items()
             },
-            "total": _finite(self.total),
+            "total": None if self.total is None else _finite(self.total),
+            "at_least": _finite(self.at_least),
             "allowed": self.allowed,
             "largest": self.largest,
             "advice": self.advice,

@@ -16,6 +16,7 @@ from supple.algebra import read_only
 from supple.body import Damping
 from supple.body.floating_kinematics import node_numbers
 from supple.body.interface import interface_named
+from supple.body.mass_properties import centre_of_gram
 from supple.errors import ModelError
 from supple.intrinsic.condensed_line import CondensedLine
 from supple.intrinsic.expansion import Expansion, expansion_of_stations
@@ -97,6 +98,12 @@ class IntrinsicBody:
         return self.line.total_mass
 
     @property
+    def centre_of_mass(self) -> Array:
+        """(3,) undeformed, in the mesh axes, m."""
+        rigid = self.line.twists
+        return self.line.tree.points[0] + centre_of_gram(rigid.T @ self.line.mass @ rigid)
+
+    @property
     def n_coordinates(self) -> int:
         """Number of elastic modes."""
         return self.modes.n_elastic
@@ -140,9 +147,15 @@ class IntrinsicBody:
         """Amplitudes q_2 (..., e) of the internal forces of elastic amplitudes (..., e)."""
         return -np.asarray(coordinates) * self.modes.omega[self.modes.n_rigid :]
 
-    def expand(self, coordinates: ArrayLike) -> Array:
-        """Linear displacements (..., N, 3) of elastic amplitudes (..., e), the root as it is supported."""
-        return np.einsum("nie,...e->...ni", self.expansion.modes[:, :3], np.asarray(coordinates))
+    def expand(self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> Array:
+        """Linear displacements (..., k, 3) of elastic amplitudes (..., e), the root as it is supported."""
+        return np.einsum("nie,...e->...ni", self.expansion.modes[nodes, :3], np.asarray(coordinates))
+
+    def expand_rates(
+        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> Array:
+        """Their rates (..., k, 3)."""
+        return self.expand(rates, nodes)
 
     def places(self, motion: IntrinsicMotion) -> tuple[Array, Array]:
         """Rotations (t, n, 3, 3) and positions (t, n, 3) of the stations in space."""

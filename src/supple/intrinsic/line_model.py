@@ -11,6 +11,7 @@ import numpy as np
 
 import supple.algebra.jax_settings  # noqa: F401 - 64-bit floats, before the first array
 from supple.body import Damping, ModalDamping, RayleighDamping
+from supple.body.damping import refuse_held
 from supple.errors import ModelError
 from supple.intrinsic.intrinsic_modes import IntrinsicModes
 
@@ -123,12 +124,14 @@ def rest_state(model: LineModel) -> LineState:
 def _damping(damping: Damping | None, modes: IntrinsicModes) -> tuple[np.ndarray, float]:
     decay = np.zeros(modes.n_modes)
     elastic = slice(modes.n_rigid, None)
+    refuse_held(damping, f"line '{modes.line.name}'")
     match damping:
         case None:
             return decay, 0.0
         case ModalDamping():
             given = np.asarray(damping.ratios)
             ratios = given[np.minimum(np.arange(modes.n_elastic), given.size - 1)]
+            ratios[damping.n_modes :] = 0.0
             decay[elastic] = 2 * ratios * modes.omega[elastic]
             return decay, 0.0
         case RayleighDamping():

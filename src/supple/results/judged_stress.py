@@ -9,11 +9,13 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.body import FullBody
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import System
 from supple.reduction import ReducedBody
+from supple.results.stress_history import von_mises_history
 from supple.results.stress_modes import StressModes, stress_modes
 
 __all__ = ["JudgedStress"]
@@ -21,7 +23,7 @@ __all__ = ["JudgedStress"]
 
 @dataclass(frozen=True, eq=False)
 class JudgedStress:
-    """Von Mises stress at nodes of a reduced body, a `JudgedQuantity`; its error is an RMS over the nodes.
+    """Von Mises stress at nodes of a body, a `JudgedQuantity`; its error is an RMS over the nodes.
 
     model : its elements
     nodes : node numbers
@@ -46,11 +48,14 @@ class JudgedStress:
     def values(self, system: System, solution: Solution) -> NDArray[np.float64]:
         """Stress (t, k, 1)."""
         form = system.bodies[system.body_index(self.body, "stated error")].body
-        if not isinstance(form, ReducedBody):
-            raise ModelError(f"stated error: the stress of body '{self.body}' is known once it is reduced")
+        if not isinstance(form, ReducedBody | FullBody):
+            raise ModelError(f"stated error: the stress of body '{self.body}' is known of its elements alone")
+        coordinates, nodes = solution.bodies[self.body].coordinates, np.asarray(self.nodes)
+        if isinstance(form, FullBody) or form.elastic_elsewhere:
+            return von_mises_history(form, self.model, coordinates, nodes)[..., None]
         if form not in self._modes:
-            self._modes[form] = stress_modes(form, self.model, np.asarray(self.nodes))
-        return self._modes[form].von_mises(solution.bodies[self.body].coordinates)[..., None]
+            self._modes[form] = stress_modes(form, self.model, nodes)
+        return self._modes[form].von_mises(coordinates)[..., None]
 
     def size(self, system: System, solution: Solution) -> float:
         """The largest stress there."""

@@ -18,9 +18,18 @@ from supple.errors import ModelError
 from supple.storage.atomic_write import replacing
 from supple.units import UNNAMED, UnitSystem, labelled
 
-__all__ = ["Channel", "Quantity", "Reading", "as_dataset", "write_readings", "write_readings_hdf5"]
+__all__ = [
+    "Channel",
+    "Located",
+    "Quantity",
+    "Reading",
+    "as_dataset",
+    "write_readings",
+    "write_readings_hdf5",
+]
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 class Quantity(Enum):
@@ -52,6 +61,21 @@ class Channel(NamedTuple):
     quantity: Quantity
     axes: str
     """What its component is along, in words; "" of a scalar"""
+    place: str = ""
+    """Where it is read, in words, such as the node or the number of nodes; "" where the sensor says it"""
+
+
+class Located(NamedTuple):
+    """What a sensor read, and at which nodes.
+
+    values : (t, c)
+    nodes : (t, c)          node ids, as the mesh file has them; None where a value is of no single node
+    points : (t, c, 3)      where these nodes lie undeformed, mesh axes
+    """
+
+    values: Array
+    nodes: IntArray | None = None
+    points: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +84,16 @@ class Reading:
 
     name : of the sensor;   channels : of its columns
     times : (t,)            values : (t, c), in the units of the model
+    nodes : (t, c)          ids of the nodes that values were read at, where the sensor knows them
+    points : (t, c, 3)      where these lie undeformed, mesh axes
     """
 
     name: str
     channels: tuple[Channel, ...]
     times: Array
     values: Array
+    nodes: IntArray | None = None
+    points: Array | None = None
 
     def __post_init__(self) -> None:
         if np.shape(self.values) != (len(self.times), len(self.channels)):
@@ -83,9 +111,9 @@ class Reading:
             yield labelled(own, channel.quantity.unit(units))
 
     def plain(self, units: UnitSystem = UNNAMED) -> dict[str, Any]:
-        """By channel: unit, axes, smallest, largest and last value, and when they are met."""
+        """By channel: unit, axes, smallest, largest and last value, when they are met, and at which node."""
         told = {}
-        for channel, column in zip(self.channels, self.values.T, strict=True):
+        for number, (channel, column) in enumerate(zip(self.channels, self.values.T, strict=True)):
             low, high = int(np.argmin(column)), int(np.argmax(column))
             told[channel.name or self.name] = {
                 "quantity": channel.quantity.value,
@@ -96,8 +124,25 @@ class Reading:
                 "largest": float(column[high]),
                 "time of largest": float(self.times[high]),
                 "last": float(column[-1]),
+                **({"place": channel.place} if channel.place else {}),
+                **self._node(number, low, "smallest"),
+                **self._node(number, high, "largest"),
             }
         return told
+
+    @property
+    def peaks(self) -> IntArray:
+        """Numbers of the times (c,) at which the magnitude of each channel is largest."""
+        return np.abs(self.values).argmax(axis=0)
+
+    def _node(self, channel: int, time: int, extreme: str) -> dict[str, Any]:
+        """The node that an extreme was read at, if it is known."""
+        if self.nodes is None or self.points is None:
+            return {}
+        return {
+            f"node of {extreme}": int(self.nodes[time, channel]),
+            f"point of {extreme}": self.points[time, channel].tolist(),
+        }
 
 
 def write_readings(path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Path:
@@ -123,6 +168,9 @@ def write_readings_hdf5(
 ) -> Path:
     """Write readings of one run as HDF5: `time` (t,), and (t, c) by sensor with channels, units and axes.
 
+    Where a sensor knows at which nodes it reads, their ids (t, c) are `NAME.nodes`; its attributes
+    `nodes` (c,) and `points` (c, 3) are those where the magnitude of each channel is largest.
+
     Raises
     ------
     ModelError          no reading, or readings of different times
@@ -137,6 +185,13 @@ def write_readings_hdf5(
             values.attrs["quantities"] = [channel.quantity.value for channel in each.channels]
             values.attrs["units"] = [channel.quantity.unit(units) for channel in each.channels]
             values.attrs["axes"] = [channel.axes for channel in each.channels]
+            if any(channel.place for channel in each.channels):
+                values.attrs["places"] = [channel.place for channel in each.channels]
+            if each.nodes is not None and each.points is not None:
+                channels = np.arange(len(each.channels))
+                values.attrs["nodes"] = each.nodes[each.peaks, channels]
+                values.attrs["points"] = each.points[each.peaks, channels]
+                file.create_dataset(f"{each.name}.nodes", data=each.nodes)
     return Path(path)
 
 
@@ -152,7 +207,11 @@ def as_dataset(readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> A
     for each in readings:
         for channel, column in zip(each.channels, each.values.T, strict=True):
             name = f"{each.name}.{channel.name}" if channel.name else each.name
-            told = {"units": channel.quantity.unit(units), "axes": channel.axes}
+            told = {
+                "units": channel.quantity.unit(units),
+                "axes": channel.axes,
+                "place": channel.place,
+            }
             variables[name] = ("time", column, {key: word for key, word in told.items() if word})
     time = ("time", times, {"units": units.time} if units.time else {})
     return xarray.Dataset(variables, coords={"time": time})
