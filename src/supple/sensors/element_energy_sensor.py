@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.integrate import Solution
 from supple.machine import System
 from supple.machine.forces import ForceElement, JointFriction
@@ -36,6 +37,9 @@ class ElementEnergySensor:
 
     name: str
     element: ForceElement
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def channels(self, _: System) -> Sequence[Channel]:
         """stored, power."""

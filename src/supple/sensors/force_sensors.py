@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.integrate import JOINT_AXES, Solution
 from supple.machine import System
 from supple.machine.forces import ForceElement
@@ -41,6 +42,9 @@ class JointForceSensor:
     name: str
     joint: str
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
         joint_named(system, self.joint, self.name)
@@ -61,6 +65,9 @@ class SpringForceSensor:
 
     name: str
     element: ForceElement
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def channels(self, _: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.errors import ModelError, did_you_mean
 from supple.integrate import Solution
 from supple.machine import Joint, System
@@ -43,6 +44,9 @@ class JointMotionSensor:
 
     name: str
     joint: str
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def channels(self, system: System) -> Sequence[Channel]:
         """angle, rate, slide, speed."""

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_sequence, check_text, given
+from supple.errors import ArgumentError
 from supple.integrate import Solution
-from supple.machine import At, BaseAcceleration, System
+from supple.machine import At, BaseAcceleration, System, as_end
 from supple.results.node_motion import NodeMotion, moving_point, node_motion
 from supple.results.tracked_motion import observer_of, tracked_motion
 from supple.sensors.end_motion import body_named, end_poses, floating_motion
@@ -38,6 +41,12 @@ class Place:
     body: str
     at: str | tuple[int, ...]
 
+    def __post_init__(self) -> None:
+        check_text("Place, body", self.body, "the name of a body")
+        if not isinstance(self.at, str):
+            check_sequence("Place, at", self.at, "the name of an interface, or node numbers")
+            object.__setattr__(self, "at", tuple(np.asarray(self.at).tolist()))
+
     def motion(self, system: System, solution: Solution, sensor: str) -> NodeMotion:
         """Position, velocity and acceleration (t, 3) in space, of a body in a floating frame."""
         body = body_named(system, self.body, sensor)
@@ -47,8 +56,31 @@ class Place:
         return NodeMotion(*(each.mean(axis=1) for each in node_motion(body, motion, self.at)))
 
 
+def as_place(what: str, value: Any) -> Place:
+    """The place meant by a `Place`, or by "BODY.INTERFACE" or an `At`, as of joints; or ArgumentError."""
+    if isinstance(value, Place):
+        return value
+    if isinstance(value, At) or (isinstance(value, str) and "." in value):
+        end = as_end(value)
+        return Place(end.body, end.interface)
+    expected = 'Place(body, at) with an interface or node numbers, or "BODY.INTERFACE"'
+    raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
+
+
+class _AtPlace:
+    """What sensors at a place check when they are made."""
+
+    name: str
+    place: Place
+
+    def __post_init__(self) -> None:
+        kind = type(self).__name__
+        check_text(f"{kind}, name", self.name, "the name of the sensor")
+        object.__setattr__(self, "place", as_place(f"{kind} '{self.name}', place", self.place))
+
+
 @dataclass(frozen=True)
-class PositionSensor:
+class PositionSensor(_AtPlace):
     """Position of a place in space, (t, 3)."""
 
     name: str
@@ -65,7 +97,7 @@ class PositionSensor:
 
 
 @dataclass(frozen=True)
-class VelocitySensor:
+class VelocitySensor(_AtPlace):
     """Velocity of a place in space, (t, 3)."""
 
     name: str
@@ -81,7 +113,7 @@ class VelocitySensor:
 
 
 @dataclass(frozen=True)
-class AccelerationSensor:
+class AccelerationSensor(_AtPlace):
     """Acceleration of a place in space, (t, 3); an accelerometer shows it less gravity, in its own axes.
 
     Where the base of the machine accelerates (`BaseAcceleration`), positions and velocities are those seen
@@ -117,6 +149,11 @@ class AngularVelocitySensor:
     name: str
     at: At
 
+    def __post_init__(self) -> None:
+        check_text("AngularVelocitySensor, name", self.name, "the name of the sensor")
+        if not isinstance(self.at, At):
+            object.__setattr__(self, "at", as_end(self.at))
+
     def channels(self, _: System) -> Sequence[Channel]:
         """x, y, z."""
         return vector_channels(Quantity.ANGULAR_VELOCITY, GLOBAL)
@@ -128,7 +165,7 @@ class AngularVelocitySensor:
 
 
 @dataclass(frozen=True)
-class DeflectionSensor:
+class DeflectionSensor(_AtPlace):
     """Displacement of a place as seen from an interface, in the mesh axes that turn with it, (t, 3).
 
     seen_from : At | None   the body's first interface where it is left out
@@ -137,6 +174,11 @@ class DeflectionSensor:
     name: str
     place: Place
     seen_from: At | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.seen_from is not None:
+            object.__setattr__(self, "seen_from", as_end(self.seen_from))
 
     def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.body import FullBody
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
@@ -18,7 +19,7 @@ from supple.reduction import ReducedBody
 from supple.results.section_loads import CuttingPlane, line_section_loads, section_loads
 from supple.sensors.end_motion import body_named, floating_motion
 from supple.sensors.force_sensors import six_channels
-from supple.sensors.place_sensors import Place
+from supple.sensors.place_sensors import Place, as_place
 from supple.sensors.reading import Channel
 
 __all__ = ["SectionForceSensor"]
@@ -41,6 +42,10 @@ class SectionForceSensor:
     place: Place
     normal: tuple[float, float, float]
     model: FiniteElementModel | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "place", as_place(f"SectionForceSensor '{self.name}', place", self.place))
+        check_fields(self)
 
     def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
