@@ -18,7 +18,7 @@ from supple.machine import System
 from supple.machine.forces import ForceElement, JointFriction
 from supple.machine.pose import Pose, Wrench
 from supple.multibody.equations.build_model import initial_points
-from supple.sensors.end_motion import both_ends
+from supple.sensors.end_motion import both_ends, check_ends
 from supple.sensors.reading import Channel, Quantity
 
 __all__ = ["ElementEnergySensor"]
@@ -41,8 +41,9 @@ class ElementEnergySensor:
     def __post_init__(self) -> None:
         check_fields(self)
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def channels(self, system: System) -> Sequence[Channel]:
         """stored, power."""
+        check_ends(system, self.name, self.element)
         return (Channel("stored", Quantity.ENERGY, ""), Channel("power", Quantity.POWER, ""))
 
     def values(self, system: System, solution: Solution) -> NDArray[np.float64]:

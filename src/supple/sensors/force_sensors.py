@@ -17,7 +17,7 @@ from supple.integrate import JOINT_AXES, Solution
 from supple.machine import System
 from supple.machine.forces import ForceElement
 from supple.multibody.equations.build_model import initial_points
-from supple.sensors.end_motion import both_ends
+from supple.sensors.end_motion import both_ends, check_ends
 from supple.sensors.joint_motion_sensor import joint_named
 from supple.sensors.reading import Channel, Quantity
 
@@ -69,8 +69,9 @@ class SpringForceSensor:
     def __post_init__(self) -> None:
         check_fields(self)
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
+        check_ends(system, self.name, self.element)
         return six_channels("global")
 
     def values(self, system: System, solution: Solution) -> Array:

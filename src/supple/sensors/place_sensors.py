@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_sequence, check_text, given
+from supple.body.floating_kinematics import node_numbers
 from supple.errors import ArgumentError
 from supple.integrate import Solution
+from supple.machine import GROUND as THE_GROUND
 from supple.machine import At, BaseAcceleration, System, as_end
 from supple.results.node_motion import NodeMotion, moving_point, node_motion
 from supple.results.tracked_motion import observer_of, tracked_motion
-from supple.sensors.end_motion import body_named, end_poses, floating_motion
+from supple.sensors.end_motion import body_named, check_floating, end_poses, floating_motion
 from supple.sensors.reading import Channel, Quantity
 from supple.sensors.sensor import vector_channels
 
@@ -46,6 +48,15 @@ class Place:
         if not isinstance(self.at, str):
             check_sequence("Place, at", self.at, "the name of an interface, or node numbers")
             object.__setattr__(self, "at", tuple(np.asarray(self.at).tolist()))
+
+    def body_of(self, system: System, sensor: str) -> Any:
+        """The form of the body; ModelError where the machine has none, or it has no such place."""
+        body = body_named(system, self.body, sensor)
+        if isinstance(self.at, str):
+            body.interface(self.at)
+        else:
+            node_numbers(self.at, len(body.nodes))
+        return body
 
     def motion(self, system: System, solution: Solution, sensor: str) -> NodeMotion:
         """Position, velocity and acceleration (t, 3) in space, of a body in a floating frame."""
@@ -86,8 +97,9 @@ class PositionSensor(_AtPlace):
     name: str
     place: Place
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
+        self.place.body_of(system, self.name)
         return vector_channels(Quantity.LENGTH, GLOBAL)
 
     def values(self, system: System, solution: Solution) -> Array:
@@ -103,8 +115,10 @@ class VelocitySensor(_AtPlace):
     name: str
     place: Place
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
+        self.place.body_of(system, self.name)
+        check_floating(system, self.name, self.place.body)
         return vector_channels(Quantity.VELOCITY, GLOBAL)
 
     def values(self, system: System, solution: Solution) -> Array:
@@ -123,8 +137,10 @@ class AccelerationSensor(_AtPlace):
     name: str
     place: Place
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
+        self.place.body_of(system, self.name)
+        check_floating(system, self.name, self.place.body)
         return vector_channels(Quantity.ACCELERATION, GLOBAL)
 
     def values(self, system: System, solution: Solution) -> Array:
@@ -154,8 +170,11 @@ class AngularVelocitySensor:
         if not isinstance(self.at, At):
             object.__setattr__(self, "at", as_end(self.at))
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
+        if self.at != THE_GROUND:
+            check_floating(system, self.name, self.at.body)
+            body_named(system, self.at.body, self.name).interface(self.at.interface)
         return vector_channels(Quantity.ANGULAR_VELOCITY, GLOBAL)
 
     def values(self, system: System, solution: Solution) -> Array:
@@ -182,6 +201,7 @@ class DeflectionSensor(_AtPlace):
 
     def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
+        self.place.body_of(system, self.name)
         return vector_channels(Quantity.LENGTH, f"mesh axes turning with {self._base(system)}")
 
     def values(self, system: System, solution: Solution) -> Array:
