@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from supple.algebra.cross import cross_matrix
 from supple.body import RigidInterface, flexible_body
-from supple.body.inertia_polynomial import SPIN_PAIRS, inertia_polynomial
+from supple.body.inertia_polynomial import SPIN_PAIRS, InertiaPolynomial
 from supple.fem import BeamSection, Isotropic, shell_model
 from supple.mesh import CellType, Mesh
 
@@ -27,7 +27,7 @@ def beam(interfaces=()):
 
 def energy(body, w, q, rates):
     """The polynomial, about a frame whose origin rests."""
-    parts, momenta = inertia_polynomial(body), body.mass @ body.rigid_modes[:, 3:]
+    parts, momenta = InertiaPolynomial(body), body.mass @ body.rigid_modes[:, 3:]
     total = rates @ (body.mass @ rates) / 2 + w @ (body.rigid_modes[:, 3:].T @ momenta) @ w / 2
     total += w @ momenta.T @ rates + np.einsum("i,ijn,j,n->", w, parts.by_both, w, q)
     total += sum(w[i] * (q @ (matrix @ rates)) for i, matrix in enumerate(parts.by_rate))

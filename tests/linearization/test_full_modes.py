@@ -205,7 +205,8 @@ def test_a_full_body_that_turns_about_its_middle_axis_is_unstable():
     racket = flexible_body("racket", model).linearized()
     rate = 5.0
     spin = Spin(rate, (0, 1, 0), (0.5, 0, 0))
-    modes = machine_modes(linearize(System((Placed(FullBody(racket, MeanAxisFrame())),)), spin=spin), 3)
+    # Two rigid motions, then growth and decay at one rate, whose order is of rounding.
+    modes = machine_modes(linearize(System((Placed(FullBody(racket, MeanAxisFrame())),)), spin=spin), 4)
     rigid = racket.rigid_modes.T @ (racket.mass @ racket.rigid_modes)
     # Moments about the centre, half a unit along x from the origin.
     first, second, third = np.diag(rigid)[3:] - rigid[0, 0] * 0.25 * np.array([0.0, 1.0, 1.0])

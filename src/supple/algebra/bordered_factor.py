@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -50,15 +51,36 @@ class BorderedFactor:
     """L U factor of what is left, scaled"""
     scales: tuple[Array, Array]
     """Of its rows and columns"""
+    symmetric: bool
+    """Whether the interior is"""
 
     def solve(self, loads: Array, gaps: Array | None = None) -> Array:
         """`x` (n, k) for loads `b` (n, k) and gaps `g` (m, k), zero without, refined once."""
+        return self._refined(loads, gaps)[: self.n]
+
+    def solve_with_multipliers(self, loads: Array, gaps: Array) -> tuple[Array, Array]:
+        """`x` (n, k) and `l` (m, k) for loads `b` (n, k) and gaps `g` (m, k), refined once."""
+        solution = self._refined(loads, gaps)
+        return solution[: self.n], solution[self.n : self.n + len(gaps)]
+
+    @cached_property
+    def negative(self) -> int:
+        """Number of negative eigenvalues of the whole symmetric system: `m` more than K has on `A x = 0`.
+
+        Zero where the interior is not symmetric, and has no such number. Source: Haynsworth.
+        """
+        if not self.symmetric:
+            return 0
+        outside: Any = self.matrix[self.border][:, self.border].toarray() - self.rows @ self.responses
+        return self.factor.inertia.negative + int(np.sum(np.linalg.eigvalsh((outside + outside.T) / 2) < 0))
+
+    def _refined(self, loads: Array, gaps: Array | None) -> Array:
         right = np.zeros((self.matrix.shape[0], loads.shape[1]))
         right[: self.n] = loads
         if gaps is not None:
             right[self.n : self.n + len(gaps)] = gaps
         solution = self._once(right)
-        return (solution + self._once(right - self.matrix @ solution))[: self.n]
+        return solution + self._once(right - self.matrix @ solution)
 
     def _once(self, right: Array) -> Array:
         inner = self.factor.solve(right[self.interior])
@@ -133,7 +155,8 @@ def bordered_factor(
         remainder = scipy.linalg.lu_factor(scales[0][:, None] * left * scales[1], check_finite=False)
     if not remainder[0].diagonal().all():
         raise _singular(n, "what constraints and columns leave has a pivot of zero")
-    bordered = BorderedFactor(whole, n, interior, border, factor, responses, rows, remainder, scales)
+    solved = factor, responses, rows, remainder, scales
+    bordered = BorderedFactor(whole, n, interior, border, *solved, symmetric=bool(symmetric))
     bordered.check()
     return bordered
 

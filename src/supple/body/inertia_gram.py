@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body.flexible_body import FlexibleBody
-from supple.body.inertia_polynomial import SPIN_PAIRS, inertia_polynomial
+from supple.body.inertia_polynomial import SPIN_PAIRS, InertiaPolynomial
 from supple.body.rigid_motion import cross_of_axes
 from supple.errors import ModelError
 
@@ -19,7 +19,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
     Of masses at nodes alone it is the Gram matrix W^T M W of the fields
     W = [Phi_t | Phi_w0 | Phi_1 ... Phi_r | V]: unit translations, unit rotations, e_i x V_k (three columns
     each) and the basis. Rotary inertia adds to its blocks, to second order in the rotations
-    (`inertia_polynomial`).
+    (`InertiaPolynomial`).
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
     if V.ndim != 2 or V.shape[0] != body.n:
         raise ModelError(f"the basis has shape {V.shape}; body '{body.name}' has {body.n} coordinates")
     r, R = V.shape[1], body.rigid_modes
-    energy = inertia_polynomial(body)
+    energy = InertiaPolynomial(body)
     nodal = body.expansion @ V
     by_basis = (body.mass @ R).T @ V
     turned = np.zeros((6, r, 3))

@@ -17,7 +17,8 @@ u + theta x c.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,7 @@ from supple.algebra.cross import cross_matrices, cross_matrix
 if TYPE_CHECKING:
     from supple.body.flexible_body import FlexibleBody
 
-__all__ = ["SPIN_PAIRS", "InertiaPolynomial", "inertia_polynomial"]
+__all__ = ["SPIN_PAIRS", "InertiaPolynomial"]
 
 SPIN_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Which products of the angular velocity the matrices of `by_spin` are of."""
@@ -43,70 +44,92 @@ class InertiaPolynomial:
 
         T = 1/2 q' M q' + w_i (P_i . q' + q B_i q') + 1/2 w_i w_j (J_ij + 2 k_ij . q + q Z_ij q)
 
-    `P_i`: columns of M R, of which those of the translations give the momentum of q'.
-
-    by_rate : B_i, 3 of (n, n)
-    by_spin : Z_ij of `SPIN_PAIRS`, 6 of (n, n); Z_ji is its transpose
-    by_both : k_ij (3, 3, n), not symmetric in i and j
+    with `P_i` the columns of M R of the rotations. All come from the 3 x 3 blocks of the mass matrix.
     """
 
-    by_rate: tuple[csr_array, ...]
-    by_spin: tuple[csr_array, ...]
-    by_both: NDArray[np.float64]
+    body: FlexibleBody
+
+    @cached_property
+    def _blocks(self) -> _Blocks:
+        mass = bsr_array(self.body.mass.tocsr(), blocksize=(3, 3))
+        turns = ~np.any(self.body.rigid_modes.reshape(-1, 3, 6)[:, :, :3], axis=(1, 2))
+        row, column = np.repeat(turns, np.diff(mass.indptr)), turns[mass.indices]
+        return _Blocks(mass, turns, ~row & column, row & ~column, row & column)
+
+    @cached_property
+    def by_rate(self) -> tuple[csr_array, ...]:
+        """`B_i`, 3 of (n, n)."""
+        blocks, mass = self._blocks, self._blocks.mass.data
+        matrices = []
+        for i, cross in enumerate(_CROSS):
+            data = -cross @ mass
+            data[blocks.of_rotation] = -mass[blocks.of_rotation] @ cross
+            data[blocks.rotary] += cross_matrices(mass[blocks.rotary][:, i]) / 2
+            matrices.append(blocks.matrix(data))
+        return tuple(matrices)
+
+    @cached_property
+    def by_spin(self) -> tuple[csr_array, ...]:
+        """`Z_ij` of `SPIN_PAIRS`, 6 of (n, n); Z_ji is its transpose."""
+        return tuple(self._by_spin(i, j) for i, j in SPIN_PAIRS)
+
+    def _by_spin(self, i: int, j: int) -> csr_array:
+        blocks, mass = self._blocks, self._blocks.mass.data
+        data = _CROSS[i].T @ mass @ _CROSS[j]
+        data[blocks.by_rotation] = _CROSS[i].T @ _CROSS[j] @ mass[blocks.by_rotation]
+        data[blocks.of_rotation] = mass[blocks.of_rotation] @ _CROSS[i].T @ _CROSS[j]
+        if not blocks.rotary.any():
+            return blocks.matrix(data)
+        # Symmetric in i, j and in the two places: nothing else counts in the energy.
+        inertia, second = mass[blocks.rotary], np.zeros_like(data)
+        for a, b in ((i, j), (j, i)):
+            turned = _AXES[b][:, None] * inertia[:, None, a] - inertia[:, a, b, None, None] * _AXES
+            second[blocks.rotary] += turned / 2
+        added = blocks.matrix(second)
+        return csr_array(blocks.matrix(data) + (added + added.T) / 2)
+
+    @cached_property
+    def by_both(self) -> NDArray[np.float64]:
+        """`k_ij` (3, 3, n); k_ii is the load of a unit spin about i at rest.
+
+        Of the energy k_ij + k_ji counts. What is skew is chosen so that 2 w_j k_ij . q' is the moment of
+        Coriolis, J' w + w x (P . q'), as of points e_i x x and e_j x q.
+        """
+        blocks, mass = self._blocks, self._blocks.mass.data
+        rotations = self.body.rigid_modes[:, 3:]
+        angular = self.body.mass @ rotations
+        momenta = angular.reshape(-1, 3, 3)
+        beside, rotary = (
+            blocks.matrix(np.where(chosen[:, None, None], mass, 0.0))
+            for chosen in (blocks.by_rotation, blocks.rotary)
+        )
+        own = (rotary @ rotations).reshape(-1, 3, 3)
+        turns, result = blocks.turns[:, None, None], np.zeros((3, 3, self.body.n))
+        for j, cross in enumerate(_CROSS):
+            # (e_j x u) . p = u . (p x e_j); of a rotation, J e_i alone is turned: the rest is of places.
+            places = np.where(turns, 0.0, cross.T @ rotations.reshape(-1, 3, 3))
+            through = (beside.T @ places.reshape(-1, 3)).reshape(-1, 3, 3)
+            result[:, j] = np.where(turns, cross.T @ own + through, cross.T @ momenta).reshape(-1, 3).T
+        skew = np.einsum("aij,na->ijn", np.array(_CROSS), angular)
+        return (result + result.swapaxes(0, 1) - skew) / 2
 
 
-def inertia_polynomial(body: FlexibleBody) -> InertiaPolynomial:
-    """The kinetic energy of a body, from the 3 x 3 blocks of its mass matrix."""
-    blocks = bsr_array(body.mass.tocsr(), blocksize=(3, 3))
-    mass: Any = blocks.data
-    rigid = body.rigid_modes.reshape(-1, 3, 6)
-    turns = ~np.any(rigid[:, :, :3], axis=(1, 2))
-    row, column = np.repeat(turns, np.diff(blocks.indptr)), turns[blocks.indices]
-    by_rotation, of_rotation, both = ~row & column, row & ~column, row & column
-    rotary = mass[both]
+class _Blocks(NamedTuple):
+    """The mass matrix in 3 x 3 blocks, each between two translations or rotations."""
 
-    def matrix(data: NDArray[np.float64]) -> csr_array:
-        result = csr_array(bsr_array((data, blocks.indices, blocks.indptr), shape=blocks.shape))
+    mass: Any
+    turns: NDArray[np.bool_]
+    """Which rows of blocks are rotations"""
+    by_rotation: NDArray[np.bool_]
+    """Which blocks are of a translation (row) by a rotation (column)"""
+    of_rotation: NDArray[np.bool_]
+    """Which are of a rotation by a translation"""
+    rotary: NDArray[np.bool_]
+    """Which are of a rotation by a rotation"""
+
+    def matrix(self, data: NDArray[np.float64]) -> csr_array:
+        """Sparse (n, n) with other numbers in the blocks."""
+        blocks = bsr_array((data, self.mass.indices, self.mass.indptr), shape=self.mass.shape)
+        result = csr_array(blocks)
         result.eliminate_zeros()
         return result
-
-    def rate(i: int) -> csr_array:
-        data = -_CROSS[i] @ mass
-        data[of_rotation] = -mass[of_rotation] @ _CROSS[i]
-        data[both] += cross_matrices(rotary[:, i]) / 2
-        return matrix(data)
-
-    def spin(i: int, j: int) -> csr_array:
-        data = _CROSS[i].T @ mass @ _CROSS[j]
-        data[by_rotation] = _CROSS[i].T @ _CROSS[j] @ mass[by_rotation]
-        data[of_rotation] = mass[of_rotation] @ _CROSS[i].T @ _CROSS[j]
-        if not both.any():
-            return matrix(data)
-        # Symmetric in i, j and in the two places: of the energy nothing else counts.
-        second = np.zeros_like(data)
-        for a, b in ((i, j), (j, i)):
-            second[both] += (_AXES[b][:, None] * rotary[:, None, a] - rotary[:, a, b, None, None] * _AXES) / 2
-        added = matrix(second)
-        return csr_array(matrix(data) + (added + added.T) / 2)
-
-    return InertiaPolynomial(
-        by_rate=tuple(rate(i) for i in range(3)),
-        by_spin=tuple(spin(i, j) for i, j in SPIN_PAIRS),
-        by_both=_by_both(body, matrix, mass, turns, by_rotation, both),
-    )
-
-
-def _by_both(body: FlexibleBody, matrix: Any, mass: Any, turns: Any, by_rotation: Any, both: Any) -> Any:
-    """k_ij: work of the momenta of a unit rotation i on what a unit rotation j makes of q."""
-    moved = body.rigid_modes[:, 3:]
-    momenta = (body.mass @ moved).reshape(-1, 3, 3)
-    coupling, rotary = (matrix(np.where(chosen[:, None, None], mass, 0.0)) for chosen in (by_rotation, both))
-    own = (rotary @ moved).reshape(-1, 3, 3)
-    result = np.zeros((3, 3, body.n))
-    for j, cross in enumerate(_CROSS):
-        # (e_j x u) . p = u . (p x e_j); of a rotation, J e_i alone is turned: the rest is of places.
-        turned_places = np.where(turns[:, None, None], 0.0, cross.T @ moved.reshape(-1, 3, 3))
-        through = (coupling.T @ turned_places.reshape(-1, 3)).reshape(-1, 3, 3)
-        found = np.where(turns[:, None, None], cross.T @ own + through, cross.T @ momenta)
-        result[:, j] = found.reshape(-1, 3).T
-    return result

@@ -55,7 +55,7 @@ from supple.importers.toml import (
 )
 from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed
-from supple.reduction import CondensedQuartic, ReducedBody, reduce
+from supple.reduction import CondensedQuartic, NoLoads, ReducedBody, reduce
 from supple.reduction.eigenvalues.mode_search import search_words
 from supple.storage import read_reduced_body
 
@@ -212,6 +212,7 @@ class Body(CheckedTable):
             flexible,
             frame,
             self.reduction.recipe(lambda detail: notify(step, detail)),
+            loads=NoLoads,  # the recipe has them, where they are asked for
             derivatives=derivative_choice(self.reduction.derivatives),
             damping=damped,
             quartic=quartic_choice(self.reduction.condensed, CondensedQuartic()),

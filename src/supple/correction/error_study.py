@@ -10,13 +10,13 @@ from supple.body.full_body import FullBody
 from supple.correction.basis_part import basis_parts
 from supple.correction.integration_error import integration_errors
 from supple.correction.judged_quantity import JudgedQuantity, WholeBody
-from supple.correction.kept_basis import kept_bases
 from supple.correction.model_error import model_errors
 from supple.errors import ModelError
 from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution
 from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.reduction import ReductionBasis
+from supple.simulation.kept_basis import kept_bases
 
 __all__ = ["ErrorStudy", "state_errors", "statements"]
 

@@ -16,6 +16,7 @@ from supple.body.full_body import FullBody
 from supple.errors import ModelError, did_you_mean
 from supple.machine.control import Controller, EndReading, SampledController
 from supple.machine.ends import GROUND, At
+from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.force_element import ForceElement
 from supple.machine.forces.joint_friction import JointFriction
 from supple.machine.joints.joint import Joint
@@ -30,6 +31,8 @@ Body = RigidBody | ReducedBody | FullBody
 _Form = TypeVar("_Form")
 
 
+_ACROSS = 1e-3
+"""Of a unit axis: what a joint leaves free of a servo's axis is less where it moves nothing."""
 # What a machine asks of every form of body.
 _BODY = ("name", "kind", "n_coordinates", "interfaces")
 
@@ -208,8 +211,45 @@ class System:
                 elif reading.joint not in joints:
                     near = did_you_mean(reading.joint, joints)
                     raise ModelError(f"{what}: there is no joint '{reading.joint}'{near}")
-            for element in controller.drives.values():
+            for key, element in controller.drives.items():
                 self._check_load(element)
+                self._check_acts_once(f"{what} drives {element.label} ('{key}')", element)
+        drivers = [(own, element) for own in self.controllers for element in own.drives.values()]
+        for number, (own, element) in enumerate(drivers):
+            if any(element is other for _, other in drivers[:number]):
+                raise ModelError(
+                    f"controller '{own.name}' drives {element.label}, which is driven already, so that its "
+                    "own law would act twice: give each output an element of its own"
+                )
+
+    def _check_acts_once(self, what: str, element: ForceElement) -> None:
+        if any(element is load for load in self.loads):
+            raise ModelError(
+                f"{what}, which also stands among the loads, so that its own law would act twice: leave it "
+                "out of loads; in a case file, remove its table and make it in the controller's function"
+            )
+
+    def _check_moves_something(self, element: ForceElement) -> None:
+        """ModelError for a servo or motor across the directions that a joint of its two ends holds."""
+        if not isinstance(element, AxialElement) or not element.held_by:
+            return
+        for joint in self.joints:
+            if {joint.first, joint.second} != {element.first, element.second}:
+                continue
+            held = np.array(
+                [any(f"{words} {axis}" in joint.rows for words in element.held_by) for axis in "xyz"]
+            )
+            held[2] &= joint.law is None
+            free = joint.initial_axes[:, ~held]
+            if np.linalg.norm(free.T @ element.initial_axes[:, 2]) < _ACROSS:
+                ways = " or ".join(str(np.round(axis, 4).tolist()) for axis in free.T)
+                remedy = (
+                    f"give it an axis along {ways}, which the joint leaves free, or" if ways else "give it"
+                )
+                raise ModelError(
+                    f"{element.label}: it moves nothing, for joint '{joint.name}' holds its ends along its "
+                    f"axis {tuple(element.axis)}: {remedy} ends between which something moves"
+                )
 
     def _check_load(self, load: Load) -> None:
         if isinstance(load, NodalLoad):
@@ -219,6 +259,7 @@ class System:
         else:
             self._check_end(load.label, load.first)
             self._check_end(load.label, load.second)
+            self._check_moves_something(load)
             if isinstance(load, JointFriction) and load.joint not in self.joints:
                 raise ModelError(f"{load.label}: this joint is not among the machine's joints")
             if load.law is not None:

@@ -46,7 +46,7 @@ class BeamChain:
 
 
 def beam_chain(nodes: ArrayLike, section: BeamSection, n_bodies: int, *, clamped: bool = True) -> BeamChain:
-    """A beam along nodes (N, 3), in bodies of equally many elements, fixed to each other and to the ground."""
+    """A beam along nodes (N, 3), in bodies of equally many elements, fixed to each other and the ground."""
     places = np.asarray(nodes, dtype=float)
     parts: list[NDArray[np.float64]] = [
         places[part[0] : part[-1] + 2] for part in np.array_split(np.arange(len(places) - 1), n_bodies)

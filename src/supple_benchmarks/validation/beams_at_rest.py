@@ -133,7 +133,7 @@ def buckled_column() -> Sequence[Comparison]:
 
 
 def follower_force() -> Sequence[Comparison]:
-    """A cantilever under a force that stays square to its tip, P L^2 / E I = 8: it bends beyond a right angle."""
+    """A cantilever under a force that stays square to its tip, P L^2 / E I = 8."""
     force = 8 * BENDING / LENGTH**2
     tip = _rested_tip(_along_x(LENGTH, 24), _strip(), following=(0, 0, force))
     shear = 5e6 * 0.1 * 5 / 6
@@ -153,7 +153,7 @@ def follower_force() -> Sequence[Comparison]:
 
 
 def princeton() -> Sequence[Comparison]:
-    """The Princeton beam: aluminium, 20 inches long, with 3 lb at its tip, turned by 45 degrees about its axis."""
+    """The Princeton beam: aluminium, 20 inches long, 3 lb at its tip, turned by 45 degrees about its axis."""
     length, height, thickness = 0.508, 12.377e-3, 3.2024e-3
     material = Isotropic(71.7e9, 0.31, 2810.0)
     shear = material.youngs_modulus / 2 / (1 + 0.31)
@@ -172,7 +172,7 @@ def princeton() -> Sequence[Comparison]:
         ]
     )
     exact, _ = Rod(length, stiffness).tip(force)
-    source = "O. A. Bauchau et al., Multibody Syst. Dyn. 37 (2016) 29-48, section 3 (data); geometrically exact rod, by shooting"
+    source = "data: O. A. Bauchau et al., Multibody Syst. Dyn. 37 (2016) 29-48; exact rod, by shooting"
     return (
         Comparison("deflection along the thickness, m", tip[2], exact[2], source, 2e-3),
         Comparison("deflection along the height, m", tip[1], exact[1], source, 3e-3),

@@ -12,6 +12,10 @@ TOPICS = (
     "rigid_machines",
     "rigid_rotation",
     "beams_at_rest",
+    "vibrations",
+    "elements_at_rest",
+    "flexible_motion",
+    "machine_elements",
 )  # fmt: skip
 """Files of this folder that end in `CASES`, in the order of the table."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,16 +32,17 @@ from supple.machine import (
 )
 from supple.sensors import JointMotionSensor
 from supple.simulation import simulate
-from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
 
 __all__ = ["CASES"]
 
 Array = NDArray[np.float64]
 Z = (0.0, 0.0, 1.0)
+LIBRARY = "M. Gonzalez et al., Multibody Syst. Dyn. 16 (2006) 179-190, problem"
 
 
 def _plane_body(
-    name: str, mass: float, inertia: float, centre: ArrayLike, points: dict[str, ArrayLike]
+    name: str, mass: float, inertia: float, centre: ArrayLike, points: Mapping[str, ArrayLike]
 ) -> RigidBody:
     """A body of the x-y plane; its other moments of inertia do not matter."""
     three = {key: np.array([*np.asarray(place, dtype=float), 0.0]) for key, place in points.items()}
@@ -87,14 +88,7 @@ def pendulum() -> Sequence[Comparison]:
     centripetal = 2 * (1 - np.cos(swing)) * mass * arm**2 / (inertia + mass * arm**2)
     source = "Jacobi's elliptic function sn: M. Abramowitz, I. A. Stegun, Handbook (1964), chapter 16"
     return (
-        Comparison(
-            "largest difference of the angle in a period, rad",
-            float(np.abs(angle - exact).max()),
-            0.0,
-            source,
-            1e-5,
-            scale=swing,
-        ),
+        largest_difference("angle in a period, rad", angle, exact, source, 1e-5),
         Comparison(
             "force of the hinge at the lowest point, N",
             carried,
@@ -153,7 +147,7 @@ def double_pendulum() -> Sequence[Comparison]:
 def n_four_bar() -> Sequence[Comparison]:
     """Two windows of rods of 1 m and 1 kg that stand upright, pushed to 1 m/s; at 90 degrees they may fold.
 
-    While they do not fold they are one pendulum: (N + 1)/3 + N masses that turn, (N + 1)/2 + N that are lifted.
+    While they do not fold they are one pendulum: (N + 1)/3 + N masses turn, (N + 1)/2 + N are lifted.
     """
     windows, g, duration = 2, 9.81, 3.0
     turned, lifted = (windows + 1) / 3 + windows, (windows + 1) / 2 + windows
@@ -187,11 +181,9 @@ def n_four_bar() -> Sequence[Comparison]:
     solution = _simulated(system, Run(duration, 0.05, step=FixedStep(0.0025)))
     tip = solution.bodies["bar 0"].position
     angle = exact(solution.times)[0]
-    apart = np.linalg.norm(tip[:, :2] - np.column_stack([np.sin(angle), np.cos(angle)]), axis=1)
-    source = "M. Gonzalez et al., Multibody Syst. Dyn. 16 (2006) 179-190, problem A02; one pendulum, by DOP853 to 1e-11"
-    return (
-        Comparison("largest difference of B0 in 3 s, m", float(apart.max()), 0.0, source, 1e-3, scale=1.0),
-    )
+    arm = np.column_stack([np.sin(angle), np.cos(angle)])
+    source = f"{LIBRARY} A02; one pendulum, by DOP853 to 1e-11"
+    return (largest_difference("place of B0 in 3 s, m", tip[:, :2], arm, source, 1e-3),)
 
 
 def squeezer() -> Sequence[Comparison]:
@@ -243,8 +235,9 @@ def squeezer() -> Sequence[Comparison]:
         _at(_plane_body(name, mass, inertia, centre, points), place, angle)
         for name, (mass, inertia, centre, points, place, angle) in data.items()
     ]
-    pairs = ["K1.foot", "K3.foot", "K5.foot", "K7.foot", "K1.end-K2.end", "K5.end-K4.end", "K7.end-K6.end", "K2.P-K3.P", "K2.P-K4.P", "K2.P-K6.P"]
-    ends = [pair.split("-") if "-" in pair else ["ground", pair] for pair in pairs]
+    ends = [("ground", f"{name}.foot") for name in ("K1", "K3", "K5", "K7")]
+    ends += [("K1.end", "K2.end"), ("K5.end", "K4.end"), ("K7.end", "K6.end")]
+    ends += [("K2.P", f"{name}.P") for name in ("K3", "K4", "K6")]
     joints = [
         Revolute(name=f"{second} on {first}", first=first, second=second, axis=Z) for first, second in ends
     ]
@@ -259,7 +252,7 @@ def squeezer() -> Sequence[Comparison]:
         name: float(np.arctan2(motion.rotation[-1, 1, 0], motion.rotation[-1, 0, 0]))
         for name, motion in solution.bodies.items()
     }
-    source = "E. Hairer, G. Wanner, Solving ODEs II, section VII.7; Test Set for IVP Solvers, Andrews' squeezing mechanism"
+    source = "E. Hairer, G. Wanner, Solving ODEs II, section VII.7; Test Set for IVP Solvers: Andrews"
     return (
         Comparison("beta after 0.03 s, rad", beta + turned, 15.81077119629904, source, 2e-4),
         Comparison("gamma, rad", angles["K3"], 0.04082224013073101, source, 1e-3),
@@ -271,9 +264,9 @@ def squeezer() -> Sequence[Comparison]:
 class _BricardMotion:
     """Bricard's cube of six rods of length 1 as a function of one angle, from its closure alone.
 
-    The exterior angles at the joints are p, q, p, q, p, q with (1 + cos p)(1 + cos q) = 1: a closed curve about
-    p = q = 0, of which `psi` is the polar angle. The chain of rods is a product of rotations about its axes in
-    the cube, where p = q = 90 degrees.
+    The exterior angles at the joints are p, q, p, q, p, q with (1 + cos p)(1 + cos q) = 1: a closed curve
+    about p = q = 0, of which `psi` is the polar angle. The chain of rods is a product of rotations about its
+    axes in the cube, where p = q = 90 degrees.
     """
 
     corners = np.array([[0, 0, 0], [1, 0, 0], [1, -1, 0], [1, -1, 1], [0, -1, 1], [0, 0, 1]], dtype=float)
@@ -288,7 +281,7 @@ class _BricardMotion:
         size = brentq(
             lambda r: (1 + np.cos(r * c)) * (1 + np.cos(r * s)) - 1, 0.5, np.pi / max(abs(c), abs(s))
         )
-        return size * np.array([c, s])  # pyright: ignore[reportOperatorIssue]
+        return float(size) * np.array([c, s])  # pyright: ignore[reportArgumentType]
 
     def poses(self, psi: float) -> tuple[Array, Array]:
         """Rotations (5, 3, 3) of the rods from the cube, and the corners (5, 3) from which they go."""
@@ -327,7 +320,7 @@ class _BricardMotion:
 def bricard() -> Sequence[Comparison]:
     """Bricard's mechanism: a closed chain of six hinges that moves although its equations are too many."""
     cube, g, thickness = _BricardMotion(), 9.81, 0.1
-    bodies, joints, tensors = [], [], []
+    bodies, tensors = [], []
     for k in range(5):
         across = np.eye(3) - np.outer(cube.edges[k], cube.edges[k])
         tensors.append((1 + thickness**2) / 12 * across + thickness**2 / 6 * (np.eye(3) - across))
@@ -335,29 +328,18 @@ def bricard() -> Sequence[Comparison]:
         bodies.append(
             Placed(RigidBody(f"rod {k}", 1.0, cube.edges[k] / 2, tensors[k], ends), position=cube.corners[k])
         )
-    for k in range(6):
-        first, second = (f"rod {k - 1}.b" if k else "ground"), (f"rod {k}.a" if k < 5 else "ground")
-        joints.append(
-            Revolute(name=f"P{k}", first=first, second=second, axis=tuple(cube.axes[k]))
-            if k < 5
-            else Revolute(name="P5", first="ground", second="rod 4.b", axis=tuple(cube.axes[k]))
-        )
+    ends = ["ground", *(f"rod {k}.{end}" for k in range(5) for end in "ab"), "ground"]
+    joints = [
+        Revolute(name=f"P{k}", first=ends[2 * k], second=ends[2 * k + 1], axis=tuple(cube.axes[k]))
+        for k in range(6)
+    ]
     system = System(bodies, joints, gravity=np.array([0.0, -g, 0.0]))
     solution = _simulated(system, Run(2.0, 0.02, step=FixedStep(4e-3)))
     found = solution.bodies["rod 3"].position
     psi = cube.swung(np.array(tensors), g, solution.times)
     exact = np.array([cube.poses(each)[1][3] for each in psi])
-    source = "M. Gonzalez et al., Multibody Syst. Dyn. 16 (2006) 179-190, problem A04; the closure of the threefold symmetric chain and its energy, by DOP853 to 1e-10"
-    return (
-        Comparison(
-            "largest difference of P3 in 2 s, m",
-            float(np.linalg.norm(found - exact, axis=1).max()),
-            0.0,
-            source,
-            1e-3,
-            scale=1.0,
-        ),
-    )
+    source = f"{LIBRARY} A04; its closure in closed form and its energy, by DOP853 to 1e-10"
+    return (largest_difference("place of P3 in 2 s, m", found, exact, source, 1e-3, scale=1.0),)
 
 
 def slider_crank() -> Sequence[Comparison]:
@@ -371,7 +353,7 @@ def slider_crank() -> Sequence[Comparison]:
     def place(a: Array) -> Array:
         return r * np.cos(a) + np.sqrt(length**2 - (r * np.sin(a)) ** 2)
 
-    def energy(a: Array) -> Array:
+    def energy(a: NDArray[np.inexact]) -> NDArray[np.inexact]:
         lean = np.arcsin(r * np.sin(a) / length)
         lean_rate = r * np.cos(a) / (length * np.cos(lean)) * speed
         slide_rate = -r * np.sin(a) * speed - length * np.sin(lean) * lean_rate
@@ -411,24 +393,10 @@ def slider_crank() -> Sequence[Comparison]:
     angle = speed * solution.times
     moment = -solution.multipliers["motor"][:, 5]
     exact = energy(angle + 1e-30j).imag / 1e-30
-    source = "cosine rule; virtual work"
+    slide = solution.bodies["slider"].position[:, 0]
     return (
-        Comparison(
-            "largest difference of the slide, m",
-            float(np.abs(solution.bodies["slider"].position[:, 0] - place(angle)).max()),
-            0.0,
-            source,
-            1e-9,
-            scale=r,
-        ),
-        Comparison(
-            "largest difference of the moment, N m",
-            float(np.abs(moment - exact).max()),
-            0.0,
-            source,
-            1e-7,
-            scale=float(np.abs(exact).max()),
-        ),
+        largest_difference("slide, m", slide, place(angle), "cosine rule", 1e-9),
+        largest_difference("moment, N m", moment, exact, "virtual work", 1e-7),
     )
 
 
@@ -470,16 +438,7 @@ def universal_joint() -> Sequence[Comparison]:
     solution = _simulated(System(bodies, joints), Run(1.2, 0.02, method=Kinematic()))
     exact = speed * np.cos(bend) / (1 - (np.sin(bend) * np.cos(speed * solution.times)) ** 2)
     found = solution.bodies["driven"].angular_velocity[:, 0]
-    return (
-        Comparison(
-            "largest difference of the driven speed, rad/s",
-            float(np.abs(found - exact).max()),
-            0.0,
-            "F. Duditza, Kardangelenkgetriebe (1973): spherical trigonometry",
-            1e-8,
-            scale=speed,
-        ),
-    )
+    return (largest_difference("driven speed, rad/s", found, exact, "spherical trigonometry", 1e-8),)
 
 
 CASES = (

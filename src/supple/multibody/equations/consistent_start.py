@@ -81,7 +81,7 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
     found = velocity + change.rigid + change.deforming
     frames = np.array([np.arange(part.start, part.start + 6) for part in machine.slices])
     unmet = np.zeros(len(closed.rate))
-    unmet[list(machine.model.active)] = change.left
+    unmet[list(machine.model.active)] = change.fit.unmet
     return ConsistentStart(
         machine,
         configuration,
@@ -92,7 +92,7 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
             closed=configuration,
             rates=closed.rate,
             unmet=unmet,
-            largest_rate=change.largest,
+            largest_rate=change.fit.largest,
             velocities=(velocity[frames], found[frames]),
             energies=StartEnergies(
                 *(

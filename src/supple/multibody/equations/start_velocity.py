@@ -15,7 +15,7 @@ rigid motion meets is met by the motion `x` of least kinetic energy beside the b
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -26,13 +26,33 @@ from supple.multibody.equations.build_model import row_scales
 from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.starting_machine import JointTerms, StartingMachine
 
-__all__ = ["VelocityChange", "change_by_levels", "given_parts", "velocity_change"]
+__all__ = [
+    "RigidFit",
+    "VelocityChange",
+    "change_by_levels",
+    "given_parts",
+    "levels_of_body",
+    "rigid_fit",
+    "velocity_change",
+]
 
 _RANK = 1e-9
 """Of a motion's effect on the joints: what is left of it by others counts for nothing below this part."""
 _MET = 1e-9
 """Of the rates from all velocities: what is left of them below this part is rounding."""
-_PARTS = (slice(0, 3), slice(3, 6))
+
+
+class RigidFit(NamedTuple):
+    """The rigid motion that meets the joints' rates, or comes nearest to it."""
+
+    by_level: list[np.ndarray]
+    """Velocities (n,) that each level adds"""
+    left: np.ndarray
+    """Rates (m,) that are left, rounding included"""
+    unmet: np.ndarray
+    """The same, and zero where it is nothing but rounding"""
+    largest: float
+    """Rate of an equation from all velocities, over what counts as one of it"""
 
 
 class VelocityChange(NamedTuple):
@@ -44,10 +64,7 @@ class VelocityChange(NamedTuple):
     """The part of `rigid` that changes velocities that were given"""
     deforming: np.ndarray
     """For what no rigid motion meets, of least kinetic energy; rounding where there is none"""
-    left: np.ndarray
-    """Rates (m,) that no rigid motion meets; zero where one does"""
-    largest: float
-    """Rate of an equation from all velocities, over what counts as one of it"""
+    fit: RigidFit
 
 
 def velocity_change(
@@ -58,30 +75,53 @@ def velocity_change(
     machine : without redundant equations, its joints closed
     velocity : (n,)  as given, zero where not
     """
-    rates = np.asarray(terms.rate)
-    scales = row_scales(machine.system)[list(machine.model.active)]
-    levels = _levels(machine, configuration)
-    effects = [np.asarray(terms.jacobian) @ _on_frames(machine.model.slices, own) for own in levels]
+    frames = np.concatenate([np.arange(part.start, part.start + 6) for part in machine.model.slices])
+    motions = zip(given_parts(machine.system), machine.frame_masses(configuration), strict=True)
+    by_body = [levels_of_body(given, mass) for given, mass in motions]
+    fit = rigid_fit(
+        [np.asarray(scipy.linalg.block_diag(*own)) for own in zip(*by_body, strict=True)],
+        np.asarray(terms.jacobian)[:, frames],
+        np.asarray(terms.rate),
+        row_scales(machine.system)[list(machine.model.active)],
+        lambda: machine.joint_masses(configuration, terms),
+    )
+    own_frames = np.concatenate([np.arange(part.start, part.start + 6) for part in machine.slices])
+    rigid, against = np.zeros((2, machine.slices[-1].stop))
+    rigid[own_frames], against[own_frames] = np.sum(fit.by_level, axis=0), fit.by_level[-1]
+    deforming = machine.least_change(configuration, velocity + rigid, terms, fit.left)
+    return VelocityChange(rigid, against, deforming, fit)
+
+
+def rigid_fit(
+    levels: Sequence[np.ndarray],
+    rows: np.ndarray,
+    rates: np.ndarray,
+    scales: np.ndarray,
+    joint_masses: Callable[[], np.ndarray],
+) -> RigidFit:
+    """The rigid motion that takes away the joints' rates, level by level.
+
+    levels : (n, k) each    rigid motions, of unit mass and orthogonal in it
+    rows : (m, n)           derivatives of the rates
+    rates, scales : (m,)    to take away, and what counts as one of each
+    joint_masses : (m, m)   asked for where no rigid motion takes all away: what is left is then least in the
+        kinetic energy of the motion of all freedoms that it takes
+    """
+    effects = [rows @ own for own in levels]
 
     def moving(weights: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
         found = change_by_levels([weights @ own for own in effects], -weights @ rates)
-        met = sum((own @ by for own, by in zip(effects, found, strict=True)), np.zeros(len(rates)))
-        return found, rates + met
+        return found, rates + sum(own @ by for own, by in zip(effects, found, strict=True))
 
     found, left = moving(np.diag(1 / scales))
-    sizes = sum((np.abs(own) @ np.abs(by) for own, by in zip(effects, found, strict=True)), np.abs(rates))
+    sizes = np.abs(rates) + sum(np.abs(own) @ np.abs(by) for own, by in zip(effects, found, strict=True))
     largest = float(np.max(sizes / scales, initial=0.0))
     fits = bool(np.all(np.abs(left) / scales <= _MET * largest))
     if not fits:
-        # Least in the kinetic energy of what remains: as long as in the norm of the joints' masses.
-        masses = machine.joint_masses(configuration, terms)
+        masses = joint_masses()
         found, left = moving(scipy.linalg.cholesky((masses + masses.T) / 2))
     by_level = [own @ by for own, by in zip(levels, found, strict=True)]
-    rigid, against = (
-        _on_frames(machine.slices, frames) for frames in (np.sum(by_level, axis=0), by_level[-1])
-    )
-    deforming = machine.least_change(configuration, velocity + rigid, terms, left)
-    return VelocityChange(rigid, against, deforming, np.zeros_like(left) if fits else left, largest)
+    return RigidFit(by_level, left, np.zeros_like(left) if fits else left, largest)
 
 
 def given_parts(system: System) -> np.ndarray:
@@ -128,26 +168,17 @@ def _least_squares(alone: np.ndarray, rest: np.ndarray, own: np.ndarray) -> np.n
     return right[kept].T @ ((left[:, kept].T @ rest) / sizes[kept])
 
 
-def _levels(machine: StartingMachine, configuration: Configuration) -> list[np.ndarray]:
-    """Rigid motions (nb, 6, k) of unit mass, level by level."""
-    given = given_parts(machine.system)
-    masses = machine.frame_masses(configuration)
-    level_of = np.where(given, 2, np.where(given.any(axis=1, keepdims=True), 1, 0))
-    levels: list[list[np.ndarray]] = [[], [], []]
-    for index, mass in enumerate(masses):
-        for level in range(3):
-            parts = [part for part, own in zip(_PARTS, level_of[index], strict=True) if own == level]
-            if parts:
-                rows = np.concatenate([np.arange(6)[part] for part in parts])
-                motion = np.zeros((len(masses), 6, len(rows)))
-                motion[index, rows] = np.linalg.inv(np.linalg.cholesky(mass[np.ix_(rows, rows)])).T
-                levels[level].append(motion)
-    return [np.concatenate([np.zeros((len(masses), 6, 0)), *own], axis=2) for own in levels]
+def levels_of_body(given: np.ndarray, mass: np.ndarray) -> list[np.ndarray]:
+    """Of one body, rigid motions (6, k) of unit mass for each of the three levels.
 
-
-def _on_frames(slices: Sequence[slice], frames: np.ndarray) -> np.ndarray:
-    """Vectors (n, ...) of motions (nb, 6, ...) of the frames."""
-    vectors = np.zeros((slices[-1].stop, *frames.shape[2:]))
-    for part, own in zip(slices, frames, strict=True):
-        vectors[part.start : part.start + 6] = own
-    return vectors
+    given : (2,)        whether its velocity and angular velocity are given
+    mass : (6, 6)       of its rigid motion
+    """
+    level_of = np.where(given, 2, 1 if given.any() else 0)
+    levels = []
+    for level in range(3):
+        rows = np.flatnonzero(np.repeat(level_of == level, 3))
+        own = np.zeros((6, len(rows)))
+        own[rows] = np.linalg.inv(np.linalg.cholesky(mass[np.ix_(rows, rows)])).T
+        levels.append(own)
+    return levels

@@ -1,6 +1,6 @@
 """Inertia of a full finite-element body in a floating frame: forces, momenta, and their tangents.
 
-Lagrange's equations of the kinetic energy of `inertia_polynomial`, in the body's coordinates q, with the
+Lagrange's equations of the kinetic energy of `InertiaPolynomial`, in the body's coordinates q, with the
 momentum `S q'` of the rates and the first moment `s = s_0 + S q`:
 
     coordinates  e = M q'' + w'_i (P_i + B_i^T q) + w_i (B_i^T - B_i) q' - w_i w_j (k_ij + Z_ij q) + S^T a
@@ -22,7 +22,7 @@ from scipy.sparse import csc_array
 
 from supple.algebra.cross import cross_matrix
 from supple.body import FlexibleBody
-from supple.body.inertia_polynomial import SPIN_PAIRS, InertiaPolynomial, inertia_polynomial
+from supple.body.inertia_polynomial import SPIN_PAIRS, InertiaPolynomial
 from supple.integrate import StepFactors
 
 __all__ = [
@@ -96,7 +96,7 @@ class FullInertia:
 
     @cached_property
     def _energy(self) -> InertiaPolynomial:
-        return inertia_polynomial(self.body)
+        return InertiaPolynomial(self.body)
 
     @cached_property
     def _centrifugal(self) -> tuple[csc_array, ...]:

@@ -231,6 +231,32 @@ class FullSystem:
             interiors.append(np.concatenate([own[:6], interior.interface_rows.T @ own[6:]]))
         return evaluation.left_with(-forces, tuple(interiors))
 
+    def residual_of(self, evaluation: Evaluation) -> np.ndarray:
+        """What is unbalanced in all freedoms (n,); of frames the force is global, the moment in body axes."""
+        parts = [evaluation.border.residual[part] for part in self.model.slices]
+        for interior, own in zip(self.interiors, evaluation.interior_residuals, strict=True):
+            parts[interior.index] = own
+        return np.concatenate(parts)
+
+    def norms(self, residual: np.ndarray) -> np.ndarray:
+        """Of forces, moments and deformation in a residual (n,), (3,)."""
+        return np.sqrt(np.sum([_squares_by_kind(residual[part]) for part in self.slices], axis=0))
+
+    def without(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
+        """As if forces (n,) were held back; its relative residual is left as it was."""
+        border = np.concatenate(
+            [
+                np.zeros(part.stop - part.start) if index in self.interior_of else forces[own]
+                for index, (part, own) in enumerate(zip(self.model.slices, self.slices, strict=True))
+            ]
+        )
+        interiors = tuple(
+            residual - forces[self.slices[interior.index]]
+            for interior, residual in zip(self.interiors, evaluation.interior_residuals, strict=True)
+        )
+        terms = evaluation.border._replace(applied=evaluation.border.applied - border)
+        return evaluation._replace(border=terms, interior_residuals=interiors)
+
     def _interior_state(self, interior: FullInterior, state: FullState) -> InteriorState:
         part = self.slices[interior.index]
         velocity, acceleration = state.velocity[part], state.acceleration[part]
