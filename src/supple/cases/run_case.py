@@ -128,7 +128,8 @@ def _run_case(
 ) -> CaseResult:
     warn_of_units(case)
     inputs = case.inputs
-    _ = case.system
+    # What is wrong with sensors is said now, not when the run is over.
+    _ = case.system, case.sensors
     if changed := changes(inputs, case.inputs):
         raise CaseError(f"{case.path} was changed while it was read ({changed}): run it again")
     for body in reduced_bodies(case.system, case.flexible):

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody, RigidBody
 from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution, Statistics
@@ -24,6 +25,7 @@ N_FREQUENCIES = 5
 _QUANTITIES = ("length", "mass", "time", "force", "moment", "stress", "energy")
 
 
+@checked_arguments
 def summarize(
     system: System,
     solution: Solution,
