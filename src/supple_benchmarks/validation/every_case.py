@@ -9,6 +9,8 @@ from supple_benchmarks.validation.validation_case import ValidationCase
 __all__ = ["CASES", "TOPICS"]
 
 TOPICS = (
+    "rotors",
+    "damping",
     "rigid_machines",
     "rigid_rotation",
     "beams_at_rest",
