@@ -254,5 +254,5 @@ def test_what_cannot_be_joined_is_refused_with_the_remedy():
     for look in (line_rest, lambda system: truncation_error(system, moved, [other])):
         with pytest.raises(ModelError, match=r"whose roots the ground alone holds.*Simulate, with damping"):
             look(good)
-    with pytest.raises(ModelError, match="or by a run with damping"):
+    with pytest.raises(ModelError, match=r"where the machine rests by a run with damping"):
         equilibrium(good)

@@ -15,11 +15,14 @@ from supple.integrate import FixedStep, Run
 from supple.machine import (
     GROUND,
     At,
+    BaseAcceleration,
     Fixed,
     Placed,
     PrescribedRotation,
     Prismatic,
     Revolute,
+    Scaled,
+    Sine,
     SpringDamper,
     System,
 )
@@ -142,6 +145,30 @@ def test_a_mass_on_a_spring_pulls_at_it_and_at_its_guide_as_newton_says():
     held = read(JointForceSensor("guide", "guide"), machine)
     axes = guide.initial_axes
     np.testing.assert_allclose(held[:, :3] @ axes.T, np.tile([-mass * 3.0, 0, 0], (len(times), 1)), atol=1e-6)
+
+
+def test_an_accelerometer_on_a_shaken_base_shows_the_acceleration_in_space():
+    """A mass on a spring on a shaken table, from rest: relative x'' = - w^2 x - a, in space - w^2 x."""
+    mass, stiffness, amplitude, rate = 2.0, 800.0, 3.0, 13.0
+    block = RigidBody("block", mass, np.zeros(3), np.eye(3), {"hook": np.zeros(3)})
+    spring = SpringDamper(
+        first=At("block", "hook"),
+        second=GROUND,
+        anchor=(0.0, 0.0, 1.0),
+        stiffness=stiffness,
+        rest_length=1.0,
+    )
+    guide = Prismatic(first=GROUND, second=At("block", "hook"), axis=(0.0, 0.0, 1.0), name="guide")
+    shaken = BaseAcceleration(acceleration=Scaled((0.0, 0.0, amplitude), Sine(1.0, rate / (2 * np.pi))))
+    system = System((Placed(block),), (guide,), (spring, shaken))
+    machine = system, simulate(system, Run(0.5, 0.005, FixedStep(0.0005)))
+    times, w = machine[1].times, np.sqrt(stiffness / mass)
+    relative = -amplitude / (w**2 - rate**2) * (np.sin(rate * times) - rate / w * np.sin(w * times))
+    found = read(AccelerationSensor("table", Place("block", "hook")), machine)
+    np.testing.assert_allclose(found[:, 2], -(w**2) * relative, atol=5e-3 * w**2 * abs(relative).max())
+    np.testing.assert_allclose(
+        read(PositionSensor("p", Place("block", "hook")), machine)[:, 2], relative, atol=2e-5
+    )
 
 
 def test_a_pendulum_keeps_its_energy(rod):

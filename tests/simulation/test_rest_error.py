@@ -105,7 +105,7 @@ def test_modes_of_a_reduced_machine_carry_their_error():
 
 
 def test_modes_that_a_basis_lacks_are_named(bar):
-    """Six vibrations of the free body, held at its root, have two of its lowest modes and none of the next."""
+    """Six vibrations of the free body, held at its root, lack some of its modes."""
     clamp = Fixed(name="clamp", first=GROUND, second=At("bar", "root"))
     reduced = reduce(bar, MeanAxisFrame(), NormalModes(8), derivatives=NoDerivatives())
     full = FullBody(bar, MeanAxisFrame())

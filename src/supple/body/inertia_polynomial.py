@@ -44,7 +44,7 @@ class InertiaPolynomial:
 
         T = 1/2 q' M q' + w_i (P_i . q' + q B_i q') + 1/2 w_i w_j (J_ij + 2 k_ij . q + q Z_ij q)
 
-    with `P_i` the columns of M R that are of the rotations. All come from the 3 x 3 blocks of the mass matrix.
+    with `P_i` the columns of M R of the rotations. All come from the 3 x 3 blocks of the mass matrix.
     """
 
     body: FlexibleBody
@@ -90,10 +90,15 @@ class InertiaPolynomial:
 
     @cached_property
     def by_both(self) -> NDArray[np.float64]:
-        """`k_ij` (3, 3, n), not symmetric in i and j: k_ii is the load of a unit spin about i at rest."""
+        """`k_ij` (3, 3, n); k_ii is the load of a unit spin about i at rest.
+
+        Of the energy k_ij + k_ji counts. What is skew is chosen so that 2 w_j k_ij . q' is the moment of
+        Coriolis, J' w + w x (P . q'), as of points e_i x x and e_j x q.
+        """
         blocks, mass = self._blocks, self._blocks.mass.data
         rotations = self.body.rigid_modes[:, 3:]
-        momenta = (self.body.mass @ rotations).reshape(-1, 3, 3)
+        angular = self.body.mass @ rotations
+        momenta = angular.reshape(-1, 3, 3)
         beside, rotary = (
             blocks.matrix(np.where(chosen[:, None, None], mass, 0.0))
             for chosen in (blocks.by_rotation, blocks.rotary)
@@ -105,7 +110,8 @@ class InertiaPolynomial:
             places = np.where(turns, 0.0, cross.T @ rotations.reshape(-1, 3, 3))
             through = (beside.T @ places.reshape(-1, 3)).reshape(-1, 3, 3)
             result[:, j] = np.where(turns, cross.T @ own + through, cross.T @ momenta).reshape(-1, 3).T
-        return result
+        skew = np.einsum("aij,na->ijn", np.array(_CROSS), angular)
+        return (result + result.swapaxes(0, 1) - skew) / 2
 
 
 class _Blocks(NamedTuple):

@@ -166,7 +166,7 @@ def _run_case(
     _warn_of_damping(case, system)
     tracked = _tracked(case, system, solution)
     readings = read_sensors(case.sensors, system, solution)
-    numbers = summarize(system, solution, tracked, units=case.units)
+    numbers = summarize(system, solution, tracked, fulls=case.fulls, units=case.units)
     numbers |= {"stress": stress_numbers(system, solution, case.elements, units=case.units)}
     numbers |= {"sensors": {each.name: each.plain(case.units) for each in readings}}
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)

@@ -24,7 +24,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from supple.body import BodyForm, MeanAxisFrame, frame_projector
+from supple.body import BodyForm, MeanAxisFrame, frame_projector, smaller_rotations
 from supple.body.full_body import FullBody
 from supple.body.turned_elements import turned_force
 from supple.correction.judged_quantity import Deflection, JudgedQuantity, WholeBody
@@ -47,8 +47,6 @@ INSTANTS = 6
 """At which forces are compared: the widest turn of so many parts of the run."""
 AT_LIMIT = 2e-3
 """Relative error of the deflection at the largest rotation that the kinematics describe."""
-
-_REMEDY = "choose a mean-axis frame, or split the body (split = { parts = 2 }, split_body)"
 
 
 def model_errors(
@@ -148,22 +146,31 @@ def _part(
     limits: Mapping[str, float],
 ) -> ErrorPart:
     name = quantity.body
+    remedy = _remedy(system, name)
     if isinstance(quantity, WholeBody) and name in missed:
-        return ErrorPart(float(missed[quantity.body].rms.max()), "elements and ties turned exactly", _REMEDY)
+        return ErrorPart(float(missed[quantity.body].rms.max()), "elements and ties turned exactly", remedy)
     if isinstance(quantity, Deflection) and name in missed:
         full = fulls[quantity.body]
         at = quantity.nodes
         nodes = list(full.interface(at).node_ids if isinstance(at, str) else at)
         moved = _moved(full, missed[quantity.body])[:, nodes]
         value = float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
-        return ErrorPart(value, "elements and ties turned exactly", _REMEDY)
+        return ErrorPart(value, "elements and ties turned exactly", remedy)
     shares = [0.0]
     for body, limit in limits.items():
         size = largest_displacement(system.bodies[system.body_index(body)].body, solution.bodies[body])
         own = float(missed[body].rms.max()) if body in missed else limit
         if size > 0 and name in (None, body):
             shares.append(own / size)
-    return ErrorPart(max(shares) * quantity.size(system, solution), "in parts of the body's motion", _REMEDY)
+    return ErrorPart(max(shares) * quantity.size(system, solution), "in parts of the body's motion", remedy)
+
+
+def _remedy(system: System, name: str | None) -> str:
+    """For one elastic body, or for any of the machine: one that is not in mean axes yet can be."""
+    bodies = [placed.body for placed in system.bodies if placed.body.n_coordinates]
+    frames = [getattr(body, "frame", None) for body in bodies if name in (None, body.name)]
+    others = [frame for frame in frames if not isinstance(frame, MeanAxisFrame)]
+    return smaller_rotations((others or frames or [None])[0])
 
 
 def _moved(full: FullBody, missed: ResidualCorrections) -> np.ndarray:

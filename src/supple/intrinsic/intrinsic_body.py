@@ -16,6 +16,7 @@ from supple.algebra import read_only
 from supple.body import Damping
 from supple.body.floating_kinematics import node_numbers
 from supple.body.interface import interface_named
+from supple.body.mass_properties import centre_of_gram
 from supple.errors import ModelError
 from supple.intrinsic.condensed_line import CondensedLine
 from supple.intrinsic.expansion import Expansion, expansion_of_stations
@@ -95,6 +96,12 @@ class IntrinsicBody:
     def mass(self) -> float:
         """Of the whole body, kg."""
         return self.line.total_mass
+
+    @property
+    def centre_of_mass(self) -> Array:
+        """(3,) undeformed, in the mesh axes, m."""
+        rigid = self.line.twists
+        return self.line.tree.points[0] + centre_of_gram(rigid.T @ self.line.mass @ rigid)
 
     @property
     def n_coordinates(self) -> int:

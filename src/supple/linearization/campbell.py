@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from supple.arguments import checked_arguments
+from supple.body import FullBody
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array
 from supple.linearization.linearize import linearize
@@ -25,14 +26,17 @@ class CampbellDiagram:
     """Modes over speed, each followed by the likeness of its shape.
 
     rates : (ns,) rad/s
-    eigenvalues : complex (ns, nm)      column by column the same mode, in axes that turn along; NaN where
-        it is no longer there
+    eigenvalues : complex (ns, nm)      of a mode each column, in turning axes; NaN where it
+        is no longer there
+    errors : (ns, nm) | None            of each eigenvalue, relative, by the bases of reduced bodies;
+        infinite for a mode of the bases alone; None where the full bodies were not given
     likeness : (ns - 1, nm)             modal assurance between neighbouring speeds; low where modes veer
     """
 
     rates: Array
     eigenvalues: Any
     likeness: Array
+    errors: Array | None = None
 
     @property
     def frequencies(self) -> Array:
@@ -70,6 +74,7 @@ def campbell_diagram(
     *,
     n_modes: int = 6,
     time: float = 0.0,
+    fulls: Mapping[str, FullBody] | Sequence[FullBody] = (),
     progress: Callable[[float], None] = lambda _: None,
 ) -> CampbellDiagram:
     """Modes of a machine at a row of speeds, each in its own steady equilibrium, followed by their shapes.
@@ -79,6 +84,7 @@ def campbell_diagram(
     spins : Spin    in the order in which modes are followed, rates apart by little: the first may stand
     n_modes : of the slowest at the first speed
     time : of loads and laws
+    fulls : the bodies with all their coordinates, as for `equilibrium`: the errors are known then
 
     Raises
     ------
@@ -89,12 +95,14 @@ def campbell_diagram(
         raise ModelError("a Campbell diagram needs at least one speed")
     followed: list[np.ndarray] = []
     likeness: list[Array] = []
+    errors: list[Array] = []
     before: MachineModes | None = None
     wanted = n_modes
     for number, spin in enumerate(spins):
-        linear = linearize(system, spin=spin, time=time)
+        linear = linearize(system, spin=spin, time=time, fulls=fulls)
         # Of a machine with full bodies some more than wanted, among which each is looked for.
-        modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
+        is_compared = isinstance(linear, SparseMachine) or linear.full is not None
+        modes = machine_modes(linear, 2 * n_modes + 6 if is_compared else None)
         if before is None:
             rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
             wanted = len(chosen)
@@ -106,6 +114,9 @@ def campbell_diagram(
             rows, chosen = linear_sum_assignment(apart / size - table)
             likeness.append(_placed(len(table), rows, table[rows, chosen]))
         eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
+        if fulls:
+            off = np.full(len(modes.eigenvalues), np.nan) if modes.error is None else modes.error.relative
+            errors.append(_placed(wanted, rows, off[chosen]))
         # A mode that has become two real ones, or none, is looked for by its last shape.
         shapes = np.zeros_like(modes.independent, shape=(len(modes.independent), wanted))
         if before is not None:
@@ -119,6 +130,7 @@ def campbell_diagram(
         np.array([spin.rate for spin in spins]),
         np.array(followed),
         np.array(likeness).reshape(len(spins) - 1, len(followed[0])),
+        np.array(errors) if errors else None,
     )
 
 

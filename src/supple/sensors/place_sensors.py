@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.integrate import Solution
-from supple.machine import At, System
+from supple.machine import At, BaseAcceleration, System
 from supple.results.node_motion import NodeMotion, moving_point, node_motion
 from supple.results.tracked_motion import observer_of, tracked_motion
 from supple.sensors.end_motion import body_named, end_poses, floating_motion
@@ -80,7 +82,11 @@ class VelocitySensor:
 
 @dataclass(frozen=True)
 class AccelerationSensor:
-    """Acceleration of a place in space, (t, 3); an accelerometer shows it less gravity, in its own axes."""
+    """Acceleration of a place in space, (t, 3); an accelerometer shows it less gravity, in its own axes.
+
+    Where the base of the machine accelerates (`BaseAcceleration`), positions and velocities are those seen
+    from it; the acceleration has that of the base added.
+    """
 
     name: str
     place: Place
@@ -91,7 +97,17 @@ class AccelerationSensor:
 
     def values(self, system: System, solution: Solution) -> Array:
         """d2r/dt2 (t, 3)."""
-        return self.place.motion(system, solution, self.name).acceleration
+        seen_from_base = self.place.motion(system, solution, self.name).acceleration
+        return seen_from_base + base_acceleration(system, solution.times)
+
+
+def base_acceleration(system: System, times: Array) -> Array:
+    """Acceleration of the base on which a machine stands at some times, (t, 3), global."""
+    bases = [load.law for load in system.loads if isinstance(load, BaseAcceleration)]
+    total = np.zeros((len(times), 3))
+    for law in bases:
+        total += np.asarray(jax.vmap(lambda time, law=law: jnp.asarray(law(time), dtype=float))(times))
+    return total
 
 
 @dataclass(frozen=True)

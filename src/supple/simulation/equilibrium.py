@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import BasisWarning
 from supple.integrate import Solution, Statistics
+from supple.intrinsic import IntrinsicBody
+from supple.intrinsic.line_rest import resting_lines
+from supple.intrinsic.supported_root import is_joined
 from supple.machine import Spin, System
 from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.consistent_start import placed_velocity
@@ -19,7 +22,13 @@ from supple.multibody.equations.floating_solution import floating_solution
 from supple.multibody.equations.static_search import StaticSearch
 from supple.simulation.full_rest import RestError, full_rest, rest_errors
 from supple.simulation.rest_stability import is_stable
-from supple.simulation.resting_state import RestingState, placed_at_rest, resting_state
+from supple.simulation.resting_state import (
+    RestingState,
+    at_rest,
+    check_time,
+    placed_at_rest,
+    resting_state,
+)
 
 __all__ = ["Equilibrium", "equilibrium", "fulls_by_name", "warn_of_rest"]
 
@@ -88,12 +97,15 @@ def equilibrium(
 
     Raises
     ------
-    ModelError          whatever the start of a run would find wrong with the joints; an intrinsic body; a
-        controller that is sampled; a full body that is not the one that was reduced
+    ModelError          whatever the start of a run would find wrong with the joints; a controller that is
+        sampled; a full body that is not the one that was reduced; intrinsic bodies that turn, or that hold
+        other bodies or each other
     ConvergenceError    no equilibrium was found, or a controller's state has none
     Warns BasisWarning where a body misses 1 % of its largest displacement or more.
-    Source: Kelley & Keyes (1998) for the search.
+    Source: Kelley & Keyes (1998) for the search; intrinsic bodies by `line_rest`.
     """
+    if system.bodies_of(IntrinsicBody) and not is_joined(system) and spin is None:
+        return _equilibrium_of_lines(system, time)
     search = search or StaticSearch()
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
     known = fulls_by_name(fulls)
@@ -109,6 +121,17 @@ def equilibrium(
         None if balanced is None else (placed_at_rest(balanced), _one_instant(balanced, time)),
         is_stable(found, time),
     )
+
+
+def _equilibrium_of_lines(system: System, time: float) -> Equilibrium:
+    """Of intrinsic bodies whose roots the ground holds."""
+    check_time(time)
+    still = replace(system, bodies=tuple(at_rest(placed) for placed in system.bodies))
+    found = resting_lines(still, time=time)
+    bodies = tuple(
+        replace(placed, coordinates=found.bodies[placed.body.name].coordinates[0]) for placed in still.bodies
+    )
+    return Equilibrium(replace(still, bodies=bodies), found, found.statistics.iterations)
 
 
 def fulls_by_name(fulls: Mapping[str, FullBody] | Sequence[FullBody]) -> Mapping[str, FullBody]:

@@ -23,7 +23,7 @@ from supple.multibody.equations.static_search import StaticSearch, StaticState, 
 from supple.multibody.equations.steady_motion import Turning
 from supple.multibody.full.full_system import FullSystem
 
-__all__ = ["RestingState", "placed_at_rest", "resting_state"]
+__all__ = ["RestingState", "at_rest", "check_time", "placed_at_rest", "resting_state"]
 
 
 class RestingState(NamedTuple):
@@ -50,17 +50,17 @@ def resting_state(
     """The arrays behind an `equilibrium`, with its arguments and errors."""
     if intrinsic := system.bodies_of(IntrinsicBody):
         raise ModelError(
-            f"body '{next(iter(intrinsic))}' is intrinsic: find its rest with supple.intrinsic.line_rest, "
-            "where all bodies are and the ground alone holds them, or by a run with damping"
+            f"body '{next(iter(intrinsic))}' is intrinsic: its equilibrium is known where all bodies are, "
+            "the ground alone holds their roots, and nothing spins. Leave out the spin, or find where the "
+            "machine rests by a run with damping"
         )
-    if not np.isfinite(time):
-        raise ModelError(f"the time of an equilibrium must be finite, got {time}")
+    check_time(time)
     _refuse_sampled(system)
     search = StaticSearch() if search is None else search
     turning = Turning(np.zeros((len(system.bodies), 3)), np.zeros(3))
     if spin is not None:
         turning = Turning(spin.angular_velocities(system), spin.point)
-    still = replace(system, bodies=tuple(_at_rest(placed) for placed in system.bodies))
+    still = replace(system, bodies=tuple(at_rest(placed) for placed in system.bodies))
     if system.bodies_of(FullBody):
         machine, configuration, *_ = consistent_start(FullSystem(still), time)
         statics, model = FullStatics(machine, turning if spin else None), machine.model
@@ -75,6 +75,12 @@ def resting_state(
     return RestingState(still, model, slices, turning, state, iterations)
 
 
+def check_time(time: float) -> None:
+    """Raise ModelError for the time of an equilibrium that is no number."""
+    if not np.isfinite(time):
+        raise ModelError(f"the time of an equilibrium must be finite, got {time}")
+
+
 def _refuse_sampled(system: System) -> None:
     for controller in system.controllers:
         if isinstance(controller, SampledController):
@@ -86,7 +92,8 @@ def _refuse_sampled(system: System) -> None:
             )
 
 
-def _at_rest(placed: Placed) -> Placed:
+def at_rest(placed: Placed) -> Placed:
+    """Without any velocity."""
     return replace(placed, velocity=None, angular_velocity=None, coordinate_rates=np.zeros(0))
 
 

@@ -54,5 +54,5 @@ def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem
             axes.annotate(f"mode {number}", (rates[-1], mode[-1]), annotation_clip=False, **beside)
         axes.set_ylim(0, 1.1 * float(np.nanmax(frequencies, initial=0.0)) or 1.0)
         axes.set_xlabel(labelled("speed", unit))
-        axes.set_ylabel(labelled("frequency", unit))
+        axes.set_ylabel(labelled("frequency in turning axes", unit))
         return save_figure(figure, path)

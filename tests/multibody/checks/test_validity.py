@@ -69,6 +69,7 @@ def test_condensed_body_without_inertia_of_what_it_condensed_may_not(floating_bl
     assert messages(floating_blade, still(floating_blade, spin=0.29 * flying_apart)) == []
     (message,) = messages(floating_blade, still(floating_blade, spin=0.4 * flying_apart))
     assert "lacks up to 16 % of its stiffness" in message
+    assert message.endswith("or add derivatives"), "it is in mean axes already"
     about_itself = replace(
         still(floating_blade).bodies["blade"], angular_velocity=np.tile([0.4 * flying_apart, 0, 0], (3, 1))
     )
@@ -102,6 +103,11 @@ def test_rotation_beyond_the_kinematics(floating_blade):
     assert message.startswith(
         "body 'blade' turns by 0.550 rad against its frame (t = 1); its kinematics hold to about 0.50 rad."
     )
+    assert "mean-axis frame" not in message, "it has one"
+    assert message.endswith("Split the body (split = { parts = 2 } in a case file, split_body in Python)")
+    on_its_root = replace(floating_blade, frame=NodalFixedFrame("root"))
+    (message,) = messages(on_its_root, too_far)
+    assert "Choose a mean-axis frame, or split the body" in message
     fine = still(floating_blade, coordinates=coordinates_that_turn(floating_blade, 0.45))
     assert messages(floating_blade, fine) == []
 

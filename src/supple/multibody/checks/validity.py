@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from supple.body import BodyForm, FullBody
+from supple.body import BodyForm, Frame, FullBody, MeanAxisFrame, smaller_rotations
 from supple.body.averaging_error import DEFLECTION_ERROR, section_softness
 from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import FloatingMotion, Solution, Validity
@@ -72,6 +72,7 @@ class _Limits:
     """(3,) what a spin about each axis of the body counts"""
     is_linear: bool
     rotation: float
+    frame: Frame | None
     rotation_basis: np.ndarray | None
     """(3 P, n) rotation vectors from coordinates"""
     averaging: Any
@@ -118,8 +119,7 @@ class Watch:
                         own.name,
                         f"body '{own.name}' turns by {peak.rotation:.3f} rad against its frame "
                         f"(t = {peak.rotation_time:.4g}); its kinematics hold to about "
-                        f"{own.rotation:.2f} rad. Choose a mean-axis frame, or split the body "
-                        "(split = { parts = 2 } in a case file, split_body in Python)",
+                        f"{own.rotation:.2f} rad. {_sentence(smaller_rotations(own.frame))}",
                     )
                 )
             if peak.softened > SOFTENED_LIMIT:
@@ -144,9 +144,13 @@ def _too_fast(limits: _Limits, peak: Peaks) -> str:
     return (
         f"body '{limits.name}' {spins} and lacks up to {missing:.3g} % of its stiffness, that of centrifugal "
         "force on motion which its columns leave out: its deflections are too large or diverge. Put "
-        "SteadyLoads(...) about its basis (steady = true in a case file), add derivatives, or take "
-        "MeanAxisFrame() with Rubin(...)"
+        "SteadyLoads(...) about its basis (steady = true in a case file), or add derivatives"
+        + ("" if isinstance(limits.frame, MeanAxisFrame) else ", or take MeanAxisFrame() with Rubin(...)")
     )
+
+
+def _sentence(words: str) -> str:
+    return words[:1].upper() + words[1:]
 
 
 def _out_of_shape(limits: _Limits, peak: Peaks) -> str:
@@ -222,6 +226,7 @@ def _limits(body: BodyForm, validity: Validity, carrying: set[At]) -> _Limits:
         axes=axes,
         is_linear=body.is_linear,
         rotation=min(limit, LINEAR_ROTATION_LIMIT) if body.is_linear else limit,
+        frame=getattr(body, "frame", None),
         rotation_basis=body.rotation_rows,
         averaging=averaging,
         softness=softness,

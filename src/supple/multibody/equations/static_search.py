@@ -63,7 +63,7 @@ _SHORTEST = 1e-4
 """Of the first step: no step is refused that is shorter."""
 _DIRECT = 60
 """Iterations after which load and spin are followed up in steps instead."""
-_OF_A_SHARE = 12
+_OF_A_SHARE = 20
 """Iterations with one share of them."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
 _FASTER = 1.5
@@ -130,6 +130,8 @@ class StaticCorrection(NamedTuple):
     frame_multipliers: tuple[np.ndarray, ...] = ()
     control: np.ndarray = _NONE
     """Of the controllers' states"""
+    climbs: bool = False
+    """Known to go uphill: the tangent of the step has negative directions"""
 
 
 class StaticMachine(Protocol):
@@ -227,7 +229,8 @@ def _downhill(
 ) -> tuple[StaticState, int]:
     """The equilibrium downhill by implicit steps; errors as above.
 
-    careful : shorten steps that leave far more than there was, as where membranes stiffen on the way
+    careful : shorten steps that leave far more than there was, as where membranes stiffen on the way, and
+        those that go uphill, as Newton's method does where walls are about to wrinkle
     """
     found = machine.unbalance(state, time)
     # Without stiffness a step moves by k times the acceleration from rest: the first no further than allowed.
@@ -252,6 +255,9 @@ def _downhill(
                 change = machine.correction(state, time, found, k)
             except AccuracyError:
                 k = longest = 0.1 * k
+                continue
+            if careful and change.climbs and k > _SHORTEST * first:
+                k, growth = 0.3 * k, 1.0
                 continue
             move = float(np.max(abs(change.increment) / scale))
             if move <= search.largest_move:
