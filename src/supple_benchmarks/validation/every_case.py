@@ -9,6 +9,7 @@ from supple_benchmarks.validation.validation_case import ValidationCase
 __all__ = ["CASES", "TOPICS"]
 
 TOPICS = (
+    "driven_starts",
     "rotors",
     "damping",
     "rigid_machines",
