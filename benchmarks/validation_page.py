@@ -1,7 +1,7 @@
 """The table of docs/validation.md from the report of `supple benchmark validation`.
 
-    supple benchmark validation --json benchmarks/results/validation.json
-    python benchmarks/validation_page.py
+supple benchmark validation --json benchmarks/results/validation.json
+python benchmarks/validation_page.py
 """
 
 from __future__ import annotations

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer import Typer
 from typer.testing import CliRunner
@@ -12,7 +13,7 @@ from typer.testing import CliRunner
 from supple_benchmarks.validation import every_case
 from supple_benchmarks.validation.command import validation
 from supple_benchmarks.validation.report import markdown_table, with_table
-from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
 
 KEYS = {"name", "quantity", "value", "reference", "source", "error", "allowed"}
 
@@ -104,6 +105,21 @@ def test_the_table_takes_its_place_in_the_page_again_and_again(run):
     assert filled.splitlines()[0] == "Before"
     assert filled.splitlines()[-1] == "After"
     assert filled.count("| right |") == 2
+
+
+def test_the_largest_difference_of_histories_is_one_of_their_sizes():
+    exact = np.array([[3.0, 4.0], [0.0, 1.0]])
+    each = largest_difference("place, m", exact + np.array([[0.0, 0.1], [0.0, 0.0]]), exact, "none", 0.03)
+    assert (each.value, each.error) == pytest.approx((0.1, 0.02))
+    assert largest_difference("angle", [1.0, 2.5], [1.0, 2.0], "none", 0.1, scale=5.0).error == pytest.approx(
+        0.1
+    )
+
+
+def test_every_topic_is_listed():
+    folder = Path(every_case.__file__).parent
+    topics = {path.stem for path in folder.glob("*.py") if "\nCASES" in path.read_text(encoding="utf-8")}
+    assert topics - {"every_case"} == set(every_case.TOPICS)
 
 
 def test_names_of_cases_differ():

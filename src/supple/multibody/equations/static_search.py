@@ -62,8 +62,8 @@ _WORSE = 10.0
 _SHORTEST = 1e-4
 """Of the first step: no step is refused that is shorter."""
 _ARRIVAL = 20
-"""Iterations for what is left after a whole turn in the largest moves, a beam that a moment rolls up: a direct
-search that takes more has lost its way, and load and spin are followed up in steps instead."""
+"""Iterations for what is left after a whole turn in the largest moves, as of a beam that a moment rolls up: a
+direct search that takes more has lost its way, and load and spin are followed up in steps instead."""
 _OF_A_SHARE = 20
 """Iterations with one share of them."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
