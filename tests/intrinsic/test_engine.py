@@ -326,10 +326,9 @@ def test_implicit_steps_that_do_not_converge_end_the_run():
     )
 
 
-def test_equilibrium_names_what_intrinsic_bodies_have_instead():
-    system = System([beam(CLAMPED, n_modes=6)], [CLAMP])
-    with pytest.raises(ModelError, match=r"find its rest with supple\.intrinsic\.line_rest"):
-        equilibrium(system)
+def test_a_free_line_has_no_equilibrium():
+    with pytest.raises(ModelError, match="a line whose root is free to move has no equilibrium of its own"):
+        equilibrium(System([beam(FREE, n_modes=6)]))
 
 
 def test_supports_say_what_is_wrong_with_them():

@@ -131,7 +131,8 @@ def _damping(damping: Damping | None, modes: IntrinsicModes) -> tuple[np.ndarray
         case ModalDamping():
             given = np.asarray(damping.ratios)
             ratios = given[np.minimum(np.arange(modes.n_elastic), given.size - 1)]
-            ratios[damping.n_modes :] = 0.0
+            if damping.n_modes is not None:
+                ratios[damping.n_modes :] = 0.0
             decay[elastic] = 2 * ratios * modes.omega[elastic]
             return decay, 0.0
         case RayleighDamping():
