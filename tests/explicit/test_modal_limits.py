@@ -15,6 +15,7 @@ from supple.explicit import (
     LinearHardening,
     NodalForce,
     Part,
+    explicit_subdomain,
     modal_subdomain,
     part_positions,
     simulate_explicit,
@@ -36,6 +37,14 @@ def spinning(spin=SPIN, **options):
     damping = LinearRayleighDamping(2.0, 0.0)
     own = modal_subdomain(body, NormalModes(30), damping=damping, **options)
     return Part(own, angular_velocity=(0.0, 0.0, spin), velocity=(0.0, -spin * LENGTH / 2, 0.0))
+
+
+def test_damping_against_an_interface_is_of_floating_frames_alone():
+    body = flexible_body("rotor", bar(CellType.HEXA8, (4, 1, 1)))
+    with pytest.raises(ModelError, match="modal sub-domain 'rotor': its damping acts against the interface"):
+        modal_subdomain(body, NormalModes(3), damping=LinearRayleighDamping(1.0, 0.0, held="root"))
+    with pytest.raises(ModelError, match="explicit sub-domain 'bar': its damping acts against the interface"):
+        explicit_subdomain(body.model, name="bar", damping=LinearRayleighDamping(1.0, 0.0, held="root"))
 
 
 def heard(system, run=RUN):

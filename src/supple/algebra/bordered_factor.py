@@ -51,6 +51,8 @@ class BorderedFactor:
     """L U factor of what is left, scaled"""
     scales: tuple[Array, Array]
     """Of its rows and columns"""
+    symmetric: bool
+    """Whether the interior is"""
 
     def solve(self, loads: Array, gaps: Array | None = None) -> Array:
         """`x` (n, k) for loads `b` (n, k) and gaps `g` (m, k), zero without, refined once."""
@@ -65,8 +67,10 @@ class BorderedFactor:
     def negative(self) -> int:
         """Number of negative eigenvalues of the whole symmetric system: `m` more than K has on `A x = 0`.
 
-        Of an interior that is symmetric. Source: Haynsworth.
+        Zero where the interior is not symmetric, and has no such number. Source: Haynsworth.
         """
+        if not self.symmetric:
+            return 0
         outside: Any = self.matrix[self.border][:, self.border].toarray() - self.rows @ self.responses
         return self.factor.inertia.negative + int(np.sum(np.linalg.eigvalsh((outside + outside.T) / 2) < 0))
 
@@ -151,7 +155,8 @@ def bordered_factor(
         remainder = scipy.linalg.lu_factor(scales[0][:, None] * left * scales[1], check_finite=False)
     if not remainder[0].diagonal().all():
         raise _singular(n, "what constraints and columns leave has a pivot of zero")
-    bordered = BorderedFactor(whole, n, interior, border, factor, responses, rows, remainder, scales)
+    solved = factor, responses, rows, remainder, scales
+    bordered = BorderedFactor(whole, n, interior, border, *solved, symmetric=bool(symmetric))
     bordered.check()
     return bordered
 

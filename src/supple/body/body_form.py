@@ -30,6 +30,11 @@ class BodyForm(Protocol):
         ...
 
     @property
+    def centre_of_mass(self) -> np.ndarray:
+        """(3,) undeformed, in the body's frame, m."""
+        ...
+
+    @property
     def n_coordinates(self) -> int:
         """Number of deformation coordinates; none of a rigid body."""
         ...

@@ -15,6 +15,7 @@ from supple.body.flexible_body import FlexibleBody
 from supple.body.floating_kinematics import floating_positions
 from supple.body.frame import Frame
 from supple.body.interface import BodyInterface
+from supple.body.mass_properties import rigid_mass_properties
 from supple.integrate.motion import FloatingMotion
 
 __all__ = ["FullBody"]
@@ -51,6 +52,11 @@ class FullBody:
         """Of the whole body, kg: of a rigid translation."""
         along_x = self.body.rigid_modes[:, 0]
         return float(along_x @ (self.body.mass @ along_x))
+
+    @property
+    def centre_of_mass(self) -> np.ndarray:
+        """(3,) undeformed, in the body's frame, m."""
+        return rigid_mass_properties(self.body.nodal_mass, self.body.nodes, self.body.dofs_per_node).centre
 
     @property
     def n_coordinates(self) -> int:

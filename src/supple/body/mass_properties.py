@@ -48,11 +48,18 @@ def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> M
     total = float(np.trace(gram[:3, :3]) / 3)
     if not total > 0:
         return MassProperties(total, middle, np.zeros((3, 3)))
-    # The coupling of u_i with theta_j is m (e_j x r)_i: its skew part holds m times the centre.
-    C = gram[:3, 3:]
-    arm = np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]]) / (2 * total)
+    arm = centre_of_gram(gram)
     about_centre = gram[3:, 3:] - total * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     return MassProperties(total, middle + arm, about_centre)
+
+
+def centre_of_gram(gram: FloatArray) -> FloatArray:
+    """Centre of mass (3,) of R^T M R (6, 6), about the point that the rotations are about.
+
+    The coupling of u_i with theta_j is m (e_j x r)_i: its skew part holds m times the centre.
+    """
+    C, total = gram[:3, 3:6], np.trace(gram[:3, :3]) / 3
+    return np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]]) / (2 * total)
 
 
 def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:

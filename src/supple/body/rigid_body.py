@@ -62,6 +62,11 @@ class RigidBody:
         return "rigid"
 
     @property
+    def centre_of_mass(self) -> NDArray[np.float64]:
+        """(3,) in the body's frame, m."""
+        return self.centre
+
+    @property
     def n_coordinates(self) -> int:
         """None."""
         return 0

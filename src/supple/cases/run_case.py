@@ -128,7 +128,8 @@ def _run_case(
 ) -> CaseResult:
     warn_of_units(case)
     inputs = case.inputs
-    _ = case.system
+    # What is wrong with sensors is said now, not when the run is over.
+    _ = case.system, case.sensors
     if changed := changes(inputs, case.inputs):
         raise CaseError(f"{case.path} was changed while it was read ({changed}): run it again")
     for body in reduced_bodies(case.system, case.flexible):
@@ -166,7 +167,7 @@ def _run_case(
     _warn_of_damping(case, system)
     tracked = _tracked(case, system, solution)
     readings = read_sensors(case.sensors, system, solution)
-    numbers = summarize(system, solution, tracked, units=case.units)
+    numbers = summarize(system, solution, tracked, fulls=case.fulls, units=case.units)
     numbers |= {"stress": stress_numbers(system, solution, case.elements, units=case.units)}
     numbers |= {"sensors": {each.name: each.plain(case.units) for each in readings}}
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
@@ -242,9 +243,7 @@ def _simulated(
     system, solution = simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
     if errors:
         known(system, solution)
-        # What a basis lacks is found from linearised equations, in which controllers have no part.
-        study = replace(case.study, basis=False) if system.controllers else case.study
-        solution = state_errors(system, case.run, solution, study, fulls=case.fulls, progress=progress)
+        solution = state_errors(system, case.run, solution, case.study, fulls=case.fulls, progress=progress)
         write_errors(path, solution)
     return system, solution
 

@@ -108,7 +108,7 @@ def with_damping(body: Body, whole: FlexibleBody) -> Body:
     if isinstance(damping, RayleighRatio):
         assert body.frame is not None  # a rule of the case file
         made: RayleighDamping = damping.build(whole, body.frame.build())
-        damping = Rayleigh(kind="rayleigh", alpha=made.alpha, beta=made.beta)
+        damping = Rayleigh(kind="rayleigh", alpha=made.alpha, beta=made.beta, held=None)
     if isinstance(damping, Rayleigh):
         damping = damping.model_copy(update={"held": None})  # an interface of one part alone
     if isinstance(damping, Rayleigh) and damping.alpha > 0:

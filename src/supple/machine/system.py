@@ -52,7 +52,8 @@ class Placed:
 
     position : (3,)           frame origin, global
     rotation : (3,) or (3, 3) rotation vector (rad) or matrix, body to global
-    velocity : (3,)           of the frame origin, global
+    velocity : (3,)           of the frame origin, global: of an elastic body the origin of its mesh
+        (`with_centre_velocity` takes that of the centre of mass)
     angular_velocity : (3,)   body components, rad/s
         Of the two, what is left out (None) is what joints, their laws and other bodies ask for at the start,
         and zero where they ask for nothing; zeros that are given are kept where the joints allow.
@@ -107,6 +108,18 @@ class Placed:
         """Velocity and angular velocity (6,) as given, zero where left out."""
         given = (self.velocity, self.angular_velocity)
         return np.concatenate([np.zeros(3) if part is None else part for part in given])
+
+    def with_centre_velocity(self, velocity: ArrayLike) -> Placed:
+        """The same body with another velocity (3,) of its centre of mass, global, undeformed.
+
+            v = v_c - A (w x c)
+
+        The angular velocity is the given one, or zero where it was left out.
+        """
+        turning = np.zeros(3) if self.angular_velocity is None else self.angular_velocity
+        centre = space_vector(f"centre velocity of body '{self.body.name}'", velocity)
+        origin = centre - self.rotation @ np.cross(turning, self.body.centre_of_mass)
+        return replace(self, velocity=origin, angular_velocity=turning)
 
     def moved_to(self, position: np.ndarray, rotation: np.ndarray) -> Placed:
         """Placed elsewhere, its joints and forces on the same points and axes of it.

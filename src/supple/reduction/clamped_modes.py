@@ -1,28 +1,39 @@
-"""Modes of a reduced body with one interface clamped in space: what a test on a clamp would measure."""
+"""Modes of a body with one interface clamped in space: what a test on a clamp would measure."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import linalg
 
 from supple.algebra import read_only
+from supple.algebra.constraint_rows import constraint_rows
+from supple.body import FlexibleBody
 from supple.reduction.reduced_body import ReducedBody
 
 
 @dataclass(frozen=True, eq=False)
-class ClampedModes:
+class BodyModes:
     """Modes with unit modal mass.
 
     frequencies : (m,)      rad/s, ascending
-    damping_ratios : (m,)   phi^T D phi / (2 omega), of the damping at rest
     shapes : (m, N, 3)      nodal displacements, mesh axes
     """
 
     frequencies: np.ndarray
-    damping_ratios: np.ndarray
     shapes: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class ClampedModes(BodyModes):
+    """Those of a reduced body, with their damping.
+
+    damping_ratios : (m,)   phi^T D phi / (2 omega), of the damping at rest
+    """
+
+    damping_ratios: np.ndarray
 
 
 def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = None) -> ClampedModes:
@@ -53,4 +64,17 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
         frequencies=read_only(frequencies),
         damping_ratios=read_only(damped / (2 * frequencies)),
         shapes=read_only(rigid_shapes + body.expand_rates(np.zeros_like(gammas), gammas)),
+    )
+
+
+def body_modes(body: FlexibleBody, constraint: Any, *, n_modes: int) -> BodyModes:
+    """The lowest modes of a whole body on `D q = 0`, D (m, n): of a frame, or the motion of an interface.
+
+    Fewer where the body has no more.
+    """
+    D = constraint_rows(constraint, body.n)
+    found = body.lowest_modes(min(n_modes, body.n - len(D)), D)
+    nodal = (body.expansion @ found.vectors).T.reshape(-1, len(body.nodes), body.dofs_per_node)
+    return BodyModes(
+        frequencies=read_only(np.sqrt(np.maximum(found.values, 0.0))), shapes=read_only(nodal[..., :3])
     )

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from supple.algebra import read_only
 from supple.body.floating_kinematics import floating_positions
 from supple.body.interface import interface_named
+from supple.body.mass_properties import centre_of_gram
 from supple.errors import ModelError
 from supple.integrate.motion import FloatingMotion
 from supple.reduction.condensed_motion import CondensedMotion
@@ -80,8 +81,14 @@ class ReductionReport:
     def __post_init__(self):
         _set_read_only(self)
 
+    def __str__(self) -> str:
+        counts = [f"{len(self.linear)} linear columns", f"{len(self.derivatives)} derivatives"]
+        counts += [f"{len(self.corrections)} corrections"] if self.corrections else []
+        left_out = f"; left out: {', '.join(self.dropped)}" if self.dropped else ""
+        return ", ".join(counts) + left_out
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class ReducedBody:
     """A flexible body in r coordinates gamma, whose columns V are M-orthonormal (V^T M V = I, D V = 0).
 
@@ -134,6 +141,9 @@ class ReducedBody:
     inert: int = 0
     elastic_elsewhere: bool = False
 
+    def __repr__(self) -> str:
+        return f"<ReducedBody '{self.name}' in {self.frame}: {self.r} coordinates; {self.report}>"
+
     def __post_init__(self):
         _set_read_only(self)
         _check_shapes(self)
@@ -148,6 +158,11 @@ class ReducedBody:
     def mass(self) -> float:
         """Of the whole body, kg."""
         return float(self.gram[0, 0])
+
+    @property
+    def centre_of_mass(self) -> np.ndarray:
+        """(3,) undeformed, in the body's frame, m."""
+        return centre_of_gram(self.gram)
 
     @property
     def r(self) -> int:

@@ -39,7 +39,7 @@ def describe_reduced_body(body: ReducedBody, units: UnitSystem = UNNAMED) -> Ite
     yield "mass", measured(f"{body.mass:g}", units.mass)
     hertz, factor = units.frequency_shown
     lowest = _listed(factor * body.frequencies[:6] / (2 * np.pi))
-    yield "lowest frequencies", f"{measured(lowest, hertz)} in its frame"
+    yield "lowest frequencies of its basis", f"{measured(lowest, hertz)} in its frame"
     if body.report.certificate is not None:
         yield "eigenvalues", str(body.report.certificate)
     for interface in body.interfaces:

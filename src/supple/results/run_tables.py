@@ -109,11 +109,13 @@ def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[
     held = {"(its frame)": body.get(headed("frequencies in the frame", hertz), ())}
     held |= body.get(headed("frequencies held", hertz), {})
     damped = body.get("damping ratios held", {})
+    of_basis = ", basis" if body.get("frequencies of") == "the basis" else ""
     for row, (place, frequencies) in enumerate(held.items()):
         head = cells if row == 0 else [""] * len(cells)
         if len(frequencies) or row == 0:
             ratios = _vector([100 * ratio for ratio in damped.get(place, ())], digits=3)
-            yield [*head, place if len(frequencies) else "", _vector(frequencies, digits=4), ratios]
+            shown = place + of_basis if len(frequencies) else ""
+            yield [*head, shown, _vector(frequencies, digits=4), ratios]
 
 
 def motion_table(numbers: Mapping[str, Any]) -> TextTable:

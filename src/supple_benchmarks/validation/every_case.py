@@ -9,10 +9,16 @@ from supple_benchmarks.validation.validation_case import ValidationCase
 __all__ = ["CASES", "TOPICS"]
 
 TOPICS = (
+    "driven_starts",
+    "rotors",
+    "damping",
     "rigid_machines",
     "rigid_rotation",
     "beams_at_rest",
     "vibrations",
+    "elements_at_rest",
+    "flexible_motion",
+    "machine_elements",
 )  # fmt: skip
 """Files of this folder that end in `CASES`, in the order of the table."""
 

@@ -6,13 +6,12 @@ and backward whirl w + W.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 from scipy.sparse import block_diag, csc_array
 
@@ -160,13 +159,13 @@ def turning_frequencies(
         for name, stiffness in held.items()
         if stiffness is not None
     ]
-    machine = linearize(System((Placed(form),), hinges, bearings), spin=Spin(rate, AXIS))
+    machine = linearize(System((Placed(form),), hinges, bearings), spin=Spin(rate, np.array(AXIS)))
     return machine_modes(machine, 24 if full else None).frequencies
 
 
-def whirls(found: Array, expected: Sequence[float], rate: float) -> list[float]:
+def whirls(found: Array, expected: ArrayLike, rate: float) -> list[float]:
     """Whirls in space, positive forward, of the found frequencies that are nearest to expected ones."""
-    seen = np.array(expected) - rate
+    seen = np.asarray(expected, dtype=np.float64) - rate
     nearest = found[np.argmin(abs(found[:, None] - abs(seen)), axis=0)]
     return (rate + np.copysign(nearest, seen)).tolist()
 
@@ -177,7 +176,7 @@ def in_fixed_axes(body: FlexibleBody, frame: Frame, rate: float) -> tuple[Array,
     In turning axes the nodes move by p = R(t)^T s: p' = R^T (s' - W X s), and so on.
     """
     reduced = reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives())
-    machine = linearize(System((Placed(reduced),)), spin=Spin(rate, AXIS))
+    machine = linearize(System((Placed(reduced),)), spin=Spin(rate, np.array(AXIS)))
     if isinstance(machine, SparseMachine):
         raise TypeError("a reduced rotor has dense matrices")
     shapes, *_ = np.linalg.lstsq(body.expansion.toarray(), reduced.nodal_basis, rcond=None)
@@ -189,7 +188,7 @@ def in_fixed_axes(body: FlexibleBody, frame: Frame, rate: float) -> tuple[Array,
     return mass, damping - 2 * mass @ turn, stiffness - damping @ turn + mass @ turn @ turn
 
 
-def whirl_of_timoshenko_shaft(rotor: Rotor, rate: float, near: Sequence[float]) -> Array:
+def whirl_of_timoshenko_shaft(rotor: Rotor, rate: float, near: ArrayLike) -> Array:
     """Whirl in space, positive forward, of a clamped and free shaft: roots of its exact transfer matrix.
 
         u' = phi + Q / kGA,   phi' = M / EI,   M' = - Q - rho I (w^2 - 2 W w) phi,   Q' = - rho A w^2 u
@@ -236,7 +235,7 @@ def whirl_of_timoshenko_shaft(rotor: Rotor, rate: float, near: Sequence[float]) 
 def _disc_on_a_massless_shaft() -> list[Comparison]:
     """J_t w^2 - J_p W w - k = 0 of a disc that tilts."""
     rate = 60.0
-    expected = np.roots([1.1, -2.0 * rate, -5000.0])
+    expected = np.roots([1.1, -2.0 * rate, -5000.0]).real
     source = "closed form: roots of J_t w^2 - J_p W w - k = 0"
     comparisons = []
     for name, frame in (("nodal-fixed", NodalFixedFrame("hub")), ("mean axes", MeanAxisFrame())):
@@ -327,7 +326,7 @@ def lalanne_frequencies(frame: Frame) -> Array:
     inverse = np.linalg.inv(mass)
     zero, one = np.zeros_like(mass), np.eye(len(mass))
     poles = np.linalg.eigvals(np.block([[zero, one], [-inverse @ stiffness, -inverse @ damping]]))
-    return np.sort(poles.imag[poles.imag > 0]) / (2 * np.pi)
+    return np.sort(np.asarray(poles.imag[poles.imag > 0], dtype=np.float64)) / (2 * np.pi)
 
 
 def _three_discs_on_unlike_bearings() -> list[Comparison]:

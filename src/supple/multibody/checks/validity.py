@@ -3,8 +3,8 @@
 Two limits are watched. A body without nonlinear terms has no geometric stiffness: spun faster than a good
 part of its lowest frequency, it bends too far, and past it diverges. So does one whose condensed motion has
 no inertia, where the centrifugal stiffness that it lacks is a good part of the elastic one. And rotations
-beyond what the body's strains were derived for (about 0.3 rad where displacements or curvatures enter
-linearly) make the strains themselves wrong. Linear multibody codes pass both limits silently.
+beyond what the body's strains were derived for (about 0.3 rad where curvatures enter linearly, 0.1 rad where
+all displacements do) make the strains themselves wrong. Linear multibody codes pass both limits silently.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from supple.body import BodyForm, FullBody
+from supple.body import BodyForm, Frame, FullBody, MeanAxisFrame, smaller_rotations
 from supple.body.averaging_error import DEFLECTION_ERROR, section_softness
 from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import FloatingMotion, Solution, Validity
@@ -30,8 +30,9 @@ __all__ = ["Excess", "Peaks", "Watch", "watch"]
 SOFTENED_LIMIT = 0.01
 """Share of a deflection by which averaging interfaces may err, estimated, before it is said."""
 
-LINEAR_ROTATION_LIMIT = 0.3
-"""rad: rotations beyond which linear strains are off by more than about 5 % (1 - cos)."""
+LINEAR_ROTATION_LIMIT = 0.1
+"""rad: rotations theta beyond which linear strains lack a shortening by bending, theta^2 / 2, of 0.5 % of the
+length: a tenth of the deflection of a body that bends so far."""
 
 
 class Peaks(NamedTuple):
@@ -72,6 +73,7 @@ class _Limits:
     """(3,) what a spin about each axis of the body counts"""
     is_linear: bool
     rotation: float
+    frame: Frame | None
     rotation_basis: np.ndarray | None
     """(3 P, n) rotation vectors from coordinates"""
     averaging: Any
@@ -113,15 +115,7 @@ class Watch:
             if peak.spin > own.spin:
                 found.append(Excess(own.name, _too_fast(own, peak)))
             if peak.rotation > own.rotation:
-                found.append(
-                    Excess(
-                        own.name,
-                        f"body '{own.name}' turns by {peak.rotation:.3f} rad against its frame "
-                        f"(t = {peak.rotation_time:.4g}); its kinematics hold to about "
-                        f"{own.rotation:.2f} rad. Choose a mean-axis frame, or split the body "
-                        "(split = { parts = 2 } in a case file, split_body in Python)",
-                    )
-                )
+                found.append(Excess(own.name, _too_wide(own, peak)))
             if peak.softened > SOFTENED_LIMIT:
                 found.append(Excess(own.name, _out_of_shape(own, peak)))
         return found
@@ -144,9 +138,22 @@ def _too_fast(limits: _Limits, peak: Peaks) -> str:
     return (
         f"body '{limits.name}' {spins} and lacks up to {missing:.3g} % of its stiffness, that of centrifugal "
         "force on motion which its columns leave out: its deflections are too large or diverge. Put "
-        "SteadyLoads(...) about its basis (steady = true in a case file), add derivatives, or take "
-        "MeanAxisFrame() with Rubin(...)"
+        "SteadyLoads(...) about its basis (steady = true in a case file), or add derivatives"
+        + ("" if isinstance(limits.frame, MeanAxisFrame) else ", or take MeanAxisFrame() with Rubin(...)")
     )
+
+
+def _too_wide(limits: _Limits, peak: Peaks) -> str:
+    turns = f"turns by {peak.rotation:.3f} rad against its frame (t = {peak.rotation_time:.4g})"
+    limit = f"its kinematics hold to about {limits.rotation:.2f} rad"
+    remedy = smaller_rotations(limits.frame)
+    if limits.is_linear:
+        return (
+            f"body '{limits.name}' is linear and {turns}; {limit}, for they lack the shortening by bending, "
+            f"{peak.rotation**2 / 2:.2g} of its length. Reduce it from a model with quadratic strains, or "
+            f"{remedy}"
+        )
+    return f"body '{limits.name}' {turns}; {limit}. {remedy[:1].upper()}{remedy[1:]}"
 
 
 def _out_of_shape(limits: _Limits, peak: Peaks) -> str:
@@ -222,6 +229,7 @@ def _limits(body: BodyForm, validity: Validity, carrying: set[At]) -> _Limits:
         axes=axes,
         is_linear=body.is_linear,
         rotation=min(limit, LINEAR_ROTATION_LIMIT) if body.is_linear else limit,
+        frame=getattr(body, "frame", None),
         rotation_basis=body.rotation_rows,
         averaging=averaging,
         softness=softness,

@@ -67,7 +67,7 @@ def full_damping(full: FullBody) -> FullDamping:
 def _interface_motion(body: FlexibleBody, held: Frame) -> Array:
     """G (6, n), rigid motion of an interface: G R = I."""
     motion = held.constraint(body)
-    return np.linalg.solve(motion @ body.rigid_modes, motion)
+    return np.asarray(np.linalg.solve(motion @ body.rigid_modes, motion), dtype=np.float64)
 
 
 def _seen_from(body: FlexibleBody, held: Frame) -> Array:
@@ -79,4 +79,5 @@ def _seen_from(body: FlexibleBody, held: Frame) -> Array:
     momenta = body.mass @ R
     lower = np.linalg.cholesky(R.T @ momenta)
     rigid = np.linalg.solve(lower, momenta.T).T
-    return np.hstack([rigid - _interface_motion(body, held).T @ lower, rigid])
+    beside = rigid - _interface_motion(body, held).T @ lower
+    return np.asarray(np.hstack([beside, rigid]), dtype=np.float64)

@@ -160,9 +160,9 @@ class StaticTangent:
             moved = np.linalg.solve(own, control.rates + by_motion @ motion)
             motion, forces = motion + self.motions @ moved, forces + self.forces @ moved
         joints, frames = np.split(forces, [len(terms.constraint_residual)])
-        return StaticCorrection(
-            _turned(machine, motion, rotations), joints, tuple(frames.reshape(-1, 6)), moved
-        )
+        increment = _turned(machine, motion, rotations)
+        climbs = self.factor.negative > self.equations.constraint.shape[0]
+        return StaticCorrection(increment, joints, tuple(frames.reshape(-1, 6)), moved, climbs)
 
 
 def _turned(machine: FullSystem, vector: np.ndarray, rotations: np.ndarray) -> np.ndarray:

@@ -59,6 +59,17 @@ class SteadyLoads:
         )
 
 
+@dataclass(frozen=True)
+class NoLoads:
+    """The columns of a recipe alone, as in published work: `reduce(.., loads=NoLoads)`."""
+
+    recipe: LinearBasisRecipe
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """The recipe's columns; errors of the recipe."""
+        return self.recipe.build(body, frame)
+
+
 def _loads(body: FlexibleBody) -> NDArray[np.float64]:
     """Inertia loads (n, 12) on the coordinates, in the order of NAMES, but for their sign."""
     of_spin = InertiaPolynomial(body).by_both
