@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.algebra.cross import cross_matrices
+from supple.algebra.kept_programs import KeptProgram
 from supple.intrinsic.intrinsic_body import IntrinsicBody
 from supple.intrinsic.line_model import LineModel
 from supple.intrinsic.strain_integration import station_places
+from supple.multibody.equations.compiler_options import STARTING
 
 __all__ = ["amplitudes_of", "rigid_motion"]
 
@@ -23,6 +25,8 @@ def rigid_motion(body: IntrinsicBody, q2: Array) -> Array:
     With rotation R and position p of a station against the root:  v = R^T (v_0 + w_0 x p),  w = R^T w_0
     q2 : (e,)   amplitudes of the strains, which stay as they are
     """
+    if not q2.any():
+        return body.line.twists
     rotations, positions = (np.asarray(each) for each in _places(body.model, q2))
     motion = np.zeros((len(positions), 6, 6))
     turned = rotations.transpose(0, 2, 1)
@@ -36,6 +40,8 @@ def amplitudes_of(body: IntrinsicBody, velocities: Array) -> Array:
     return body.modes.velocities.reshape(len(velocities), -1).T @ (body.line.mass @ velocities)
 
 
-@jax.jit
-def _places(model: LineModel, q2: jax.Array) -> tuple[jax.Array, jax.Array]:
+def _from_root(model: LineModel, q2: jax.Array) -> tuple[jax.Array, jax.Array]:
     return station_places(model, q2, jnp.eye(3), jnp.zeros(3))
+
+
+_places = KeptProgram(_from_root, STARTING)

@@ -226,7 +226,8 @@ class ReducedBody:
 
     def _condensed_fields(self, nodes: NDArray[np.intp] | slice, amplitudes: np.ndarray) -> np.ndarray:
         assert self.condensed is not None
-        fields = self.condensed.fields.reshape(len(self.nodes), self.dofs_per_node, -1)
+        known = self.condensed.fields
+        fields = known.reshape(len(self.nodes), self.dofs_per_node, known.shape[-1])
         return _combine(fields[nodes, :3], amplitudes)
 
     def positions(self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
@@ -256,7 +257,7 @@ def _combine(fields: np.ndarray, gamma: ArrayLike) -> np.ndarray:
     """Sum of fields (P, 3, r) times coordinates (..., r): (..., P, 3)."""
     gamma = np.asarray(gamma)
     n_points, _, r = fields.shape
-    return (gamma @ fields.reshape(-1, r).T).reshape(*gamma.shape[:-1], n_points, 3)
+    return (gamma @ fields.reshape(3 * n_points, r).T).reshape(*gamma.shape[:-1], n_points, 3)
 
 
 def _set_read_only(record) -> None:

@@ -46,7 +46,7 @@ def hanging(body, nodes):
     lump = RigidBody("lump", 10.0, [0, 0, 0], 0.2 * np.eye(3), {"eye": [-0.2, 0, 0]})
     return System(
         bodies=(
-            Placed(body, angular_velocity=[0.5, -1.0, 2.0]),
+            Placed(body, angular_velocity=[1.2, -2.5, 5.0]),
             Placed(lump, position=[LENGTH + 0.2, 0, 0]),
         ),
         joints=(
