@@ -50,6 +50,16 @@ def test_a_condensed_strip_swings_as_the_whole_one(case_folder, tmp_path):
 
 
 @pytest.mark.slow
+def test_as_many_modes_are_kept_as_an_accuracy_takes(case_folder, tmp_path):
+    path = rewritten(
+        case_folder, ("modes = 4", "accuracy = { relative = 0.02 }"), ("duration = 0.4", "duration = 0.1")
+    )
+    result = run_case(read_case(path), tmp_path / "enough")
+    (stated,) = result.solution.errors.values()
+    assert 0 < stated.basis.value <= 0.02 * stated.size or "all modes" in stated.basis.how
+
+
+@pytest.mark.slow
 def test_stress_and_pictures_are_those_of_any_body(case_folder, tmp_path):
     path = rewritten(
         case_folder,
@@ -78,6 +88,8 @@ def test_the_wing_is_a_valid_case():
         ('kind = "rayleigh"', 'kind = "linear-rayleigh"', 'takes damping of kind "rayleigh" or "modal"'),
         ("damping = {", 'damping = { held = "root",', "a condensed body acts on its own modes; remove held"),
         ("stations = 5", "stations = 1", "greater than or equal to 2"),
+        ("modes = 4", "modes = 4, accuracy = {}", "give either modes or accuracy, not both"),
+        ("modes = 4", "accuracy = {}, released = true", "what a released body leaves out is not known"),
     ],
 )
 def test_mistakes_are_named(case_folder, old, new, message):

@@ -28,6 +28,7 @@ from supple.intrinsic import (
     line_rest,
     sliding,
 )
+from supple.intrinsic.chosen_step import with_chosen_step
 from supple.intrinsic.expansion import expansion_of_stations
 from supple.linearization import linearize
 from supple.machine import (
@@ -56,7 +57,7 @@ def beam(support, *, n=8, n_modes=12, damping=None, **section):
 
 
 def lowest_alone(support, n_modes):
-    """Without second-order modes, whose high frequencies hide the order of a rule at steps of a usual size."""
+    """Without second-order modes, whose high frequencies hide the order of a rule at usual steps."""
     whole = beam(support, n_modes=None)
     modes = whole.modes.truncated(n_modes + whole.modes.n_rigid)
     expansion = expansion_of_stations(whole.line.tree, modes.velocities[..., modes.n_rigid :])
@@ -373,3 +374,35 @@ def test_velocities_lead_where_strains_do_to_second_order_in_the_stations():
         apart.append(np.abs(by_velocities - body.places(motion)[1]).max())
     assert apart[1] < 0.01
     assert np.log2(apart[0] / apart[1]) > 1.5
+
+
+def test_a_run_without_a_step_resolves_the_periods_of_the_modes_kept():
+    """Output times further apart than the period of the lowest mode say nothing of the step."""
+    body = beam(CLAMPED, n_modes=2)
+    rates = np.zeros(body.n_coordinates)
+    rates[0] = 0.1
+    system = System([Placed(body, coordinate_rates=rates)], [CLAMP])
+    period = 2 * np.pi / body.modes.frequencies[-1]
+    for method in (GeneralizedAlpha(1.0), RungeKutta4()):
+        run = with_chosen_step(system, Run(4 * period, period, method=method))
+        assert run.step.size <= period / 20 * (1 + 1e-9)
+        assert period / run.step.size == pytest.approx(round(period / run.step.size))
+    chosen = simulate(system, Run(4 * period, period, method=GeneralizedAlpha(1.0)))
+    assert chosen.statistics.steps == 80
+    named = Run(1.0, 0.5, step=FixedStep(0.25))
+    assert with_chosen_step(system, named) is named
+    stone = System([RigidBody("stone", 1.0, np.zeros(3), np.eye(3), {})])
+    assert with_chosen_step(stone, Run(1.0, 0.5)).step is None
+
+
+def test_residual_modes_are_found_where_few_of_many_are_kept():
+    """16 of 48 under a load that bends by half the length; sweeps that put the last values in diverge."""
+    body = beam(CLAMPED, n_modes=None)
+    system = System([body], [CLAMP], [DeadForce(at="beam.tip", force=lambda t: jnp.array([0, 0, 15.0 * t]))])
+    runs = [
+        Run(0.4, 0.2, step=FixedStep(size), method=method)
+        for size, method in ((2e-3, ResidualRungeKutta4(16)), (2e-3, GeneralizedAlpha(0.9)))
+    ]
+    kept, all_modes = (body.positions(simulate(system, run).bodies["beam"])[-1] for run in runs)
+    assert np.abs(all_modes - body.nodes).max() > 0.4
+    assert np.abs(kept - all_modes).max() < 0.02

@@ -68,13 +68,19 @@ def test_viscous_strains_take_power_whatever_the_state():
     assert q1 @ d1 + q2 @ d2 == pytest.approx(float(-0.01 * d2 @ d2), rel=1e-12)
 
 
-def test_modal_damping_takes_power_of_elastic_velocities():
+def test_modal_damping_takes_power_of_strain_rates():
+    """2 zeta / w of each mode: about rest that is 2 zeta w of its velocity."""
     modes = intrinsic_modes(tree_line(), FREE, M)
     q1, q2 = amplitudes(modes)
-    d1, d2 = line_rates(line_model(modes, ModalDamping([0.02, 0.05])), q1, q2)
+    model = line_model(modes, ModalDamping([0.02, 0.05]))
+    d1, d2 = line_rates(model, q1, q2)
     ratios = np.append(0.02, np.full(modes.n_elastic - 1, 0.05))
-    expected = -(2 * ratios * modes.omega[6:]) @ q1[6:] ** 2
+    expected = -(2 * ratios / modes.omega[6:]) @ d2**2
     assert q1 @ d1 + q2 @ d2 == pytest.approx(float(expected), rel=1e-11)
+    slow = 1e-6 * q1
+    d1, _ = line_rates(model, slow, 0 * q2)
+    linear = -2 * ratios * modes.omega[6:] * slow[6:]
+    assert d1[6:] == pytest.approx(np.asarray(linear), abs=1e-3 * np.abs(linear).max())
     with pytest.raises(ModelError, match="LinearRayleighDamping is of the stiffness in a floating frame"):
         line_model(modes, LinearRayleighDamping(0.0, 0.01))
     with pytest.raises(ModelError, match="acts against the interface 'root', as only that of a body in a"):

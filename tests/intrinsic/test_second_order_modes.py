@@ -1,4 +1,4 @@
-"""Few modes of a body that bends far or spins: second-order modes give it its axial force and foreshortening."""
+"""Few modes of a body that bends far or spins: axial force and foreshortening of second-order modes."""
 
 import numpy as np
 import pytest

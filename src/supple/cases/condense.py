@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -20,6 +21,7 @@ from supple.importers.toml import (
     tables,
     unknown,
 )
+from supple.integrate import Run, Solution, Validity
 from supple.intrinsic import (
     BALL,
     CLAMPED,
@@ -29,11 +31,14 @@ from supple.intrinsic import (
     LoadPath,
     RootSupport,
     condense,
+    enough_modes,
     hinged,
     intrinsic_body,
     released,
     sliding,
 )
+from supple.machine import System
+from supple.simulation import simulate
 
 Support = Literal["clamped", "free", "ball", "hinged", "sliding"]
 _WITH_AXIS = {"hinged": hinged, "sliding": sliding}
@@ -47,6 +52,14 @@ _HELD_BY = {
 Row = Annotated[tuple[float, float, float, float, float, float], Field(strict=False)]
 RootMass = Annotated[tuple[Row, Row, Row, Row, Row, Row], Field(strict=False)]
 _INSTEAD_OF = ("frame", "reduction", "split", "linear")
+
+
+class ModeAccuracy(CheckedTable):
+    """The error that modes left out may make."""
+
+    relative: float = Field(
+        1e-3, gt=0, lt=1, description="largest RMS error of the stations' places over the deflection"
+    )
 
 
 class Condense(CheckedTable):
@@ -65,7 +78,15 @@ class Condense(CheckedTable):
     root_mass: RootMass | None = Field(
         None, description="of a first grid that the matrices lack, 6 rows of 6; none if left out"
     )
-    modes: int | None = Field(None, ge=1, description="elastic modes; all if left out")
+    modes: int | None = Field(
+        None,
+        ge=1,
+        description="lowest elastic modes, to which those are added that they need when the body bends far; "
+        "all if left out",
+    )
+    accuracy: ModeAccuracy | None = Field(
+        None, description="as many modes as this takes, instead of a number; not of a released body"
+    )
     support: Support = Field(
         "clamped",
         description="what the joint at the root leaves free; clamped also where it prescribes a motion",
@@ -100,6 +121,27 @@ class Condense(CheckedTable):
         return _WITHOUT_AXIS[self.support]
 
 
+def with_modes_enough(
+    system: System, run: Run, tables: Mapping[str, Condense], notify: Callable[[str, float], None]
+) -> System:
+    """The machine whose condensed bodies have as many modes as their accuracy takes, by runs of it.
+
+    tables : by body name
+    Raises ModelError as `enough_modes`.
+    """
+    asked = {name: own.accuracy.relative for name, own in tables.items() if own.accuracy is not None}
+    if not asked:
+        return system
+
+    def simulated(machine: System) -> Solution:
+        numbers = ", ".join(str(p.body.n_coordinates) for p in machine.bodies if p.body.name in asked)
+        words = f"looking for enough modes: {numbers}"
+        notify(words, 0.0)
+        return simulate(machine, replace(run, validity=Validity()), progress=lambda done: notify(words, done))
+
+    return enough_modes(system, simulated, tolerance=min(asked.values()), bodies=asked).system
+
+
 def is_condensed(body: Raw) -> bool:
     """True of a body in its intrinsic modes, which has no floating frame."""
     return "condense" in body
@@ -116,6 +158,17 @@ def _has_no_floating_frame(path: KeyPath, body: Raw) -> Mistakes:
     if damping not in (None, "rayleigh", "modal"):
         message = f'a condensed body takes damping of kind "rayleigh" or "modal", not "{damping}"'
         yield (*path, "damping", "kind"), message
+
+
+def _modes_are_counted_once(path: KeyPath, body: Raw) -> Mistakes:
+    given = table(body, "condense")
+    if "accuracy" not in given:
+        return
+    if "modes" in given:
+        yield (*path, "condense", "accuracy"), "give either modes or accuracy, not both"
+    if given.get("released") is True:
+        message = "what a released body leaves out is not known beside joints; give modes, or leave both out"
+        yield (*path, "condense", "accuracy"), message
 
 
 def _path_is_between_interfaces(path: KeyPath, body: Raw) -> Mistakes:
@@ -191,5 +244,10 @@ def _marches_in_fixed_steps(raw: Raw) -> Mistakes:
             yield ("simulation", key), f"a machine with the condensed body {condensed!r} takes none: {remedy}"
 
 
-RULES_OF_BODY = (_has_no_floating_frame, _path_is_between_interfaces, _axis_suits_the_support)
+RULES_OF_BODY = (
+    _has_no_floating_frame,
+    _modes_are_counted_once,
+    _path_is_between_interfaces,
+    _axis_suits_the_support,
+)
 RULES = (_joints_suit_the_supports, _marches_in_fixed_steps)

@@ -14,7 +14,7 @@ from supple.correction.line_parts import line_parts
 from supple.correction.model_error import model_errors
 from supple.errors import ModelError
 from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution
-from supple.intrinsic import IntrinsicBody
+from supple.intrinsic import IntrinsicBody, with_chosen_step
 from supple.machine import System
 from supple.reduction import ReductionBasis
 from supple.simulation.kept_basis import kept_bases
@@ -72,7 +72,7 @@ def state_errors(
     """
     if isinstance(run.method, Kinematic):  # nothing was integrated, and no body has deformed
         return solution
-    study = study or ErrorStudy()
+    study, run = study or ErrorStudy(), with_chosen_step(system, run)
     if not isinstance(fulls, Mapping):
         fulls = {full.name: full for full in fulls}
     # What is found from equations of floating bodies alone is not found beside an intrinsic one.
@@ -82,8 +82,7 @@ def state_errors(
     of_basis: Mapping[str, ErrorPart] = {}
     if study.basis and bases and solution.stopped is None:
         of_basis = basis_parts(system, run, solution, known, bases, quantities, progress=progress)
-    if study.basis:
-        of_basis = {**of_basis, **line_parts(system, solution)}
+    of_basis = {**of_basis, **line_parts(system, solution)}  # which costs next to nothing
     return solution.with_errors(
         statements(system, run, solution, study, known, bases, of_basis, progress=progress)
     )

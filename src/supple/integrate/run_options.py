@@ -43,7 +43,8 @@ class Run:
     """A span of time, its output times, and how it is stepped through.
 
     duration, output_step : float   unit of time; the duration is a multiple of the output step
-    step : FixedStep | AdaptiveStep     a fixed step equal to the output step where None
+    step : FixedStep | AdaptiveStep     where None a fixed step equal to the output step; of machines with
+        intrinsic bodies one chosen from the periods of their modes
     method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor; of machines of intrinsic bodies
         alone also RungeKutta4 | ResidualRungeKutta4; Kinematic where the joints leave nothing free
     tolerances : Tolerances

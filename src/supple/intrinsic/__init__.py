@@ -1,5 +1,6 @@
 """Intrinsic modal reduction: slender bodies at any rotation, from a linear model alone."""
 
+from supple.intrinsic.chosen_step import with_chosen_step
 from supple.intrinsic.condensation_error import accurate_condensation, condensation_error
 from supple.intrinsic.condense import condense
 from supple.intrinsic.condensed_line import CondensedLine, clamped_line, condensed_line
@@ -49,4 +50,5 @@ __all__ = [
     "released",
     "sliding",
     "truncation_error",
+    "with_chosen_step",
 ]

@@ -20,6 +20,7 @@ from supple.integrate import (
     Statistics,
     leg_size,
 )
+from supple.intrinsic.chosen_step import with_chosen_step
 from supple.intrinsic.full_leg import full_leg
 from supple.intrinsic.joined_engine import ITERATED, JoinedEngine
 from supple.intrinsic.line_march import LineRule, MarchState, first_march_state, march_lines
@@ -58,8 +59,8 @@ class IntrinsicEngine:
 
     def __init__(self, system: System, run: Run) -> None:
         self._system = system
-        self._run = run
         self.rule = line_rule(run)
+        self._run = run = with_chosen_step(system, run)
         if not isinstance(run.step_control, FixedStep):
             raise ModelError(
                 "intrinsic bodies are stepped with FixedStep(size): an adaptive step is not for them"

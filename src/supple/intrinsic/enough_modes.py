@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -32,11 +32,16 @@ class EnoughModes(NamedTuple):
 
 
 def enough_modes(
-    system: System, run: Callable[[System], Solution], *, tolerance: float, first: int = FEWEST
+    system: System,
+    run: Callable[[System], Solution],
+    *,
+    tolerance: float,
+    first: int = FEWEST,
+    bodies: Collection[str] | None = None,
 ) -> EnoughModes:
     """The machine with as many modes as bring the truncation error of its run within a tolerance.
 
-    Their number doubles, in all bodies alike, until `truncation_error` allows it or all are kept.
+    Their number doubles, in these bodies alike, until `truncation_error` allows it or all are kept.
 
     Parameters
     ----------
@@ -44,6 +49,7 @@ def enough_modes(
     run : its simulation, such as `lambda system: simulate(system, Run(..))`
     tolerance : of the error of the stations' places over the deflection
     first : elastic modes to begin with
+    bodies : names of those whose modes are counted; all when omitted
 
     Raises ModelError as `truncation_error`, and for a tolerance or a number that cannot be.
     """
@@ -52,18 +58,29 @@ def enough_modes(
     if first < 1:
         raise ModelError(f"a search for modes begins with one at least, not {first}")
     check_held_by_ground(system)
-    system = replace(system, bodies=[with_modes(placed, None) for placed in system.bodies])
-    most = max(body_of(placed).n_coordinates for placed in system.bodies)
+    names = [placed.body.name for placed in system.bodies] if bodies is None else bodies
+
+    def of(number: int | None) -> System:
+        return replace(
+            system,
+            bodies=[
+                with_modes(placed, number) if placed.body.name in names else placed
+                for placed in system.bodies
+            ],
+        )
+
+    whole = of(None)
+    most = max(body_of(placed).n_coordinates for placed in whole.bodies)
     number = first
     while number < most:
-        fewer = replace(system, bodies=[with_modes(placed, number) for placed in system.bodies])
-        if not all(body_of(placed).complete for placed in fewer.bodies):
+        fewer = of(number)
+        if not any(body_of(placed).complete for placed in fewer.bodies if placed.body.name in names):
             break
         with warnings.catch_warnings():  # of modes left out: the search is for enough of them
             warnings.simplefilter("ignore", ValidityWarning)
             solution = run(fewer)
         errors = truncation_error(fewer, solution)
-        if max(error.largest for error in errors.values()) <= tolerance:
+        if max(error.largest for name, error in errors.items() if name in names) <= tolerance:
             return EnoughModes(fewer, solution, errors)
         number *= 2
-    return EnoughModes(system, run(system), {})
+    return EnoughModes(whole, run(whole), {})

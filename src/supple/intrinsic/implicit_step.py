@@ -114,22 +114,28 @@ def implicit_step(
         return jnp.linalg.norm(left) / jnp.maximum(size, 1e-300)
 
     def goes_on(carry: Any) -> jax.Array:
-        _, _, error, _, count, _ = carry
+        _, _, error, _, _, count, _ = carry
         return (count < most) & ~(error <= tolerance)
 
-    def improve(carry: Any) -> Any:
-        after, left, error, slow, count, known = carry
-        known = jax.lax.cond(slow, made_anew, lambda _: known, after)
-        after = after + known.inverse @ left
-        left = missing(after)
-        now = measured(after, left, known)
-        return after, left, now, now > SLOW * error, count + 1, known
-
     def found(_: Any, first: jax.Array) -> tuple[jax.Array, Any]:
-        left = missing(first)
+        at_first = missing(first)
+
+        def improve(carry: Any) -> Any:
+            after, left, error, slow, is_own, count, known = carry
+            # A tangent of another step may have led astray.
+            again = slow & ~is_own
+            after, left = jnp.where(again, first, after), jnp.where(again, at_first, left)
+            known = jax.lax.cond(slow, made_anew, lambda _: known, after)
+            after = after + known.inverse @ left
+            left = missing(after)
+            now = measured(after, left, known)
+            return after, left, now, ~(now <= SLOW * error), is_own | slow, count + 1, known
+
         other = jnp.abs(h - tangent.step) > SAME_STEP * jnp.abs(h)
-        begin = first, left, measured(first, left, tangent), other, jnp.zeros((), dtype=int), tangent
-        after, _, error, _, count, known = jax.lax.while_loop(goes_on, improve, begin)
+        count = jnp.zeros((), dtype=int)
+        error = measured(first, at_first, tangent)
+        begin = first, at_first, error, other, jnp.zeros((), dtype=bool), count, tangent
+        after, _, error, _, _, count, known = jax.lax.while_loop(goes_on, improve, begin)
         return after, (jnp.asarray(count, dtype=float), error, known)  # whole numbers have no derivatives
 
     def tangent_solve(linear: Callable[[jax.Array], jax.Array], right: jax.Array) -> jax.Array:

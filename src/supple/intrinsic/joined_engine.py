@@ -12,6 +12,7 @@ import numpy as np
 from supple.algebra.kept_programs import KeptProgram
 from supple.errors import ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
+from supple.intrinsic.chosen_step import with_chosen_step
 from supple.intrinsic.full_leg import full_leg
 from supple.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
 from supple.intrinsic.joined_equations import Instant, Motion, all_velocities
@@ -44,7 +45,7 @@ class JoinedEngine:
             raise ModelError(
                 "intrinsic bodies are stepped with FixedStep(size): an adaptive step is not for them"
             )
-        self._run = run
+        self._run = run = with_chosen_step(system, run)
         self._machine: JoinedMachine = joined_machine(system, run.start)
         self._arrays = self._machine.arrays
         self._coefficients = first_order_coefficients(run.method.rho_inf)

@@ -14,7 +14,7 @@ from supple.integrate import GeneralizedAlpha, ResidualRungeKutta4, RungeKutta4
 from supple.intrinsic.implicit_step import Tangent, first_order_coefficients, implicit_step, no_tangent
 from supple.intrinsic.line_slope import system_slope
 from supple.intrinsic.line_system import LineSystem, States, system_rates
-from supple.intrinsic.residual_modes import at_rest_rates, slaved
+from supple.intrinsic.residual_modes import at_rest_rates, inverse_of_high, slaved
 from supple.intrinsic.runge_kutta import runge_kutta_step
 
 __all__ = ["LineRule", "MarchState", "first_march_state", "march_lines"]
@@ -106,13 +106,14 @@ def _kept(system: LineSystem, rule: ResidualRungeKutta4) -> tuple[int, ...]:
 
 def _residual_step(system: LineSystem, rule: ResidualRungeKutta4, now: MarchState, h: Any) -> MarchState:
     kept = _kept(system, rule)
+    inverse = inverse_of_high(system, kept, now.time, now.states)
 
     def rates(time: Any, states: States) -> States:
-        following, _ = slaved(system, kept, time, states, rule.sweeps)
+        following, _ = slaved(system, kept, time, states, rule.sweeps, inverse)
         return at_rest_rates(kept, system, system_rates(system, time, following))
 
     moved = runge_kutta_step(rates, now.time, now.states, h)
-    states, contraction = slaved(system, kept, now.time + h, moved, rule.sweeps)
+    states, contraction = slaved(system, kept, now.time + h, moved, rule.sweeps, inverse)
     return now._replace(states=states, worst=jnp.maximum(now.worst, contraction))
 
 

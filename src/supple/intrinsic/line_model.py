@@ -87,8 +87,8 @@ class LineState:
 def line_model(modes: IntrinsicModes, damping: Damping | None = None) -> LineModel:
     """The arrays of some modes of a line.
 
-    damping : None; ModalDamping of the elastic modes, or RayleighDamping's beta, which resist the rate of strain,
-        whatever the rotation; its alpha resists the elastic modes' velocities
+    damping : None, ModalDamping of the elastic modes, or RayleighDamping; the ratios and beta resist the rate
+        of strain, whatever the rotation, alpha the elastic modes' velocities
     Raises ModelError for a damping that belongs to a floating frame.
     """
     line, m = modes.line, modes.n_modes

@@ -38,8 +38,8 @@ def report_truncation(system: System, run: Run, solution: Solution) -> None:
             else f"all modes would move its stations by {max(error.places):.2g}, RMS"
         )
         say(
-            f"body '{name}': {body.n_coordinates} modes are too few: {why}, which is {error.largest:.1%} of its "
-            "deflection. Keep more modes, or leave their number out: all are kept then, or as many as an "
+            f"body '{name}': {body.n_coordinates} modes are too few: {why}, which is {error.largest:.1%} of "
+            "its deflection. Keep more modes, or leave their number out: all are kept then, or as many as an "
             "accuracy needs",
             ValidityWarning,
             run.validity,

@@ -1,9 +1,9 @@
 """Second-order modes: the axial, shear and rigid motion that a bent line makes, beside its lowest modes.
 
-The lowest modes of a slender line bend and twist it. Once it is bent they also shorten its projection, turn its
-velocities and carry force along its tangent, by modes that lie above dozens of others. These motions are
-quadratic in the lowest modes, so that they are known without a run: the velocities at which strain stays as it
-is, from the kinematic couplings of the lowest modes and rigid motion with the strains of the lowest modes.
+The lowest modes of a slender line bend and twist it. Once it is bent they also shorten its projection, turn
+its velocities and carry force along its tangent, by modes that lie above dozens of others. These motions are
+quadratic in the lowest modes, so that they are known without a run: the velocities at which strain stays as
+it is, from the kinematic couplings of velocities and strains of the lowest modes, and of rigid motion.
 """
 
 from __future__ import annotations
@@ -63,11 +63,12 @@ def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
         q_1 = <Phi_2, L_1(Phi_1a)^T C Phi_2b> / w
 
     for velocities a of the lowest modes and of rigid motion. Of all these pairs, each weighed by what a unit
-    force gives of the two modes, the leading directions are taken, by displacements and rotations times the length, and made Ritz vectors.
+    force gives of the two modes, the leading directions are taken, by displacements and by rotations times
+    the length, and made Ritz vectors.
 
     whole : all modes of a line
-    Source: the idea of modal derivatives, S. R. Idelsohn, A. Cardona, "A reduction method for nonlinear structural
-    dynamic analysis", Comput. Methods Appl. Mech. Eng. 49 (1985) 253-279, for the couplings of [Wang2015] (15).
+    Source: the idea of modal derivatives, S. R. Idelsohn, A. Cardona, "A reduction method for nonlinear
+    structural dynamic analysis", Comput. Methods Appl. Mech. Eng. 49 (1985) 253-279, for [Wang2015] (15).
     """
     k, e = whole.n_rigid, whole.n_elastic
     if n_lowest >= e:

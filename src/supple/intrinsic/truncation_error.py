@@ -14,6 +14,7 @@ from supple.integrate import Solution
 from supple.intrinsic.centre_drift import centre_drift
 from supple.intrinsic.complete_motion import complete_motion
 from supple.intrinsic.intrinsic_body import IntrinsicBody, body_of
+from supple.intrinsic.machine_of_lines import check_held_by_ground
 from supple.machine import System
 
 __all__ = ["TruncationError", "instants_of", "truncation_error"]
@@ -30,8 +31,7 @@ class TruncationError:
     times : (t,)            looked at
     places : (t,)           RMS distance of the stations, m; infinite where all modes find no such motion
     forces, velocities : (t,)   square roots of shares of strain energy and kinetic energy
-    drift : float           largest distance of the centre of mass of a free body from where the impulse of its
-                            loads brings it, m
+    drift : float           of the centre of mass of a free body, from where its loads bring it, m
     deflection : float      largest displacement of a station seen from the root, m
     """
 
@@ -75,6 +75,7 @@ def truncation_error(
     Raises ModelError where no body has more modes than it keeps, and for a machine that joints connect.
     Source: [Wang2015] (37), as an error estimate.
     """
+    check_held_by_ground(system)
     by_name = {body.name: body for body in whole}
     bodies = [_with_whole(body_of(placed), by_name.get(placed.body.name)) for placed in system.bodies]
     few = [body for body in bodies if body.complete is not None]

@@ -1,16 +1,53 @@
-"""Intrinsic lines of few modes beside closed forms: statics, spinning, roll-up, momentum."""
+"""Intrinsic lines, of few modes and of all, beside closed forms: bent far, rolled up, spinning, flying."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.intrinsic import IntrinsicBody
+from supple.fem import BeamSection, Isotropic, lumped_mass, shell_model
+from supple.integrate import FixedStep, GeneralizedAlpha, Run
+from supple.intrinsic import (
+    CLAMPED,
+    FREE,
+    IntrinsicBody,
+    RootSupport,
+    condensed_line,
+    intrinsic_body,
+    line_rest,
+)
+from supple.intrinsic.centre_drift import centre_drift
 from supple.intrinsic.line_equations import RootTwist, line_rates
+from supple.machine import DeadForce, Fixed, FollowerTorque, ForceElement, NodalLoad, Placed, System
+from supple.mesh import CellType, Mesh
+from supple.simulation import simulate
+from supple_benchmarks.references.elastica import elastica
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+
+__all__ = ["CASES", "slender_beam", "spinning_frequencies"]
 
 Array = NDArray[np.float64]
+
+CLAMP = Fixed(first="ground", second="beam.root", name="clamp")
+WRIGHT = "A. D. Wright et al., J. Appl. Mech. 49 (1982) 197-202, table 1: uniform cantilever, no hub"
+FLAP = {6.0: 7.3604, 12.0: 13.1702}
+"""First flapping frequency by speed, both over sqrt(EI / m L^4)."""
+
+
+def slender_beam(n: int, support: RootSupport, n_modes: int | None = None) -> IntrinsicBody:
+    """A line of n segments, L = EI = GJ = 1 kg/m, hardly extensible and with little rotary inertia."""
+    points = np.linspace(0, 1, n + 1)[:, None] * np.array([1.0, 0, 0])
+    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
+    section = BeamSection(Isotropic(1e6, 0.0, 1.0), 1.0, 1e-6, 1e-6, 2e-6, 0.0, 0.0, orientation=(0, 0, 1.0))
+    model = shell_model(Mesh(points, {CellType.LINE2: cells}), section)
+    mass = lumped_mass(model).reshape(-1, 6)
+    mass = np.hstack([mass[:, :3], np.full((n + 1, 3), mass[:, 0].mean() * 0.005**2)])
+    line = condensed_line("beam", points, model.stiffness, np.diag(mass.ravel()))
+    return intrinsic_body(line, support, n_modes)
 
 
 def spinning_frequencies(body: IntrinsicBody, speed: float) -> Array:
@@ -31,3 +68,65 @@ def spinning_frequencies(body: IntrinsicBody, speed: float) -> Array:
             break
     values = np.linalg.eigvals(np.asarray(slope(state)))
     return np.sort(values.imag[values.imag > 0])
+
+
+def _tip_at_rest(body: IntrinsicBody, load: ForceElement | NodalLoad, n_steps: int) -> Array:
+    rest = line_rest(System([body], [CLAMP], [load]), n_steps=n_steps)
+    return body.places(rest["beam"])[1][0, -1]
+
+
+def _bent() -> Sequence[Comparison]:
+    along, across, _ = elastica(1.0, 1.0, 10.0)
+    tip = _tip_at_rest(slender_beam(20, CLAMPED, 12), DeadForce(at="beam.tip", force=(0, 0, 10.0)), 4)
+    source = "inextensible elastica by elliptic integrals"
+    return [
+        Comparison("tip along the beam over L, PL^2/EI = 10, 12 modes", tip[0], along, source, 1e-3, 1.0),
+        Comparison("tip across the beam over L", tip[2], across, source, 1e-3, 1.0),
+    ]
+
+
+def _rolled_up() -> Sequence[Comparison]:
+    torque = FollowerTorque(first="beam.tip", torque=(0, -2 * np.pi, 0))
+    tip = _tip_at_rest(slender_beam(16, CLAMPED), torque, 8)
+    source = "constant curvature: a full circle closes"
+    apart = float(np.linalg.norm(tip))
+    return [Comparison("distance of the ends over L, ML/EI = 2 pi", apart, 0.0, source, 1e-6, 1.0)]
+
+
+def _spinning() -> Sequence[Comparison]:
+    body = slender_beam(20, CLAMPED, 10)
+    found = []
+    for speed, flap in FLAP.items():
+        lag, flapping = spinning_frequencies(body, speed)[:2]
+        of = f"frequency at speed {speed:g}, 10 modes"
+        found.append(Comparison(f"flapping {of}", flapping, flap, WRIGHT, 0.01))
+        own = float(np.sqrt(flap**2 - speed**2))
+        found.append(Comparison(f"lag {of}", lag, own, f"{WRIGHT}; lag^2 = flap^2 - speed^2", 0.01))
+    return found
+
+
+def _flying() -> Sequence[Comparison]:
+    body = slender_beam(12, FREE)
+    spin = np.array([0.3, 0.5, 2.0])
+    rates = np.zeros(body.n_coordinates)
+    rates[:2] = 4.0, 2.0
+    about_centre = -np.cross(spin, [0.5, 0, 0])
+    placed = Placed(body, coordinate_rates=rates, angular_velocity=spin, velocity=about_centre)
+    machine = System([placed])
+    solution = simulate(machine, Run(0.5, 0.05, step=FixedStep(2.5e-3), method=GeneralizedAlpha(1.0)))
+    motion = solution.bodies["beam"]
+    energies = np.sum(motion.rates**2, axis=1) + np.sum(body.forces_of(motion.coordinates) ** 2, axis=1)
+    drift = centre_drift(machine, solution, "beam")
+    energy = float(energies[-1] / energies[0])
+    return [
+        Comparison("drift of the centre of mass over L, bent and turning", drift, 0.0, "momentum", 0.01, 1.0),
+        Comparison("energy over its first, implicit midpoint rule", energy, 1.0, "conservation", 1e-8),
+    ]
+
+
+CASES: tuple[ValidationCase, ...] = (
+    ValidationCase("intrinsic line of few modes: elastica", _bent),
+    ValidationCase("intrinsic line: roll-up by an end moment", _rolled_up),
+    ValidationCase("intrinsic line of few modes: spinning cantilever", _spinning),
+    ValidationCase("intrinsic line: free flight", _flying),
+)
