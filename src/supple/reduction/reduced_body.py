@@ -256,7 +256,7 @@ def _combine(fields: np.ndarray, gamma: ArrayLike) -> np.ndarray:
     """Sum of fields (P, 3, r) times coordinates (..., r): (..., P, 3)."""
     gamma = np.asarray(gamma)
     n_points, _, r = fields.shape
-    return (gamma @ fields.reshape(-1, r).T).reshape(*gamma.shape[:-1], n_points, 3)
+    return (gamma @ fields.reshape(3 * n_points, r).T).reshape(*gamma.shape[:-1], n_points, 3)
 
 
 def _set_read_only(record) -> None:
