@@ -243,7 +243,7 @@ def _downhill(
         largest = _largest(found)
         progress(iteration, largest)
         best = min(best, largest)
-        if not largest <= max(_LOST * best, _FAR):
+        if not np.isfinite(largest) or (not careful and largest > max(_LOST * best, _FAR)):
             break
         # A move that arithmetic cannot tell from none, in a step that went far from the start, is none too:
         # where the terms of a kind all vanish, what is left of them has no size to be compared with.
