@@ -81,7 +81,7 @@ def test_released_modes_hold_those_of_the_support_and_of_the_free_body():
     # The clamped shapes are in its span: the root at rest, a moment at the root.
     few = intrinsic_body(line, CLAMPED, 5)
     free = released(few)
-    shapes = few.modes.velocities.reshape(-1, 5)
+    shapes = few.modes.velocities.reshape(-1, few.n_coordinates)
     weights = free.modes.momenta.reshape(line.n * 6, -1).T @ shapes
     assert free.modes.velocities.reshape(line.n * 6, -1) @ weights == pytest.approx(shapes, abs=1e-9)
 

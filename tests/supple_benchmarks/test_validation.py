@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
+import numpy as np
 import pytest
 from typer import Typer
 from typer.testing import CliRunner
 
 from supple_benchmarks.validation import every_case
 from supple_benchmarks.validation.command import validation
-from supple_benchmarks.validation.report import markdown_table
-from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+from supple_benchmarks.validation.report import markdown_table, with_table
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
 
 KEYS = {"name", "quantity", "value", "reference", "source", "error", "allowed"}
 
@@ -95,9 +97,40 @@ def test_the_table_of_the_documentation_has_a_line_for_each_row(run):
     assert gap.startswith("| right | gap, m | 1e-09 | 0 |")
 
 
+def test_the_table_takes_its_place_in_the_page_again_and_again(run):
+    _, report = run(right)
+    page = "Before\n<!-- table -->\n<!-- end of table -->\nAfter\n"
+    filled = with_table(page, report["cases"])
+    assert filled == with_table(filled, report["cases"])
+    assert filled.splitlines()[0] == "Before"
+    assert filled.splitlines()[-1] == "After"
+    assert filled.count("| right |") == 2
+
+
+def test_the_largest_difference_of_histories_is_one_of_their_sizes():
+    exact = np.array([[3.0, 4.0], [0.0, 1.0]])
+    each = largest_difference("place, m", exact + np.array([[0.0, 0.1], [0.0, 0.0]]), exact, "none", 0.03)
+    assert (each.value, each.error) == pytest.approx((0.1, 0.02))
+    assert largest_difference("angle", [1.0, 2.5], [1.0, 2.0], "none", 0.1, scale=5.0).error == pytest.approx(
+        0.1
+    )
+
+
+def test_every_topic_is_listed():
+    folder = Path(every_case.__file__).parent
+    topics = {path.stem for path in folder.glob("*.py") if "\nCASES" in path.read_text(encoding="utf-8")}
+    assert topics - {"every_case"} == set(every_case.TOPICS)
+
+
 def test_names_of_cases_differ():
     names = [case.name for case in every_case.CASES]
     assert len(set(names)) == len(names)
+
+
+def test_the_page_has_every_case():
+    """Where it does not: make the report anew, then `python benchmarks/validation_page.py`."""
+    page = (Path(__file__).parents[2] / "docs" / "validation.md").read_text(encoding="utf-8")
+    assert [case.name for case in every_case.CASES if f"| {case.name} |" not in page] == []
 
 
 QUICK = [case for case in every_case.CASES if case.quick]

@@ -23,7 +23,7 @@ from supple.cases.split import SplitSource, split_source
 from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
 from supple.cases.stated_error import Judged, judged_places
 from supple.correction import ErrorStudy, JudgedQuantity, ReductionStart
-from supple.errors import CaseError, ModelError
+from supple.errors import CaseError, ModelError, SuppleError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
@@ -272,7 +272,7 @@ class Case:
 
         Raises
         ------
-        CaseError, ModelError   as for `sources`; stress of a body that has no elements
+        CaseError   as for `sources`; what sensors find wrong with the machine, each with its line
         """
         named = zip(
             (*self.parts.spring, *self.parts.element), self.system.loads[len(self.parts.load) :], strict=True
@@ -283,7 +283,17 @@ class Case:
             if table.name is not None and isinstance(spring, ForceElement)
         }
         sensed = SensedCase(self.place, self.bases, self.elements, springs)
-        return tuple(table.build(sensed) for table in self.parts.sensor)
+        made, mistakes = [], []
+        for number, table in enumerate(self.parts.sensor):
+            try:
+                sensor = table.build(sensed)
+                sensor.channels(self.system)
+                made.append(sensor)
+            except SuppleError as error:
+                mistakes.append((("sensor", number), str(error)))
+        if mistakes:
+            raise self.error(mistakes)
+        return tuple(made)
 
     @cached_property
     def study(self) -> ErrorStudy:

@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.fem import FiniteElementModel
 from supple.integrate import FloatingMotion, Solution
@@ -51,6 +52,7 @@ N_INSTANTS = 200
 VISIBLE = 0.08
 
 
+@checked_arguments
 def draw_run(
     folder: Path,
     system: System,
@@ -116,6 +118,7 @@ def draw_run(
     return pictures
 
 
+@checked_arguments
 def animate_run(
     path: Path,
     system: System,
@@ -170,6 +173,7 @@ def animate_run(
     )
 
 
+@checked_arguments
 def draw_machine(
     path: Path,
     system: System,

@@ -9,6 +9,9 @@ from supple_benchmarks.validation.validation_case import ValidationCase
 __all__ = ["CASES", "TOPICS"]
 
 TOPICS = (
+    "driven_starts",
+    "rotors",
+    "damping",
     "rigid_machines",
     "rigid_rotation",
     "beams_at_rest",

@@ -238,11 +238,11 @@ def speed_control() -> Sequence[Comparison]:
 
 
 CASES = (
-    ValidationCase("sledge that friction stops", sliding_friction),
-    ValidationCase("disc that a brake stops", brake),
-    ValidationCase("elastic and dissipating stops", stop),
-    ValidationCase("servo", servo),
-    ValidationCase("pair of gears", gear),
-    ValidationCase("screw that lifts", screw),
-    ValidationCase("speed control", speed_control),
+    ValidationCase("sledge that friction stops", sliding_friction, quick=False),
+    ValidationCase("disc that a brake stops", brake, quick=False),
+    ValidationCase("elastic and dissipating stops", stop, quick=False),
+    ValidationCase("servo", servo, quick=False),
+    ValidationCase("pair of gears", gear, quick=False),
+    ValidationCase("screw that lifts", screw, quick=False),
+    ValidationCase("speed control", speed_control, quick=False),
 )

@@ -7,9 +7,10 @@ from typing import Any
 
 from supple_benchmarks.table import Table
 
-__all__ = ["markdown_table", "outside", "tables"]
+__all__ = ["markdown_table", "outside", "tables", "with_table"]
 
 Row = Mapping[str, Any]
+BEGIN, END = "<!-- table -->", "<!-- end of table -->"
 HEADS = ["case", "quantity", "value", "reference", "error", "allowed"]
 
 
@@ -40,6 +41,13 @@ def markdown_table(rows: Iterable[Row]) -> str:
     lines = [heads, ["---", "---", *4 * ["---:"], "---"]]
     lines += [[*_cells(row), row["source"]] for row in rows]
     return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
+
+
+def with_table(page: str, rows: Iterable[Row]) -> str:
+    """The text of a page, the table of the rows in the place that is marked for it."""
+    before, _, rest = page.partition(BEGIN)
+    _, _, after = rest.partition(END)
+    return f"{before}{BEGIN}\n{markdown_table(rows)}{END}{after}"
 
 
 def _holds(row: Row) -> bool:

@@ -445,8 +445,8 @@ CASES = (
     ValidationCase("N-four-bar mechanism", n_four_bar),
     ValidationCase("Andrews' squeezing mechanism", squeezer),
     ValidationCase("Bricard's mechanism", bricard),
-    ValidationCase("pendulum let go at 120 degrees", pendulum),
-    ValidationCase("double pendulum", double_pendulum),
-    ValidationCase("slider-crank at constant speed", slider_crank),
-    ValidationCase("universal joint at 35 degrees", universal_joint),
+    ValidationCase("pendulum let go at 120 degrees", pendulum, quick=False),
+    ValidationCase("double pendulum", double_pendulum, quick=False),
+    ValidationCase("slider-crank at constant speed", slider_crank, quick=False),
+    ValidationCase("universal joint at 35 degrees", universal_joint, quick=False),
 )

@@ -90,5 +90,5 @@ def heavy_top() -> Sequence[Comparison]:
 
 CASES = (
     ValidationCase("body turning about its intermediate axis (Dzhanibekov)", intermediate_axis),
-    ValidationCase("heavy top", heavy_top),
+    ValidationCase("heavy top", heavy_top, quick=False),
 )

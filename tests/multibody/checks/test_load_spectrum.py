@@ -204,6 +204,13 @@ def test_times_must_be_evenly_spaced(small):
             load_spectra(system, times)
 
 
+def test_a_run_of_one_output_interval_is_looked_at(beam):
+    """Its steps see the load all the same, and so does the check."""
+    tiny = reduce(beam, ROOT, NormalModes(1), derivatives=NoDerivatives())
+    with pytest.warns(LoadSpectrumWarning, match="at least 3 modes"):
+        warn_of_missing_modes(pushed(tiny, harmonic(24.0)), np.array([0.0, TIMES[-1]]), beam, tiny)
+
+
 def test_long_runs_are_sampled_more_coarsely():
     times = np.linspace(0.0, 100.0, 1_000_001)
     assert len(_thinned(times)) == 20_000

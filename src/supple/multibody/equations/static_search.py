@@ -61,8 +61,9 @@ _WORSE = 10.0
 """What it may be over the one before, of a step that is refused otherwise, on the way up in steps."""
 _SHORTEST = 1e-4
 """Of the first step: no step is refused that is shorter."""
-_DIRECT = 60
-"""Iterations after which load and spin are followed up in steps instead."""
+_ARRIVAL = 20
+"""Iterations for what is left after a whole turn in the largest moves, as of a beam that a moment rolls up: a
+direct search that takes more has lost its way, and load and spin are followed up in steps instead."""
 _OF_A_SHARE = 20
 """Iterations with one share of them."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
@@ -176,11 +177,13 @@ def search_equilibrium(
 ) -> tuple[StaticState, int]:
     """The equilibrium downhill from a configuration whose joints are closed, and the iterations it took.
 
-    Load and spin are followed up in steps where the direct search finds none in 60 iterations.
+    Load and spin are followed up in steps where the direct search finds none in the iterations that a whole
+    turn takes.
     progress : hears of the iteration, and of the largest relative residual
     Raises ConvergenceError   none was found: nothing holds a body, or loads beyond what the bodies can bear
     """
-    if search.max_iterations <= _DIRECT:
+    enough = int(2 * np.pi / search.largest_move) + _ARRIVAL
+    if search.max_iterations <= enough:
         return _downhill(machine, state, time, search, progress)
     tried: list[int] = []
 
@@ -189,7 +192,7 @@ def search_equilibrium(
         progress(iteration, residual)
 
     try:
-        return _downhill(machine, state, time, replace(search, max_iterations=_DIRECT), counted)
+        return _downhill(machine, state, time, replace(search, max_iterations=enough), counted)
     except ConvergenceError as error:
         direct = error
     held = machine.at_rest().residual(state, time)
