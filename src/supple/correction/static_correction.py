@@ -81,8 +81,9 @@ def correct_at_rest(
     ModelError              nothing to reduce, a body that is not full; errors of `equilibrium` and `reduce`
     ConvergenceError        no equilibrium
     """
-    starts = target
-    if not isinstance(target, Mapping):
+    if isinstance(target, Mapping):
+        starts = target
+    else:
         start = ReductionStart(target) if isinstance(target, SelfCorrection) else target
         starts = dict.fromkeys(system.bodies_of(FullBody), start)
     found: list[Equilibrium] = []
@@ -140,7 +141,7 @@ def correct_statically(
             return StaticallyCorrected(reduced, bases, {name: tuple(each) for name, each in rounds.items()})
         for name in unmet:
             fields = missed[name].fields
-            more = int(np.linalg.matrix_rank(fields))
+            more = int(np.linalg.matrix_rank(fields)) if fields.any() else 0
             _check_prospects(name, starts[name].target, rounds[name], bases[name].r + more)
             bases[name] = enrich(fulls[name].body, bases[name], fields, more).basis
 

@@ -64,7 +64,7 @@ _SHORTEST = 1e-4
 _ARRIVAL = 20
 """Iterations for what is left after a whole turn in the largest moves, as of a beam that a moment rolls up: a
 direct search that takes more has lost its way, and load and spin are followed up in steps instead."""
-_OF_A_SHARE = 20
+_OF_A_SHARE = 12
 """Iterations with one share of them."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
 _FASTER = 1.5
