@@ -224,3 +224,20 @@ def test_a_diagram_over_speed_keeps_to_the_accuracy_and_names_its_axes(tmp_path)
     assert np.max(diagram["errors"]) < 1e-3
     flaps = 2 * np.pi * np.array(diagram["frequencies"])[:, 0] / UNIT
     assert flaps == pytest.approx([3.5160, 7.3604], rel=5e-3)  # [Wright1982], hub radius 0
+
+
+def test_modes_beside_a_body_in_full_ask_for_a_size(tmp_path):
+    (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 4, 2)))
+    text = STRIP.replace("REDUCTION", "").replace("PICTURES", "pictures = false").replace("FRAME", AT_ROOT)
+    head, body, rest = text.partition("[[body]]")
+    strip_table, joint, end = rest.partition("[[joint]]")
+    whole = strip_table.replace('"strip"', '"whole"').replace(
+        "[[body.inter", 'reduction = { basis = "none" }\n[[body.inter'
+    )
+    case = tmp_path / "strip.toml"
+    case.write_text((head + body + strip_table + body + whole + joint + end).replace("RATE", "0.0"))
+    result = CliRunner().invoke(app, ["modes", str(case), "-o", str(tmp_path)])
+    assert result.exit_code == 2
+    assert "beside a body with all its freedoms no reduction corrects itself" in " ".join(
+        result.output.split()
+    )

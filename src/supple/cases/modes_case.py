@@ -19,6 +19,7 @@ from supple.correction import Missed, correct_statically
 from supple.errors import CaseError
 from supple.linearization import (
     CampbellDiagram,
+    LinearMachine,
     MachineModes,
     campbell_diagram,
     linearize,
@@ -145,6 +146,11 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
         worst, fields = dict.fromkeys(fulls, 0.0), {name: [] for name in fulls}
         for spin in spins:
             linear = linearize(reduced, time=time, spin=spin, fulls=fulls)
+            if not isinstance(linear, LinearMachine):
+                raise CaseError(
+                    f"{case.path}: beside a body with all its freedoms no reduction corrects itself "
+                    f"for modes: give body '{next(iter(fulls))}' a basis of fixed size, or none too"
+                )
             error = machine_modes(linear, n_modes).error
             if error is None or linear.full is None:
                 worst = dict.fromkeys(fulls, np.inf)
@@ -156,9 +162,11 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
                 fields[name] += [rest.deformation[:, None], error.fields[name]]
         return {
             name: Missed(
-                worst[name], case.starts[name].target.relative or DEFAULT_ACCURACY, np.hstack(fields[name])
+                worst[name],
+                case.starts[name].target.relative or DEFAULT_ACCURACY,
+                np.hstack([np.zeros((full.n_coordinates, 0)), *fields[name]]),
             )
-            for name in fulls
+            for name, full in fulls.items()
         }
 
     return correct_statically(system, case.starts, look).system

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple import cases
+from supple.reduction import ReducedBody
 from supple.results.rest_tables import rest_error_table
 from supple.results.run_tables import motion_tables
 from supple.terminal import Steps, print_table, progress_bars, say
@@ -30,5 +31,8 @@ def static_case(path: Path, folder: Path, *, time: float, errors: bool, allow_co
     if result.found.errors:
         print_table(*rest_error_table(numbers))
     found = result.found
+    unknown = [name for name in found.system.bodies_of(ReducedBody) if name not in found.errors]
+    if errors and unknown:
+        say(f"Error of the basis not known, as the case has no finite elements: {', '.join(unknown)}")
     kind = _STABILITY[found.stable]
     say(f"{kind} equilibrium after {found.iterations} iterations. Results are in {folder}/")

@@ -138,7 +138,7 @@ def correct_statically(
             return StaticallyCorrected(reduced, bases, {name: tuple(each) for name, each in rounds.items()})
         for name in unmet:
             fields = missed[name].fields
-            more = int(np.linalg.matrix_rank(fields))
+            more = int(np.linalg.matrix_rank(fields)) if fields.any() else 0
             _check_prospects(name, starts[name].target, rounds[name], bases[name].r + more)
             bases[name] = enrich(fulls[name].body, bases[name], fields, more).basis
 

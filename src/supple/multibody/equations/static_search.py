@@ -64,7 +64,7 @@ _SHORTEST = 1e-4
 _ARRIVAL = 20
 """Iterations for what is left after a whole turn in the largest moves, as of a beam that a moment rolls up: a
 direct search that takes more has lost its way, and load and spin are followed up in steps instead."""
-_OF_A_SHARE = 20
+_OF_A_SHARE = 12
 """Iterations with one share of them."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
 _FASTER = 1.5
@@ -246,7 +246,7 @@ def _downhill(
         largest = _largest(found)
         progress(iteration, largest)
         best = min(best, largest)
-        if not largest <= max(_LOST * best, _FAR):
+        if not np.isfinite(largest) or (not careful and largest > max(_LOST * best, _FAR)):
             break
         # A move that arithmetic cannot tell from none, in a step that went far from the start, is none too:
         # where the terms of a kind all vanish, what is left of them has no size to be compared with.
