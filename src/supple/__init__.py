@@ -89,6 +89,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.reduction import CraigBampton as CraigBampton
     from supple.reduction import ErrorControlled as ErrorControlled
     from supple.reduction import NoDerivatives as NoDerivatives
+    from supple.reduction import NoLoads as NoLoads
     from supple.reduction import PickedDerivatives as PickedDerivatives
     from supple.reduction import Rubin as Rubin
     from supple.reduction import SteadyLoads as SteadyLoads
@@ -120,7 +121,7 @@ _NAMES = {
         "MeanAxisFrame NodalFixedFrame RayleighDamping ModalDamping"
     ),
     "supple.reduction": (
-        "reduce CraigBampton Rubin AttachmentModes SteadyLoads ErrorControlled "
+        "reduce CraigBampton Rubin AttachmentModes SteadyLoads NoLoads ErrorControlled "
         "CompressedDerivatives PickedDerivatives NoDerivatives"
     ),
     "supple.machine": (

@@ -40,15 +40,16 @@ _NUMBERS = frozenset("iuf")
 
 
 def given(value: Any) -> str:
-    """A value in a few words, for messages."""
+    """A value in a few words, for messages; a class says in `used_with` what its objects are for."""
     if isinstance(value, type):
         return f"the class {value.__name__} itself; make one: {value.__name__}(...)"
     if hasattr(value, "shape") and hasattr(value, "dtype") and getattr(value, "ndim", 0):
         return f"an array of shape {tuple(value.shape)} of {value.dtype}"
     if isinstance(value, str | bytes | bool | int | float | complex | list | tuple | dict | set | None):
         return f"{reprlib.repr(value)} ({type(value).__name__})"
-    name = getattr(value, "name", None)
-    return f"a {type(value).__name__}" + (f" named '{name}'" if isinstance(name, str) else "")
+    name, use = getattr(value, "name", None), getattr(type(value), "used_with", None)
+    called = f" named '{name}'" if isinstance(name, str) else ""
+    return f"a {type(value).__name__}{called}" + (f", {use}" if isinstance(use, str) else "")
 
 
 def check_instance(what: str, value: Any, kinds: type | tuple[type, ...], expected: str) -> None:

@@ -81,6 +81,10 @@ class LockingWarning(SuppleWarning):
     """A reduced body answers too little, because its basis lacks stiff motion that bending needs."""
 
 
+class BasisWarning(SuppleWarning):
+    """A reduced body whose basis misses a part of its deformation at rest, or of a mode, that matters."""
+
+
 class LoadSpectrumWarning(SuppleWarning):
     """Loads that excite modes which a reduced body lacks."""
 

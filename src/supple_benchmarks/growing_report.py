@@ -23,10 +23,10 @@ def keep_report(
     studies: Callable[[StudyBar], Iterator[Report]],
     tables: Callable[[Any], Iterable[Table]],
     draw: Callable[[Any], Sequence[Path]] = lambda _: [],
-) -> None:
+) -> Report:
     """Write each report that the studies give, longer every time, so that a stop loses one study at most.
 
-    target : of the report;   tables, draw : of the last one, which is whole
+    target : of the report;   tables, draw : of the last one, which is whole and returned
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     report: Report = {}
@@ -36,3 +36,4 @@ def keep_report(
     pictures = draw(report)
     print_tables(tables(report))
     print_files(target, pictures)
+    return report

@@ -13,7 +13,10 @@ from supple_benchmarks.table import Table
 
 __all__ = ["print_files", "print_tables"]
 
-_WORDS = {"model", "columns", "basis", "one", "other", "body", "element", "motion", "interfaces"}
+_WORDS = {
+    *("model", "columns", "basis", "one", "other", "body", "element", "motion", "interfaces"),
+    *("case", "quantity", "failure"),
+}
 """Heads of columns that hold words, which stand on the left; numbers stand on the right."""
 
 

@@ -21,18 +21,20 @@ def system():
     return sparse.csr_array(matrix), sparse.csr_array(rng.normal(size=(M, N))), rng.normal(size=(N, W))
 
 
-@pytest.mark.parametrize("weight", [0.0, 3.0])
+@pytest.mark.parametrize("weights", [None, np.array([3.0, -1.5])])
 @pytest.mark.parametrize("symmetric", [False, True])
-def test_the_solution_is_that_of_the_dense_equations(system, weight, symmetric):
+def test_the_solution_is_that_of_the_dense_equations(system, weights, symmetric):
     matrix, constraint, columns = system
     matrix = sparse.csr_array(matrix + matrix.T) if symmetric else matrix
     rng = np.random.default_rng(4)
     loads, gaps = rng.normal(size=(N, 3)), rng.normal(size=(M, 3))
-    dense = matrix.toarray() + weight * columns @ columns.T
+    dense = matrix.toarray()
+    if weights is not None:
+        dense = dense + columns @ np.diag(weights) @ columns.T
     rows = constraint.toarray()
     whole = np.block([[dense, rows.T], [rows, np.zeros((M, M))]])
     expected = np.linalg.solve(whole, np.vstack([loads, gaps]))[:N]
-    found = bordered_factor(matrix, constraint, INTERIOR, columns, weight).solve(loads, gaps)
+    found = bordered_factor(matrix, constraint, INTERIOR, columns, weights).solve(loads, gaps)
     np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-12)
 
 

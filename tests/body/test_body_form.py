@@ -20,6 +20,7 @@ from supple.body import (
 from supple.errors import ModelError
 from supple.fem import stress_recovery, von_mises
 from supple.integrate import FloatingMotion
+from supple.machine import Placed
 from supple.reduction import (
     CompleteBasis,
     NoDerivatives,
@@ -201,3 +202,20 @@ def test_forms_are_known_by_their_kind(forms):
     """The word that a run's summary writes belongs to the type."""
     kinds = {RigidBody: "rigid", FullBody: "full", ReducedBody: "reduced"}
     assert {type(body): body.kind for body in forms.values()} == kinds
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_centre_of_mass_moves_as_asked(forms, kind):
+    """The plate lies from 0 to 2 along x; its mesh origin is at an end."""
+    body = forms[kind]
+    np.testing.assert_allclose(body.centre_of_mass, [1.0, 0.0, 0.0], atol=1e-9)
+    turn = Rotation.from_rotvec([0.2, -0.4, 1.1])
+    spin, wanted = np.array([0.3, 2.0, -5.0]), np.array([1.0, 2.0, 3.0])
+    placed = Placed(body, rotation=turn.as_matrix(), angular_velocity=spin).with_centre_velocity(wanted)
+    of_centre = placed.velocity + turn.apply(np.cross(spin, [1.0, 0.0, 0.0]))
+    np.testing.assert_allclose(of_centre, wanted, atol=1e-8)
+    still = Placed(body).with_centre_velocity(wanted)
+    np.testing.assert_allclose(still.velocity, wanted)
+    np.testing.assert_allclose(still.angular_velocity, 0.0)
+    with pytest.raises(ModelError, match="centre velocity of body 'plate'"):
+        Placed(body).with_centre_velocity([1.0, 2.0])

@@ -16,8 +16,8 @@ class Strip:
     nodes: np.ndarray
     basis: np.ndarray
 
-    def expand(self, gamma):
-        return np.einsum("kir,...r->...ki", self.basis, gamma)
+    def expand(self, gamma, nodes=slice(None)):
+        return np.einsum("kir,...r->...ki", self.basis[nodes], gamma)
 
 
 BEAM = "beam/left 100%"

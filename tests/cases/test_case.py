@@ -7,6 +7,7 @@ import pytest
 
 from supple.body import body_source
 from supple.cases import read_case, run_case
+from supple.errors import CaseError
 from supple.importers.nastran import model as nastran
 from supple.mesh import strip
 from supple.simulation import simulate
@@ -113,3 +114,22 @@ def test_a_nastran_file_is_read_and_assembled_once_a_run(tmp_path, bulk, monkeyp
     assert (len(reads), len(assembled)) == (1, 1)
     assert (tmp_path / "out" / "plate-stress.png").is_file()
     assert (tmp_path / "out" / "motion.gif").is_file()
+
+
+def test_a_velocity_may_be_that_of_the_centre_of_mass(case_folder):
+    """Spinning about its centre, half a metre from the mesh origin."""
+    path = case_folder / "strip.toml"
+    text = path.read_text().split("[[joint]]")[0] + "[simulation]" + path.read_text().split("[simulation]")[1]
+    spinning = "angular_velocity = [0, 0, 4]\n"
+    given = text.replace("frame = ", f"{spinning}centre_velocity = [0, 0, 1]\nframe = ")
+    path.write_text(given)
+    (placed,) = read_case(path).system.bodies
+    np.testing.assert_allclose(placed.velocity, [0.0, -2.0, 1.0], atol=1e-9)
+    path.write_text(given.replace("centre_velocity", "velocity = [0, 0, 1]\ncentre_velocity"))
+    with pytest.raises(
+        CaseError, match="centre_velocity: the velocity of the mesh origin or that of the centre"
+    ):
+        read_case(path)
+    path.write_text(given.replace("centre_velocity", "split = { parts = 2 }\ncentre_velocity"))
+    with pytest.raises(CaseError, match="each part of a split body has a centre of its own"):
+        read_case(path)

@@ -76,6 +76,7 @@ def test_the_wing_is_a_valid_case():
         ("modes = 4", "modes = 4, axis = [0, 0, 1]", "only a hinged or sliding root has an axis"),
         (CONDENSE, CONDENSE + WHOLE[0], "takes no frame; remove the key"),
         ('kind = "rayleigh"', 'kind = "linear-rayleigh"', 'takes damping of kind "rayleigh" or "modal"'),
+        ("damping = {", 'damping = { held = "root",', "a condensed body acts on its own modes; remove held"),
         ("stations = 5", "stations = 1", "greater than or equal to 2"),
     ],
 )

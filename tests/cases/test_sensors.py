@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from supple.cases import read_case
 from supple.cli.main import app
 from supple.errors import CaseError
+from supple.sensors import Maximum, Mean, Nearest
 
 SENSORS = """
 [[sensor]]
@@ -63,13 +64,89 @@ def test_a_run_writes_what_its_sensors_read(case, tmp_path):
     table = dict(zip(heads, np.array(rows, dtype=float).T, strict=True))
     report = json.loads((out / "strip.json").read_text())
     told = report["sensors"]["tip"]["z"]
+    told_fibre = report["sensors"]["fibre"]["top xx"]
     assert told["smallest"] == table["tip.z (m)"].min() < 0
     assert report["tracked"]["strip.TIP"]["last deflection"][2] == pytest.approx(told["last"])
     assert table["fibre.top xx (Pa)"][-1] > 0 > table["fibre.bottom xx (Pa)"][-1]
     assert heads[-6:] == [*(f"cut.F{axis} (N)" for axis in "xyz"), *(f"cut.M{axis} (N m)" for axis in "xyz")]
     assert table["cut.Fz (N)"][-1] < 0 < table["cut.My (N m)"][-1], "what hangs on it pulls down"
+    stress = report["stress"]["strip"]
+    assert stress["largest von Mises stress"] >= 0.99 * abs(table["fibre.top xx (Pa)"]).max()
+    assert stress["point"][0] < 0.2
+    assert 0 < stress["time"] <= 0.04
+    assert str(stress["node"]) in result.output
+    assert told_fibre["place"] == "largest of 3 nodes"
+    assert told_fibre["point of largest"][0] == 0.0
     assert (out / "sensors.h5").exists()
     assert (out / "sensors.png").stat().st_size > 5_000
+
+
+def line_of(path, text):
+    return 1 + path.read_text()[: path.read_text().index(text)].count("\n")
+
+
+def test_a_stress_that_is_none_is_found_while_reading(case):
+    """An interface is no node set, and a rigid body has no elements: with the line of the key."""
+    case.write_text(case.read_text().replace('at = "strip.ROOT"', 'at = "strip.root"'))
+    line = line_of(case, 'at = "strip.root"')
+    with pytest.raises(CaseError, match=rf"line {line}, sensor\[3\].at: 'root' is an interface"):
+        read_case(case)
+    inertia = "[[1,0,0],[0,1,0],[0,0,1]]"
+    rigid = f'[[body]]\nname = "hub"\nrigid = {{ mass = 1.0, centre = [0,0,0], inertia = {inertia} }}\n'
+    text = case.read_text().replace('at = "strip.root"', 'at = "hub.eye"')
+    case.write_text(text.replace("[[joint]]", rigid + "[[joint]]"))
+    with pytest.raises(CaseError, match=r"sensor\[3\].at: body 'hub' has no elements, whose stress"):
+        read_case(case)
+
+
+def test_a_sensor_that_its_body_cannot_serve_is_found_before_the_run(case):
+    """The velocity of an intrinsic body: said with its line, not when the run is over."""
+    text = case.read_text()
+    keys = 'frame = { kind = "mean-axis" }\n', "reduction = "
+    text = text.replace(keys[0], 'condense = { root = "root", tip = "tip", stations = 5 }\n')
+    text = "\n".join(line for line in text.splitlines() if not line.startswith(keys[1]))
+    text = text.replace("\n[[joint]]", '\n[[body.interface]]\nname = "tip"\nnodes = "TIP"\n\n[[joint]]', 1)
+    text = text[: text.index("[[sensor]]")]
+    case.write_text(text + '\n[[sensor]]\nname = "v"\nkind = "velocity"\nat = "strip.tip"\n')
+    line = line_of(case, "[[sensor]]")
+    with pytest.raises(
+        CaseError, match=rf"line {line}, sensor\[1\]: sensor 'v': body 'strip' has no floating"
+    ):
+        _ = read_case(case).sensors
+
+
+@pytest.mark.parametrize(
+    ("element", "cause"),
+    [
+        ('kind = "angle-stop"\naxis = [0, 1, 0]\nlower = 1.0\nupper = 0.0\nstiffness = 1.0', "lower"),
+        ('kind = "gear"\naxis = [0, 1, 0]\nteeth = [20, 40]\nstiffness = 1.0', "needs an anchor"),
+        ('kind = "bushing"\nstiffness = [1, 1, -1, 1, 1, 1]', "must not be negative"),
+    ],
+)
+def test_a_mistake_of_an_element_is_found_while_reading_with_its_line(case, element, cause):
+    given = f'\n[[element]]\nfirst = "ground"\nsecond = "strip.root"\n{element}\n'
+    case.write_text(case.read_text() + given)
+    line = line_of(case, "[[element]]")
+    with pytest.raises(CaseError, match=rf"line {line}, element\[1\]: .*{cause}"):
+        read_case(case)
+
+
+@pytest.mark.parametrize(
+    ("given", "component", "over"),
+    [
+        ("", "von Mises", Maximum()),
+        ('measure = "max"', "von Mises", Maximum()),
+        ('measure = "mean"\ncomponent = "yy"', "yy", Mean()),
+        ('measure = "nearest"', "von Mises", Nearest()),
+        ('measure = "xx"', "xx", Maximum()),
+    ],
+)
+def test_what_is_read_of_a_set(case, given, component, over):
+    case.write_text(case.read_text().replace('measure = "xx"', given))
+    (sensor,) = [each for each in read_case(case).sensors if each.name == "fibre"]
+    assert sensor.measure.names == (component,)
+    assert sensor.over == over
+    assert len(sensor.nodes) == 3
 
 
 @pytest.mark.parametrize(
@@ -83,6 +160,7 @@ def test_a_run_writes_what_its_sensors_read(case, tmp_path):
         ('kind = "joint-force"', 'kind = "joint-force"\nseen_from = "strip.root"', "seen_from"),
         ('at = "strip.ROOT"', 'at = "strip.root"', "no node set of a body with elements"),
         ('measure = "xx"', 'measure = "xxx"', "measure"),
+        ('measure = "xx"', 'component = "xx"\nmeasure = "yy"', "beside component, measure is one of max"),
         ("normal = [1, 0, 0]", "", "normal"),
     ],
 )

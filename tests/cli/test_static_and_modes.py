@@ -6,9 +6,11 @@ import json
 
 import numpy as np
 import pytest
+from fixtures.abaqus_text import abaqus_text
 from typer.testing import CliRunner
 
 from supple.cli.main import app
+from supple.mesh import strip
 
 BOB = """
 title = "a bob on a rod"
@@ -103,3 +105,122 @@ def test_mistakes_are_named(run, arguments, spin, message):
     result, _ = run(*arguments, spin=spin)
     assert result.exit_code == 2
     assert message in " ".join(result.output.split())
+
+
+STRIP = """
+title = "a strip that turns"
+units = { length = "m", mass = "kg", time = "s", force = "N" }
+
+[[body]]
+name = "strip"
+mesh = "strip.inp"
+shell = { thickness = 0.01, youngs_modulus = 1e9, poissons_ratio = 0.0, density = 1000.0 }
+frame = FRAME
+REDUCTION
+
+[[body.interface]]
+name = "root"
+nodes = "ROOT"
+
+[[joint]]
+name = "hub"
+kind = "prescribed-rotation"
+first = "ground"
+second = "strip.root"
+axis = [0.0, 0.0, 1.0]
+law = { kind = "constant", value = 0.0 }
+
+[spin]
+rate = RATE
+axis = [0.0, 0.0, 1.0]
+
+[simulation]
+duration = 1.0
+output_step = 0.1
+step = 0.01
+
+[output]
+track = ["strip.TIP"]
+animation = false
+PICTURES
+"""
+AT_ROOT = '{ kind = "nodal-fixed", interface = "root" }'
+UNIT = np.sqrt(1e9 * 0.01**2 / 12 / 1000.0)
+RATE = 6.0 * UNIT
+STRETCH = 1000.0 * RATE**2 / (3 * 1e9)
+
+
+@pytest.fixture
+def strip_run(tmp_path):
+    def of(command, reduction="", frame=AT_ROOT, pictures=False):
+        (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 8, 2)))
+        case = tmp_path / "strip.toml"
+        drawn = f"pictures = {str(pictures).lower()}"
+        case.write_text(
+            STRIP.replace("REDUCTION", reduction)
+            .replace("PICTURES", drawn)
+            .replace("FRAME", frame)
+            .replace("RATE", repr(float(RATE)))
+        )
+        out = tmp_path / "out"
+        result = CliRunner().invoke(app, [command, str(case), "-o", str(out)])
+        assert result.exit_code == 0, result.output
+        return json.loads((out / f"strip-{command}.json").read_text()), result.output, out
+
+    return of
+
+
+def test_a_rest_reaches_its_accuracy_where_no_size_is_given(strip_run):
+    """Five bending modes to begin with hold no stretch; the default accuracy is a thousandth."""
+    numbers, output, _ = strip_run("static")
+    x = numbers["tracked"]["strip.TIP"]["last position"][0]
+    assert x - 1.0 == pytest.approx(STRETCH, rel=5e-3)
+    assert numbers["errors"]["strip"]["rms"] < 1e-3 * STRETCH
+    assert numbers["stable"] is True
+    assert "Error of the basis at rest" in output
+
+
+def test_a_rest_of_fixed_size_says_what_it_misses(strip_run):
+    reduction = 'reduction = { basis = "craig-bampton", modes = 3, steady = false }'
+    numbers, output, _ = strip_run("static", reduction)
+    assert "warning: body 'strip': at rest a node is off by" in " ".join(output.split())
+    missing = numbers["errors"]["strip"]
+    x = numbers["tracked"]["strip.TIP"]["last position"][0]
+    assert x - 1.0 + missing["worst"] == pytest.approx(STRETCH, rel=5e-3)
+    assert missing["relative"] > 0.2
+
+
+def test_modes_reach_their_accuracy_and_name_their_axes(strip_run):
+    numbers, output, _ = strip_run("modes")
+    assert numbers["axes"] == "turning with the machine"
+    assert "in axes turning with the machine" in " ".join(output.split())
+    assert all(mode["error"] < 1e-3 for mode in numbers["modes"])
+    # Out of the plane, at six times the unit speed: [Wright1982], table of hub radius 0.
+    assert numbers["modes"][0]["frequency"] * 2 * np.pi == pytest.approx(7.3604 * UNIT, rel=5e-3)
+
+
+def test_what_is_no_mode_is_listed_so_and_not_drawn(strip_run):
+    """Vibrations of the free strip, which is held at its root."""
+    reduction = 'reduction = { basis = "normal-modes", modes = 8, steady = false }'
+    numbers, output, folder = strip_run("modes", reduction, '{ kind = "mean-axis" }', pictures=True)
+    assert "warning: the bases of the bodies: mode" in " ".join(output.split())
+    errors = [mode["error"] for mode in numbers["modes"]]
+    wrong = {number for number, error in enumerate(errors, start=1) if error is None or error >= 0.01}
+    assert wrong
+    drawn = {int(path.stem.rpartition("-")[2]) for path in folder.glob("strip-mode-*.png")}
+    assert drawn == set(range(1, len(errors) + 1)) - wrong
+
+
+def test_a_diagram_over_speed_keeps_to_the_accuracy_and_names_its_axes(tmp_path):
+    (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 8, 2)))
+    case = tmp_path / "strip.toml"
+    text = STRIP.replace("REDUCTION", "").replace("PICTURES", "pictures = false").replace("FRAME", AT_ROOT)
+    case.write_text(text.replace("RATE", repr(float(RATE))))
+    command = ["modes", str(case), "-o", str(tmp_path), "-n", "2", "--rates", f"0:{RATE}:2"]
+    result = CliRunner().invoke(app, command)
+    assert result.exit_code == 0, result.output
+    diagram = json.loads((tmp_path / "strip-campbell.json").read_text())
+    assert diagram["axes"] == "turning with the machine"
+    assert np.max(diagram["errors"]) < 1e-3
+    flaps = 2 * np.pi * np.array(diagram["frequencies"])[:, 0] / UNIT
+    assert flaps == pytest.approx([3.5160, 7.3604], rel=5e-3)  # [Wright1982], hub radius 0

@@ -32,7 +32,7 @@ from supple.machine import (
     System,
 )
 from supple.mesh import strip
-from supple.reduction import CompressedDerivatives, CraigBampton, reduce
+from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
 from supple.simulation import simulate
 
 DAMPING = RayleighDamping(alpha=0.5, beta=1e-3)
@@ -49,6 +49,7 @@ def small():
         CraigBampton(n_modes=3),
         derivatives=CompressedDerivatives(3),
         damping=DAMPING,
+        loads=NoLoads,
     )
 
 

@@ -261,7 +261,7 @@ def test_refuses_an_unknown_body(beam):
 
 
 def test_the_motion_that_condensed_tensors_let_follow_is_known(beam):
-    """A static answer with z among the missed motion: beside it little is missed, and no false tension."""
+    """A static answer whose displacements contain z: beside it little is missed, and no false tension."""
     frame = FRAMES["nodal-fixed"]
     basis = reduction_basis(beam, frame, CraigBampton(n_modes=3), derivatives=NoDerivatives())
     reduced = project(beam, basis)
@@ -283,5 +283,5 @@ def test_the_motion_that_condensed_tensors_let_follow_is_known(beam):
     missed = residual_corrections(system, FullBody(beam, frame), basis, solution, np.array([0]))
     z = Condensation(beam, basis).bilinear(gamma[None], gamma[None])[:, 0]
     assert np.linalg.norm(z) > 1e-3 * np.linalg.norm(basis.vectors @ gamma)
-    left = missed.deformation[:, 0] - z
-    assert np.linalg.norm(left) < 0.5 * np.linalg.norm(missed.deformation)
+    left = missed.deformation[:, 0]
+    assert np.linalg.norm(left) < 0.5 * np.linalg.norm(z + left)

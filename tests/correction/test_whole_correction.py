@@ -55,6 +55,7 @@ from supple.reduction import (
     CondensedQuartic,
     CraigBampton,
     NoDerivatives,
+    NoLoads,
     NormalModes,
     PlainQuartic,
     project,
@@ -100,6 +101,7 @@ def plain(beam, request):
             derivatives=CompressedDerivatives(10),
             damping=DAMPING,
             quartic=request.param,
+            loads=NoLoads,
         )
     system = pushed(small, 0.5)
     run = Run(0.6, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-9))
@@ -341,6 +343,7 @@ def test_the_model_costs_the_same_in_a_basis_that_locks(beam):
             derivatives=CompressedDerivatives(derivatives),
             damping=DAMPING,
             quartic=PlainQuartic(),
+            loads=NoLoads,
         )
         system = pushed(body, 4.0, 0.8)
         told = state_errors(system, run, simulate(system, run), study, fulls=[full])
@@ -354,7 +357,9 @@ def test_beside_controllers_the_basis_is_compared_with_a_richer_one(beam):
     full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LockingWarning)
-        body = reduce(beam, full.frame, NormalModes(1), derivatives=NoDerivatives(), damping=DAMPING)
+        body = reduce(
+            beam, full.frame, NormalModes(1), derivatives=NoDerivatives(), damping=DAMPING, loads=NoLoads
+        )
     hinge = Revolute(name="hinge", first=GROUND, second=At("beam", "root"), axis=(0, 1, 0))
     motor = TorqueBetween(first=GROUND, second=At("beam", "root"), axis=(0, 1, 0), torque=0.0)
     controller = Controller(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from error_equation.machines import MEAN, NODAL, soft_strip
 
+from supple.body import FullBody
 from supple.error_equation import run_columns
 from supple.integrate import FloatingMotion
 from supple.reduction import (
@@ -61,8 +62,11 @@ def test_what_follows_the_basis_is_in_the_columns(frame):
     np.testing.assert_allclose(
         columns.vectors.T @ (body.mass @ columns.vectors), np.eye(columns.vectors.shape[1]), atol=1e-9
     )
-    unseen = columns.vectors @ columns.unseen.T
-    assert np.linalg.norm(unseen - exact["coordinates"][1]) < 0.02 * np.linalg.norm(unseen)
+    small = project(body, basis, quartic=CondensedQuartic())
+    shown = FullBody(body, frame).expand((columns.vectors @ columns.coordinates.T).T)
+    shown += columns.rigid[:, None, :3] + np.cross(columns.rigid[:, None, 3:], body.nodes)
+    condensed = small.expand(gamma) - small.expand_rates(0 * gamma, gamma)
+    assert np.linalg.norm(shown - small.expand(gamma)) < 0.02 * np.linalg.norm(condensed)
 
 
 @pytest.mark.filterwarnings("ignore::supple.errors.LockingWarning")
@@ -73,4 +77,4 @@ def test_plain_tensors_let_nothing_follow():
     columns = run_columns(body, project(body, basis, quartic=PlainQuartic()), basis, motion)
     assert columns.vectors is basis.vectors
     np.testing.assert_array_equal(columns.coordinates, motion.coordinates)
-    assert not columns.unseen.any()
+    assert not columns.rigid.any()

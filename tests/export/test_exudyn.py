@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from supple.body import MeanAxisFrame, flexible_body
+from supple.body import AveragingInterface, MeanAxisFrame, NodalFixedFrame, flexible_body
 from supple.errors import ModelError
 from supple.export import exudyn_arrays, interface_nodes, write_exudyn
 from supple.fem import HomogeneousSection, Isotropic, shell_model, stress_recovery
 from supple.mesh import strip
-from supple.reduction import NoDerivatives, NormalModes, reduce
+from supple.reduction import CompleteBasis, NoDerivatives, NoLoads, NormalModes, reduce
 from supple.results import stress_modes
+from supple_benchmarks.validation.rotors import disc_on_massless_shaft
 
 
 def cross(vectors):
@@ -21,8 +22,18 @@ def cross(vectors):
     return np.stack([[o, -z, y], [z, o, -x], [-y, x, o]]).transpose(2, 0, 1).reshape(-1, 3)
 
 
-def test_inertia_integrals_are_those_of_the_mesh(model, linear):
+@pytest.fixture(scope="module")
+def of_points(model):
+    """A body none of whose nodes is tied: its inertia is that of points."""
+    body = flexible_body("points", model, [AveragingInterface(name, name) for name in ("root", "tip")])
+    return reduce(
+        body.linearized(), MeanAxisFrame(), NormalModes(5), derivatives=NoDerivatives(), loads=NoLoads
+    )
+
+
+def test_inertia_integrals_are_those_of_the_mesh(model, of_points):
     """With x~ and Psi~ formed node by node and the mass matrix of the mesh, as Exudyn's FEMinterface does."""
+    linear = of_points
     found = exudyn_arrays(linear)
     M, x, N = model.mass, model.mesh.nodes.ravel(), model.mesh.n_nodes
     Psi = linear.nodal_basis
@@ -96,8 +107,9 @@ def test_the_file_holds_the_arrays(tmp_path, model, linear):
         )
 
 
-def test_kinetic_energy_by_exudyns_formula_is_that_of_the_nodes(model, linear):
+def test_kinetic_energy_by_exudyns_formula_is_that_of_the_nodes(model, of_points):
     """T of a turning, deforming body from the exported integrals, against the sum over the mesh."""
+    linear = of_points
     a = exudyn_arrays(linear)
     rng = np.random.default_rng(1)
     gamma, rate = 0.1 * rng.normal(size=(2, linear.r))
@@ -113,6 +125,25 @@ def test_kinetic_energy_by_exudyns_formula_is_that_of_the_nodes(model, linear):
     velocity = v + np.cross(w, linear.nodes + u) + (linear.nodal_basis @ rate).reshape(-1, 3)
     expected = 0.5 * velocity.ravel() @ (model.mass @ velocity.ravel())
     assert energy == pytest.approx(expected, rel=1e-12)
+
+
+def test_gyroscopic_and_centrifugal_forces_of_nodes_that_turn_are_exported():
+    """By Exudyn's formula on modes at a steady spin, 2 w . mPsiTildePsi rate and what is quadratic in w."""
+    linear = reduce(
+        disc_on_massless_shaft(),
+        NodalFixedFrame("hub"),
+        CompleteBasis(),
+        derivatives=NoDerivatives(),
+        loads=NoLoads,
+    )
+    a, r, rate = exudyn_arrays(linear), linear.r, 60.0
+    w = rate * np.eye(3)[0]
+    gyroscopic = -2 * np.einsum("kil,i->lk", a["mPsiTildePsi"].reshape(r, 3, r), w)
+    softening = np.einsum("kilj,i,j->kl", a["mPsiTildePsiTilde"].reshape(r, 3, r, 3), w, w)
+    own = np.block([[np.zeros((r, r)), np.eye(r)], [softening - linear.stiffness, -gyroscopic]])
+    found = np.sort(np.linalg.eigvals(own).imag)
+    for expected in (81.26720, 92.17629):
+        assert np.min(abs(found - expected)) < 1e-4
 
 
 # --- what Exudyn cannot take
@@ -139,6 +170,7 @@ def test_a_shell_goes_without_stress():
         MeanAxisFrame(),
         NormalModes(3),
         derivatives=NoDerivatives(),
+        loads=NoLoads,
     )
     assert exudyn_arrays(body)["modeBasis"].shape == (3 * shell.mesh.n_nodes, 3)
     with pytest.raises(ModelError, match="is a shell with 3 layers of stress"):

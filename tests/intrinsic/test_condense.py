@@ -136,8 +136,10 @@ def still(body, coordinates, rotation=None):
 def test_small_amplitudes_move_the_nodes_by_the_linear_modes(solid_bar):
     body = condense(solid_bar, LoadPath("root", "tip", 9), n_modes=6)
     errors = []
+    amplitudes = np.zeros(body.n_coordinates)
+    amplitudes[:6] = [1.0, 0.5, -0.5, 0.2, 0.1, 0.1]
     for size in (1e-3, 1e-4):
-        coordinates = size * np.array([1.0, 0.5, -0.5, 0.2, 0.1, 0.1])
+        coordinates = size * amplitudes
         moved = body.positions(still(body, coordinates))[0] - body.nodes
         errors.append(np.abs(moved - body.expand(coordinates)).max() / np.abs(moved).max())
     assert errors[1] < 5e-3
@@ -147,10 +149,29 @@ def test_small_amplitudes_move_the_nodes_by_the_linear_modes(solid_bar):
 def test_nodes_turn_with_the_root():
     body = condense(beam_frame(), FRAME_PATHS, n_modes=6)
     turn = np.array([[0, -1.0, 0], [1, 0, 0], [0, 0, 1]])
-    coordinates = [0.02, 0.01, 0, 0, 0, 0.005]
+    coordinates = np.zeros(body.n_coordinates)
+    coordinates[[0, 1, 5]] = [0.02, 0.01, 0.005]
     straight, turned = (body.positions(still(body, coordinates, each)) for each in (None, turn))
     assert turned == pytest.approx(straight @ turn.T, abs=1e-14)
     assert body.positions(still(body, coordinates), [3, 13]) == pytest.approx(straight[:, [3, 13]])
+
+
+@pytest.mark.parametrize("n_stations", [10, 11, 12, 15, 18, 19, 20, 21])
+def test_every_number_of_stations_that_the_mesh_carries_works(n_stations):
+    """Of 20 cells: 12, 15, 18 to 20 stations shared a line of nodes between two slices of two lines."""
+    model = shell_model(strip(1.0, 0.1, 20, 2), HomogeneousSection(Isotropic(2.1e11, 0.0, 7850.0), 5e-3))
+    body = flexible_body("strip", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
+    found = condense(body, LoadPath("root", "tip", n_stations), n_modes=2).modes.omega
+    beam = np.sqrt(2.1e11 * 5e-3**2 / 12 / 7850.0)
+    np.testing.assert_allclose(found, np.array([1.87510, 4.69409]) ** 2 * beam, rtol=1e-2)
+
+
+@pytest.mark.parametrize("asked", [22, 23, 41, 60])
+def test_the_advice_on_stations_holds(asked):
+    model = shell_model(strip(1.0, 0.1, 20, 2), HomogeneousSection(Isotropic(2.1e11, 0.0, 7850.0), 5e-3))
+    body = flexible_body("strip", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
+    with pytest.raises(ModelError, match="take 21 stations or fewer"):
+        condense(body, LoadPath("root", "tip", asked))
 
 
 def test_bad_paths_are_refused_with_the_number_and_the_remedy(shell_strip, solid_bar):

@@ -77,6 +77,16 @@ def test_modal_damping_takes_power_of_elastic_velocities():
     assert q1 @ d1 + q2 @ d2 == pytest.approx(float(expected), rel=1e-11)
     with pytest.raises(ModelError, match="LinearRayleighDamping is of the stiffness in a floating frame"):
         line_model(modes, LinearRayleighDamping(0.0, 0.01))
+    with pytest.raises(ModelError, match="acts against the interface 'root', as only that of a body in a"):
+        line_model(modes, ModalDamping(0.02, held="root"))
+
+
+def test_modes_of_a_line_beyond_those_that_are_damped_are_not():
+    modes = intrinsic_modes(tree_line(), FREE, M)
+    q1, q2 = amplitudes(modes)
+    d1, d2 = line_rates(line_model(modes, ModalDamping(0.02, n_modes=3)), q1, q2)
+    expected = -(0.04 * modes.omega[6:9]) @ q1[6:9] ** 2
+    assert q1 @ d1 + q2 @ d2 == pytest.approx(float(expected), rel=1e-11)
 
 
 def test_a_rigid_turn_of_a_bent_line_changes_no_strain_to_the_order_of_the_grid():

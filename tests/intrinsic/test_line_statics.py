@@ -5,8 +5,10 @@ import pytest
 from fixtures.beam_lines import beam_line, straight
 
 from supple.errors import ConvergenceError, ModelError
+from supple.integrate import FixedStep, GeneralizedAlpha, Run
 from supple.intrinsic import CLAMPED, FREE, intrinsic_body, line_rest, line_statics
-from supple.machine import DeadForce, Fixed, FollowerForce, System
+from supple.machine import DeadForce, Fixed, FollowerForce, PrescribedRotation, Spin, System
+from supple.simulation import equilibrium, simulate
 from supple_benchmarks.references.elastica import elastica
 
 BEAM = {"EA": 1e6, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.01}
@@ -90,3 +92,24 @@ def test_a_search_that_fails_is_reported_with_the_share_reached(monkeypatch):
     monkeypatch.setattr(line_statics, "MOST_ITERATIONS", 1)
     with pytest.raises(ConvergenceError, match="no equilibrium of the lines beyond 0 of the loads"):
         tip_at_rest(3, FollowerForce(first="beam.tip", force=(0, 0, 1e5)), n_steps=1)
+
+
+def test_a_run_from_the_equilibrium_of_a_beam_stays_there():
+    """Its clamp carries the weight, and its moment about the root; a drive is held where its law is."""
+    sag = 0.05
+    drive = PrescribedRotation(
+        name="drive", first="ground", second="beam.root", axis=(0, 0, 1), angle=lambda t: 0.3 * t
+    )
+    body = intrinsic_body(beam_line(straight(1.0, 4), **BEAM), CLAMPED)
+    found = equilibrium(System([body], [CLAMP], gravity=(0, 0, -8 * sag)))
+    forces = found.joint_forces[CLAMP.name]
+    assert forces[2] == pytest.approx(8 * sag, rel=1e-10)  # of a mass of 1
+    assert forces[4] == pytest.approx(-4 * sag, rel=0.01)  # a little less than of the straight beam
+    run = Run(0.1, 0.05, step=FixedStep(0.01), method=GeneralizedAlpha(1.0))
+    moved = simulate(found.system, run).bodies["beam"].coordinates
+    assert np.abs(moved[0]).max() > 0.01
+    assert np.abs(moved - moved[0]).max() < 1e-12
+    driven = equilibrium(System([body], [drive], gravity=(0, 0, -8 * sag)))
+    assert driven.joint_forces["drive"][[0, 1, 2]] == pytest.approx([0, 0, 8 * sag], abs=1e-10)
+    with pytest.raises(ModelError, match=r"nothing spins\. Leave out the spin"):
+        equilibrium(System([body], [CLAMP]), spin=Spin(1.0, (0, 0, 1)))

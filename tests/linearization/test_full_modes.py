@@ -32,7 +32,7 @@ from supple.machine import (
     System,
 )
 from supple.mesh import CellType, strip
-from supple.reduction import CraigBampton, reduce
+from supple.reduction import CraigBampton, NoLoads, reduce
 
 E, LENGTH, WIDTH, THICKNESS, DENSITY = 2.1e11, 1.0, 0.1, 5e-3, 7850.0
 UNIT = np.sqrt(E * WIDTH * THICKNESS**3 / 12 / (DENSITY * WIDTH * THICKNESS)) / LENGTH**2
@@ -52,7 +52,7 @@ def body():
 
 def complete(body, frame, damping=None):
     """Reduced to all its motions."""
-    return reduce(body, frame, CraigBampton(body.n - 12), damping=damping)
+    return reduce(body, frame, CraigBampton(body.n - 12), damping=damping, loads=NoLoads)
 
 
 def hinged(form):
@@ -205,7 +205,8 @@ def test_a_full_body_that_turns_about_its_middle_axis_is_unstable():
     racket = flexible_body("racket", model).linearized()
     rate = 5.0
     spin = Spin(rate, (0, 1, 0), (0.5, 0, 0))
-    modes = machine_modes(linearize(System((Placed(FullBody(racket, MeanAxisFrame())),)), spin=spin), 3)
+    # Two rigid motions, then growth and decay at one rate, whose order is of rounding.
+    modes = machine_modes(linearize(System((Placed(FullBody(racket, MeanAxisFrame())),)), spin=spin), 4)
     rigid = racket.rigid_modes.T @ (racket.mass @ racket.rigid_modes)
     # Moments about the centre, half a unit along x from the origin.
     first, second, third = np.diag(rigid)[3:] - rigid[0, 0] * 0.25 * np.array([0.0, 1.0, 1.0])

@@ -13,12 +13,13 @@ from supple.body import (
     flexible_body,
     rigid_mass_properties,
 )
-from supple.errors import ModelError
+from supple.errors import ModelError, SuppleWarning
 from supple.fem import VON_KARMAN, HomogeneousSection, Isotropic, part_of_model, shell_model, solid_model
 from supple.integrate import FixedStep, Run
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, Scaled, Sine, System, split_body
-from supple.mesh import AlongAxis, CellType, block, divided, strip
-from supple.reduction import NoDerivatives, Rubin, reduce
+from supple.machine.split_body import frequency_changes
+from supple.mesh import AlongAxis, ByCellSets, CellType, Mesh, block, divided, strip
+from supple.reduction import NoDerivatives, NoLoads, Rubin, reduce
 from supple.simulation import simulate
 
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)
@@ -88,7 +89,11 @@ def test_a_split_cantilever_vibrates_as_the_whole_one_where_both_are_right():
 
     def tip(parts, joints=()):
         bodies = [
-            Placed(reduce(part.linearized(), MeanAxisFrame(), Rubin(12), derivatives=NoDerivatives()))
+            Placed(
+                reduce(
+                    part.linearized(), MeanAxisFrame(), Rubin(12), derivatives=NoDerivatives(), loads=NoLoads
+                )
+            )
             for part in parts
         ]
         last = parts[-1].name
@@ -101,6 +106,26 @@ def test_a_split_cantilever_vibrates_as_the_whole_one_where_both_are_right():
 
     whole = tip([flexible_body("arm", model, interfaces)])
     assert abs(tip(split.parts, split.joints) - whole).max() <= 2e-3 * abs(whole).max()
+
+
+@pytest.mark.parametrize(("rows", "parts"), [(5, 2), (9, 2), (9, 4), (8, 3)])
+def test_a_split_strip_has_the_frequencies_of_the_whole(rows, parts):
+    """Cut through the middle row, five rows bent 32 % too stiffly."""
+    model = shell_model(strip(1.0, 0.1, rows, 2), HomogeneousSection(Isotropic(2.1e11, 0.0, 7850.0), 5e-3))
+    changes = frequency_changes(flexible_body("arm", model), split_body("arm", model, AlongAxis(parts)))
+    assert abs(changes).max() < 5e-3
+
+
+def test_other_frequencies_than_those_of_the_whole_are_warned_of():
+    """Parts by cell sets may zigzag: here one triangle of a row is on the other side."""
+    mesh = strip(1.0, 0.1, 6, 2)
+    kind = next(iter(mesh.cells))
+    low = mesh.nodes[mesh.cells[kind]][..., 0].mean(axis=1) < 0.5 + 1 / 12
+    sets = {"A": {kind: np.flatnonzero(low)}, "B": {kind: np.flatnonzero(~low)}}
+    mesh = Mesh(mesh.nodes, mesh.cells, mesh.node_sets, sets)
+    model = shell_model(mesh, HomogeneousSection(Isotropic(2.1e11, 0.0, 7850.0), 5e-3))
+    with pytest.warns(SuppleWarning, match=r"'arm': its 2 parts, tied together.* change by \+[0-9.]+"):
+        split_body("arm", model, ByCellSets(("A", "B")))
 
 
 def test_tied_parts_tell_what_their_sections_change():

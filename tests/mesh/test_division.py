@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import Delaunay
 
 from supple.errors import MeshError
 from supple.mesh import AlongAxis, ByCellSets, CellType, Mesh, block, box_beam, divided, strip
@@ -36,6 +37,45 @@ def test_a_node_set_counts_each_node_once_and_stays_whole_where_a_part_has_all_o
     assert "middle" not in second.mesh.node_sets
     dealt = [part.nodes[part.mesh.node_sets["all"]] for part in whole.parts]
     assert sorted(np.concatenate(dealt)) == list(range(mesh.n_nodes))
+
+
+@pytest.mark.parametrize("rows", [8, 9, 5])
+@pytest.mark.parametrize("kind", [CellType.HEXA8, CellType.TETRA4, CellType.TETRA10, CellType.HEXA20])
+def test_a_cut_is_the_nearest_section_of_nodes(kind, rows):
+    """The middle of 9 or 5 rows lies inside a row, and a cut there would weld the row."""
+    mesh = block(float(rows), 1.0, 1.0, rows, 2, 1, kind)
+    (cut,) = divided(mesh, AlongAxis(2, (1, 0, 0))).cuts
+    assert abs(mesh.nodes[cut.nodes, 0].mean() - mesh.nodes[:, 0].mean()) < 0.51
+    assert np.ptp(mesh.nodes[cut.nodes, 0]) < 1e-12
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_cuts_of_an_arch_are_radial(count):
+    """No plane across the axis but that of symmetry spares the cells of an arch; its rows do."""
+    straight = block(1.0, 0.1, 0.1, 24, 2, 2, CellType.HEXA8)
+    x, y, z = straight.nodes.T
+    angle, radius = np.pi * x, 1 / np.pi + z
+    nodes = np.column_stack([-radius * np.cos(angle), y, radius * np.sin(angle)])
+    whole = divided(Mesh(nodes, straight.cells), AlongAxis(count, (1, 0, 0)))
+    assert len(whole.cuts) == count - 1
+    rows = [nodes[np.isclose(x, row / 24), 0].mean() for row in range(25)]
+    ends = np.linspace(nodes[:, 0].min(), nodes[:, 0].max(), count + 1)
+    for cut, wanted in zip(whole.cuts, ends[1:-1], strict=True):
+        assert len(cut.nodes) == 9
+        assert np.ptp(angle[cut.nodes]) < 1e-9
+        assert abs(nodes[cut.nodes, 0].mean() - wanted) < abs(rows - wanted).min() + 1e-9
+
+
+def test_a_mesh_without_sections_is_not_cut():
+    """Triangles between random points have no straight line of edges across the strip."""
+    points = np.random.default_rng(3).random((60, 2)) * [4.0, 1.0]
+    corners = np.array([[0, 0], [4, 0], [4, 1], [0, 1]])
+    points = np.vstack([points, corners])
+    mesh = Mesh(
+        np.column_stack([points, np.zeros(len(points))]), {T3: Delaunay(points).simplices.astype(np.int64)}
+    )
+    with pytest.raises(MeshError, match=r"cut 1 of 1, at 2 along \(1, 0, 0\): no section of nodes is near"):
+        divided(mesh, AlongAxis(2, (1, 0, 0)))
 
 
 def test_two_legs_make_two_cuts():

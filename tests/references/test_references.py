@@ -9,6 +9,7 @@ from supple_benchmarks.beam_statics import bend_beam
 from supple_benchmarks.planar_beam import ROTATING_BEAM, BeamElements
 from supple_benchmarks.references.elastica import elastica
 from supple_benchmarks.references.lateral_buckling import lateral_buckling_load
+from supple_benchmarks.references.rod import Rod
 from supple_benchmarks.references.simo_reissner import Beam, bent, energies, straight_beam, swung
 
 LENGTH = 10.0
@@ -132,3 +133,23 @@ def test_a_small_push_sounds_the_lowest_frequency():
     # The rule's own period error at this step is (omega h)^2 / 12.
     own = omega * step * (1 - (omega * step) ** 2 / 12)
     assert np.arccos(cosine) == pytest.approx(own, rel=0.02)
+
+
+def test_the_rod_in_a_plane_is_the_elastica():
+    stiff = Rod(2.0, (1e9, 1e9, 1e9, 5.0, 3.0, 7.0))
+    for axis, bending in ((2, 3.0), (1, 7.0)):
+        force = 6.0 * bending / 2.0**2
+        place, _ = stiff.tip(force * np.eye(3)[axis])
+        along, across, _ = elastica(bending, 2.0, force)
+        np.testing.assert_allclose(place[[0, axis]], [along, across], atol=1e-6)
+
+
+def test_a_force_that_follows_the_rods_tip_is_the_dead_one_it_ends_as():
+    rod = Rod(LENGTH, STIFFNESS, (0.0, 0.05, 0.1))
+    place, turn = rod.tip_followed([0.0, 1.2, 0.9])
+    np.testing.assert_allclose(rod.tip(turn @ [0.0, 1.2, 0.9])[0], place, atol=1e-7)
+
+
+def test_the_rod_stretches_and_shears():
+    place, _ = Rod(1.0, (4.0, 5.0, 1e9, 1e9, 1e9, 1e9)).tip([0.4, 1.0, 0.0])
+    np.testing.assert_allclose(place, [1.1, 0.2, 0.0], atol=1e-7)

@@ -11,16 +11,26 @@ from supple.results import node_motion
 
 RNG = np.random.default_rng(4)
 NODES, SHAPES = RNG.standard_normal((5, 3)), RNG.standard_normal((5, 3, 2))
+PAIRS = RNG.standard_normal((5, 3, 2, 2))
+PAIRS += PAIRS.swapaxes(2, 3)
 SPIN, TURN = np.array([0.4, -0.9, 0.3]), np.array([0.2, 0.5, -0.7])
 
 
 class Body:
+    """Displacements quadratic in the coordinates, as of a body whose tensors are condensed."""
+
     nodes = NODES
     positions = floating_positions
 
     @staticmethod
-    def expand(gamma):
-        return np.einsum("nir,...r->...ni", SHAPES, gamma)
+    def expand(gamma, nodes=slice(None)):
+        linear = np.einsum("nir,...r->...ni", SHAPES[nodes], gamma)
+        return linear + np.einsum("nirs,...r,...s->...ni", PAIRS[nodes], gamma, gamma)
+
+    @staticmethod
+    def expand_rates(gamma, rates, nodes=slice(None)):
+        linear = np.einsum("nir,...r->...ni", SHAPES[nodes], rates)
+        return linear + 2 * np.einsum("nirs,...r,...s->...ni", PAIRS[nodes], gamma, rates)
 
 
 def motion(times):

@@ -25,8 +25,8 @@ class Strip:
     basis: np.ndarray
     positions = floating_positions
 
-    def expand(self, gamma):
-        return np.einsum("kir,...r->...ki", self.basis, gamma)
+    def expand(self, gamma, nodes=slice(None)):
+        return np.einsum("kir,...r->...ki", self.basis[nodes], gamma)
 
 
 BEAM = "beam/left 100%"

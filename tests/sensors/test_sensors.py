@@ -9,17 +9,20 @@ import numpy as np
 import pytest
 
 from supple.body import FullBody, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
-from supple.errors import ModelError
+from supple.errors import ArgumentError, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run
 from supple.machine import (
     GROUND,
     At,
+    BaseAcceleration,
     Fixed,
     Placed,
     PrescribedRotation,
     Prismatic,
     Revolute,
+    Scaled,
+    Sine,
     SpringDamper,
     System,
 )
@@ -144,6 +147,30 @@ def test_a_mass_on_a_spring_pulls_at_it_and_at_its_guide_as_newton_says():
     np.testing.assert_allclose(held[:, :3] @ axes.T, np.tile([-mass * 3.0, 0, 0], (len(times), 1)), atol=1e-6)
 
 
+def test_an_accelerometer_on_a_shaken_base_shows_the_acceleration_in_space():
+    """A mass on a spring on a shaken table, from rest: relative x'' = - w^2 x - a, in space - w^2 x."""
+    mass, stiffness, amplitude, rate = 2.0, 800.0, 3.0, 13.0
+    block = RigidBody("block", mass, np.zeros(3), np.eye(3), {"hook": np.zeros(3)})
+    spring = SpringDamper(
+        first=At("block", "hook"),
+        second=GROUND,
+        anchor=(0.0, 0.0, 1.0),
+        stiffness=stiffness,
+        rest_length=1.0,
+    )
+    guide = Prismatic(first=GROUND, second=At("block", "hook"), axis=(0.0, 0.0, 1.0), name="guide")
+    shaken = BaseAcceleration(acceleration=Scaled((0.0, 0.0, amplitude), Sine(1.0, rate / (2 * np.pi))))
+    system = System((Placed(block),), (guide,), (spring, shaken))
+    machine = system, simulate(system, Run(0.5, 0.005, FixedStep(0.0005)))
+    times, w = machine[1].times, np.sqrt(stiffness / mass)
+    relative = -amplitude / (w**2 - rate**2) * (np.sin(rate * times) - rate / w * np.sin(w * times))
+    found = read(AccelerationSensor("table", Place("block", "hook")), machine)
+    np.testing.assert_allclose(found[:, 2], -(w**2) * relative, atol=5e-3 * w**2 * abs(relative).max())
+    np.testing.assert_allclose(
+        read(PositionSensor("p", Place("block", "hook")), machine)[:, 2], relative, atol=2e-5
+    )
+
+
 def test_a_pendulum_keeps_its_energy(rod):
     pivot = Revolute(first=GROUND, second=At("rod", "left"), axis=(0.0, 1.0, 0.0))
     system = System((Placed(rod("rod", 1.0)),), (pivot,), gravity=np.array([0.0, 0.0, -9.81]))
@@ -245,6 +272,38 @@ def test_readings_as_a_data_set(spun):
 def test_what_is_not_there_is_named(spun, sensor, cause):
     with pytest.raises(ModelError, match=cause):
         read_sensors([sensor], *spun)
+
+
+def test_places_and_ends_are_read_as_joints_read_them(spun):
+    place = Place("blade", "tip")
+    assert PositionSensor("p", "blade.tip").place == place
+    assert VelocitySensor("v", At("blade", "tip")).place == place
+    assert DeflectionSensor("d", "blade.tip", "blade.root").seen_from == At("blade", "root")
+    assert AngularVelocitySensor("w", "blade.tip").at == At("blade", "tip")
+    assert AccelerationSensor("a", Place("blade", np.array([3, 5]))).place.at == (3, 5)
+
+
+@pytest.mark.parametrize(
+    ("make", "cause"),
+    [
+        (lambda _: PositionSensor("p", "blade"), r"PositionSensor 'p', place: expected Place\(body, at\)"),
+        (lambda _: PositionSensor("p", 7), r"expected Place\(body, at\) .* got 7"),
+        (lambda _: VelocitySensor("", Place("blade", "tip")), "the name of the sensor, got ''"),
+        (lambda _: Place("blade", 3), "the name of an interface, or node numbers, got 3"),
+        (lambda spun: JointForceSensor("j", spun[0].joints[0]), "JointForceSensor, joint: expected a word"),
+        (lambda _: JointMotionSensor("j", 1), "JointMotionSensor, joint: expected a word"),
+        (lambda _: SpringForceSensor("s", "spring"), "SpringForceSensor, element: expected"),
+        (lambda _: StressSensor("s", "blade", "mesh", 3), "StressSensor, model: expected"),
+        (lambda spun: read_sensors(EnergySensor("e"), *spun), "read_sensors, sensors: expected a list"),
+        (
+            lambda spun: write_readings("x.csv", read_sensors([EnergySensor("e")], *spun), units="SI"),
+            "write_readings, units: expected an object of the kind UnitSystem, got 'SI'",
+        ),
+    ],
+)
+def test_mistakes_are_named_where_they_are_made(spun, make, cause):
+    with pytest.raises(ArgumentError, match=cause):
+        make(spun)
 
 
 def test_a_rigid_body_has_no_stress(rod, bent):

@@ -37,7 +37,7 @@ class Explicit:
         self.gravity, self.h = system.gravity, run.step_control.first
 
     def start(self, time):
-        return time, self.placed.position, self.placed.velocity + self.h / 2 * self.gravity
+        return time, self.placed.position, self.placed.twist[:3] + self.h / 2 * self.gravity
 
     def resumed(self, last):
         return last.times[-1], last.bodies[self.placed.body.name].position[-1], last.engine_state["midway"]
@@ -53,8 +53,8 @@ class Explicit:
     def solution(self, leg):
         times, position, midway = (np.array(column) for column in zip(*leg.states, strict=True))
         none, still = np.zeros((len(times), 0)), np.zeros((len(times), 3))
-        turned = Rotation.from_rotvec(times[:, None] * self.placed.angular_velocity).as_matrix()
-        velocity, spin = midway - self.h / 2 * self.gravity, still + self.placed.angular_velocity
+        turned = Rotation.from_rotvec(times[:, None] * self.placed.twist[3:]).as_matrix()
+        velocity, spin = midway - self.h / 2 * self.gravity, still + self.placed.twist[3:]
         motion = FloatingMotion(
             position, turned, none, velocity, spin, none, still + self.gravity, still, none
         )

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from PIL import Image
 
 from supple.errors import ModelError
 from supple.mesh import CellType, block, strip
 from supple.units import SI
 from supple.viz import Camera, NodalField, animate, plot_contour, skin_of, stress_field
+from supple.viz.shaded_surface import is_seen, page_around
 
 FROM_ABOVE = Camera.looking(along=[0.0, 0.0, -1.0], up=[0.0, 1.0, 0.0])
 
@@ -69,6 +71,37 @@ def test_values_inside_a_solid_are_not_its_largest(tmp_path):
     one = plot_contour(tmp_path / "1.png", mesh.nodes, skin_of(mesh), NodalField("f", inside))
     two = plot_contour(tmp_path / "2.png", mesh.nodes, skin_of(mesh), NodalField("f", with_peak))
     assert one.read_bytes() == two.read_bytes()
+
+
+def test_a_mark_on_the_far_side_says_so(tmp_path, monkeypatch):
+    mesh = block(2.0, 1.0, 0.5, 4, 2, 2, CellType.HEXA8)
+    camera = Camera.three_quarter(mesh.nodes)
+    near = camera.project(mesh.nodes)[1]
+    words, annotate = {}, Axes.annotate
+
+    def noted(axes, text, *args, **kwargs):
+        if text.startswith("largest"):
+            words[node] = text
+        return annotate(axes, text, *args, **kwargs)
+
+    monkeypatch.setattr(Axes, "annotate", noted)
+    for node in (int(near.argmax()), int(near.argmin())):
+        field = NodalField("f", -np.linalg.norm(mesh.nodes - mesh.nodes[node], axis=1))
+        plot_contour(tmp_path / f"{node}.png", mesh.nodes, skin_of(mesh), field)
+    assert not words[int(near.argmax())].endswith("on the far side")
+    assert words[int(near.argmin())].endswith(f"node {near.argmin()} on the far side")
+
+
+def test_what_is_seen_of_a_block():
+    mesh = block(2.0, 1.0, 0.5, 4, 2, 2, CellType.HEXA8)
+    skin = skin_of(mesh)
+    page = page_around(FROM_ABOVE.project(mesh.nodes)[0], 200)
+    x, y, z = mesh.nodes.T
+    for node in np.flatnonzero((z == z.max()) | (z == z.min())):
+        on_rim = x[node] in (0.0, 2.0) or abs(y[node] - y.mean()) > 0.49
+        if z[node] == z.max() or not on_rim:
+            seen = is_seen(mesh.nodes, skin, FROM_ABOVE, page, int(node))
+            assert seen == (z[node] == z.max())
 
 
 def test_bad_contours(tmp_path, plate):

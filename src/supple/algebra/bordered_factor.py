@@ -1,7 +1,7 @@
 """A sparse matrix with a narrow border, on the motions that linear constraints leave free: factored once.
 
-    [ K + c W W^T   A^T ] [ x ]   [ b ]
-    [ A              0  ] [ l ] = [ g ]
+    [ K + W diag(c) W^T   A^T ] [ x ]   [ b ]
+    [ A                    0  ] [ l ] = [ g ]
 
 Most rows, the interior, are sparse and have a factor of their own; the others, the constraints `A` and the
 columns `W` are few, and left over when the interior is eliminated.
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -50,15 +51,36 @@ class BorderedFactor:
     """L U factor of what is left, scaled"""
     scales: tuple[Array, Array]
     """Of its rows and columns"""
+    symmetric: bool
+    """Whether the interior is"""
 
     def solve(self, loads: Array, gaps: Array | None = None) -> Array:
         """`x` (n, k) for loads `b` (n, k) and gaps `g` (m, k), zero without, refined once."""
+        return self._refined(loads, gaps)[: self.n]
+
+    def solve_with_multipliers(self, loads: Array, gaps: Array) -> tuple[Array, Array]:
+        """`x` (n, k) and `l` (m, k) for loads `b` (n, k) and gaps `g` (m, k), refined once."""
+        solution = self._refined(loads, gaps)
+        return solution[: self.n], solution[self.n : self.n + len(gaps)]
+
+    @cached_property
+    def negative(self) -> int:
+        """Number of negative eigenvalues of the whole symmetric system: `m` more than K has on `A x = 0`.
+
+        Zero where the interior is not symmetric, and has no such number. Source: Haynsworth.
+        """
+        if not self.symmetric:
+            return 0
+        outside: Any = self.matrix[self.border][:, self.border].toarray() - self.rows @ self.responses
+        return self.factor.inertia.negative + int(np.sum(np.linalg.eigvalsh((outside + outside.T) / 2) < 0))
+
+    def _refined(self, loads: Array, gaps: Array | None) -> Array:
         right = np.zeros((self.matrix.shape[0], loads.shape[1]))
         right[: self.n] = loads
         if gaps is not None:
             right[self.n : self.n + len(gaps)] = gaps
         solution = self._once(right)
-        return (solution + self._once(right - self.matrix @ solution))[: self.n]
+        return solution + self._once(right - self.matrix @ solution)
 
     def _once(self, right: Array) -> Array:
         inner = self.factor.solve(right[self.interior])
@@ -89,7 +111,7 @@ def bordered_factor(
     constraint: Any,
     interior: NDArray[np.intp],
     columns: Array | None = None,
-    weight: float = 0.0,
+    weights: Array | None = None,
 ) -> BorderedFactor:
     """Factor a sparse matrix on the motions that a constraint leaves free.
 
@@ -98,19 +120,19 @@ def bordered_factor(
     matrix : sparse (n, n)      K, of symmetric pattern; its `interior` rows and columns regular
     constraint : sparse (m, n)  A, of full row rank
     interior : (k,)             numbers of the rows that are eliminated sparsely
-    columns : W, (n, w)         weight : c, not negative
+    columns : W, (n, w)         weights : c, (w,), none of them zero
 
     Raises AccuracyError where the system is singular.
     """
     n = int(matrix.shape[0])
     parts: list[list[Any]] = [[sparse.csr_array(matrix), constraint.T], [constraint, None]]
-    if columns is not None and columns.size and weight:
-        # c W W^T x by unknowns of its own, z = c W^T x.
+    if columns is not None and weights is not None and columns.size:
+        # W diag(c) W^T x by unknowns of its own, z = diag(c) W^T x.
         wide = sparse.csr_array(columns)
         parts = [
             [*parts[0], wide],
             [*parts[1], None],
-            [wide.T, None, -sparse.eye_array(columns.shape[1]) / weight],
+            [wide.T, None, -sparse.diags_array(1 / weights)],
         ]
     whole: Any = sparse.csr_array(sparse.block_array(parts, format="csr"))
     border = np.setdiff1d(np.arange(whole.shape[0]), interior)
@@ -133,7 +155,8 @@ def bordered_factor(
         remainder = scipy.linalg.lu_factor(scales[0][:, None] * left * scales[1], check_finite=False)
     if not remainder[0].diagonal().all():
         raise _singular(n, "what constraints and columns leave has a pivot of zero")
-    bordered = BorderedFactor(whole, n, interior, border, factor, responses, rows, remainder, scales)
+    solved = factor, responses, rows, remainder, scales
+    bordered = BorderedFactor(whole, n, interior, border, *solved, symmetric=bool(symmetric))
     bordered.check()
     return bordered
 

@@ -13,19 +13,19 @@ from supple.algebra.sparse_factor import SparseFactor
 
 @dataclass(frozen=True, eq=False)
 class LowRankUpdate:
-    """A + c W W^T, with A factored and W (n, m), m small: never formed.
+    """A + W diag(c) W^T, with A factored and W (n, m), m small: never formed.
 
-        x = y - Z (I / c + W^T Z)^-1 W^T y,     A y = b,  A Z = W
+        x = y - Z (diag(1 / c) + W^T Z)^-1 W^T y,     A y = b,  A Z = W
 
     factor : SparseFactor       of A, regular
     columns : (n, m)            W
-    weight : float              c, positive
+    weights : (m,)              c, none of them zero
     Source: M. A. Woodbury, Inverting Modified Matrices, Princeton (1950).
     """
 
     factor: SparseFactor
     columns: NDArray[np.float64]
-    weight: float
+    weights: NDArray[np.float64]
 
     def solve(self, loads: ArrayLike) -> NDArray[np.float64]:
         """Solve for loads (n,) or (n, k); the solution has the same shape."""
@@ -38,4 +38,4 @@ class LowRankUpdate:
 
     @cached_property
     def _capacitance(self) -> NDArray[np.float64]:
-        return np.eye(self.columns.shape[1]) / self.weight + self.columns.T @ self._answers
+        return np.diag(1 / self.weights) + self.columns.T @ self._answers

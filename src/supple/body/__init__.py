@@ -20,7 +20,7 @@ from supple.body.damping import (
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
 from supple.body.floating_kinematics import floating_positions, in_space, node_displacements
-from supple.body.frame import Frame, MeanAxisFrame, NodalFixedFrame, frame_projector
+from supple.body.frame import Frame, MeanAxisFrame, NodalFixedFrame, frame_projector, smaller_rotations
 from supple.body.full_body import FullBody
 from supple.body.inertia_gram import inertia_gram
 from supple.body.interface import (
@@ -105,5 +105,6 @@ __all__ = [
     "read_nodal_matrices",
     "read_superelement",
     "rigid_mass_properties",
+    "smaller_rotations",
     "superelement",
 ]

@@ -30,6 +30,11 @@ class BodyForm(Protocol):
         ...
 
     @property
+    def centre_of_mass(self) -> np.ndarray:
+        """(3,) undeformed, in the body's frame, m."""
+        ...
+
+    @property
     def n_coordinates(self) -> int:
         """Number of deformation coordinates; none of a rigid body."""
         ...
@@ -48,8 +53,17 @@ class BodyForm(Protocol):
         """The interface of that name; ModelError names the nearest, or those there are."""
         ...
 
-    def expand(self, coordinates: np.ndarray, /) -> np.ndarray:
-        """Nodal displacements (..., N, 3) of deformation coordinates (..., r), in the body's frame."""
+    def expand(self, coordinates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /) -> np.ndarray:
+        """Displacements (..., k, 3) of some nodes or all by coordinates (..., r), in the body's frame.
+
+        At most quadratic in the coordinates.
+        """
+        ...
+
+    def expand_rates(
+        self, coordinates: np.ndarray, rates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /
+    ) -> np.ndarray:
+        """Their rates (..., k, 3) at coordinates and rates (..., r); linear in the rates."""
         ...
 
     def positions(self, motion: Any, nodes: ArrayLike | slice = slice(None)) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.algebra import GroundedFactor, factorize_symmetric, grounded_factor
+from supple.algebra import GroundedFactor, grounded_factor
 from supple.errors import AccuracyError, ModelError
 
 SYMMETRY = 1e-9
@@ -65,10 +65,8 @@ def check_nodes(body: str, nodes: NDArray[np.float64], node_ids: NDArray[np.int6
         )
 
 
-def check_positive_mass(
-    body: str, nodal_mass: sparse.csc_array, mass: sparse.csc_array, dofs_per_node: int
-) -> None:
-    """Every motion carries kinetic energy: no eigenvalue of the mass matrix is zero or negative."""
+def check_positive_mass(body: str, nodal_mass: sparse.csc_array, dofs_per_node: int) -> None:
+    """Every freedom carries mass."""
     diagonal = nodal_mass.diagonal()
     if np.any(diagonal <= 0):
         worst = int(np.argmin(diagonal))
@@ -76,17 +74,6 @@ def check_positive_mass(
             f"body '{body}': {_freedom(worst, dofs_per_node)} has the mass {diagonal[worst]:.3e} (and "
             f"{int(np.sum(diagonal <= 0))} freedoms in all have none or less); every freedom must carry mass "
             "and every rotation rotary inertia"
-        )
-    try:
-        inertia = factorize_symmetric(mass).inertia
-    except AccuracyError as error:
-        raise ModelError(
-            f"body '{body}': the mass matrix is singular: some motion carries no mass"
-        ) from error
-    if inertia.negative or inertia.zero:
-        raise ModelError(
-            f"body '{body}': the mass matrix is not positive definite: {inertia.negative} negative and "
-            f"{inertia.zero} zero eigenvalues of {sum(inertia)}; is the density positive everywhere?"
         )
 
 

@@ -11,25 +11,29 @@ from scipy import linalg, sparse
 
 from supple.algebra import lowest_modes, read_only
 from supple.arguments import check_fields, check_numbers
+from supple.body.flexible_body import FlexibleBody
+from supple.body.frame import NodalFixedFrame, frame_projector
 from supple.errors import ModelError
 
 
 @dataclass(frozen=True)
 class RayleighDamping:
-    """Kelvin and Voigt's material with a drag on the motion in the frame: D(q) = alpha M + beta K_mat(q).
+    """Kelvin and Voigt's material with a drag on the motion: D(q) = alpha P^T M P + beta K_mat(q).
 
         K_mat(q) = sum w A^T C A,     eps_dot = A(q) q_dot
 
     is the stiffness of the material where it stands now, so that beta resists the rate of strain and no
     rotation. At rest it is Rayleigh's alpha M + beta K, of modal ratio
-    zeta(omega) = alpha / (2 omega) + beta omega / 2. Alpha resists motion against the body's frame, and so
-    depends on the frame.
+    zeta(omega) = alpha / (2 omega) + beta omega / 2 for motions with the interface `held` at rest. P takes
+    away the rigid motion of that interface, so that the damping is the same in every frame. Without `held`,
+    alpha resists motion against the body's frame, and depends on the frame.
 
-    alpha in 1/s, beta in s; neither negative.
+    alpha in 1/s, beta in s; neither negative. held : name of an interface
     """
 
     alpha: float
     beta: float
+    held: str | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -46,21 +50,22 @@ class RayleighDamping:
 
     def linearized(self) -> LinearRayleighDamping:
         """The damping of the undeformed body, whatever its deformation."""
-        return LinearRayleighDamping(self.alpha, self.beta)
+        return LinearRayleighDamping(self.alpha, self.beta, self.held)
 
 
 @dataclass(frozen=True)
 class LinearRayleighDamping:
-    """C = alpha M + beta K with the stiffness of the undeformed body, for comparison with the literature.
+    """C = alpha P^T M P + beta K, the stiffness that of the undeformed body, to compare with the literature.
 
     Where a part of a stiff body has turned against the frame by theta, beta K resists its turning on with
-    forces of order theta^2; RayleighDamping does not.
+    forces of order theta^2; RayleighDamping does not. P as there.
 
-    alpha in 1/s, beta in s; neither negative.
+    alpha in 1/s, beta in s; neither negative. held : name of an interface
     """
 
     alpha: float
     beta: float
+    held: str | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -119,16 +124,20 @@ def rayleigh_at_modes(
 class ModalDamping:
     """A damping ratio for each mode of the body as it is simulated; its matrix does not change.
 
-        C = M Phi diag(2 zeta omega) Phi^T M
+        C = P^T M Phi diag(2 zeta omega) Phi^T M P
 
-    The modes are motions against the body's frame, so that the damping depends on the frame.
+    The modes are those with the interface `held` clamped, and P takes away the rigid motion of that
+    interface: the damping is the same in every frame. Without `held` they are motions against the body's
+    frame, P is the identity, and the damping depends on the frame.
 
     ratios : one for all modes, or one per mode from the lowest up; modes beyond the last take the last ratio
     n_modes : how many are damped, from the lowest up; all when omitted, which a body in full must not
+    held : name of an interface
     """
 
     ratios: NDArray[np.float64] | float
     n_modes: int | None = None
+    held: str | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -176,3 +185,32 @@ class ModalDamping:
 
 
 Damping = RayleighDamping | LinearRayleighDamping | ModalDamping
+
+
+def refuse_held(damping: Damping | None, what: str) -> None:
+    """ModelError for a damping against an interface, where the motion has no floating frame."""
+    if damping is not None and damping.held is not None:
+        raise ModelError(
+            f"{what}: its damping acts against the interface '{damping.held}', as only that of a body in a "
+            "floating frame can; leave held out"
+        )
+
+
+def damping_matrix(
+    damping: Damping | None, body: FlexibleBody, columns: NDArray[np.float64], stiffness: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """D (k, k) of a body at rest that moves by some columns, as its option says; zero without one.
+
+    Clamped at the interface that the option names, the columns move as P V, of mass V^T P^T M P V.
+
+    columns : V (n, k)          M-orthonormal
+    stiffness : (k, k)          V^T K V
+    Raises ModelError when the body has no interface of that name.
+    """
+    mass = np.eye(columns.shape[1])
+    if damping is None:
+        return 0.0 * mass
+    if damping.held is not None:
+        seen = frame_projector(body, NodalFixedFrame(damping.held))(columns)
+        mass = seen.T @ (body.mass @ seen)
+    return damping.matrix(stiffness, mass)

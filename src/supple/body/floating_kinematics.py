@@ -25,8 +25,17 @@ class Deforming(Protocol):
         """Undeformed positions (N, 3) in the body's frame."""
         ...
 
-    def expand(self, coordinates: np.ndarray, /) -> np.ndarray:
-        """Nodal displacements (..., N, 3) of the coordinates (..., r), in the body's frame."""
+    def expand(self, coordinates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /) -> np.ndarray:
+        """Displacements (..., k, 3) of some nodes or all by coordinates (..., r), in the body's frame.
+
+        At most quadratic in the coordinates.
+        """
+        ...
+
+    def expand_rates(
+        self, coordinates: np.ndarray, rates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /
+    ) -> np.ndarray:
+        """Their rates (..., k, 3) at coordinates and rates (..., r); linear in the rates."""
         ...
 
 
@@ -70,7 +79,7 @@ def floating_positions(
 
 
 def node_displacements(body: Deforming, coordinates: Array, nodes: ArrayLike | slice = slice(None)) -> Array:
-    """Displacements u = V gamma of some nodes, or all, in the body's frame.
+    """Displacements u of some nodes, or all, in the body's frame.
 
     Parameters
     ----------
@@ -87,7 +96,7 @@ def node_displacements(body: Deforming, coordinates: Array, nodes: ArrayLike | s
     """
     chosen = _chosen(body, nodes)
     return np.concatenate(
-        [body.expand(coordinates[rows])[:, chosen] for rows in time_slices(body, len(coordinates))]
+        [body.expand(coordinates[rows], chosen) for rows in time_slices(body, len(coordinates))]
     )
 
 

@@ -48,6 +48,12 @@ class MeanAxisFrame:
         return (body.mass @ body.rigid_modes).T
 
 
+def smaller_rotations(frame: Frame | None) -> str:
+    """What makes a body turn less against its frame, in words; frame : None of one without."""
+    split = "split the body (split = { parts = 2 } in a case file, split_body in Python)"
+    return split if isinstance(frame, MeanAxisFrame) else f"choose a mean-axis frame, or {split}"
+
+
 def frame_projector(body: FlexibleBody, frame: Frame) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """The map x -> x - R (D R)^-1 D x: motions of shape (n,) or (n, k) as seen from the frame."""
     D, R = frame.constraint(body), body.rigid_modes

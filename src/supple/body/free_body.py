@@ -19,6 +19,7 @@ from supple.body.checks import (
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
+from supple.body.massless_motion import StaticallyTied, massless_motions, tie_statically
 from supple.body.rigid_elimination import rigid_elimination
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.body.second_order_tie import RigidSet, with_virtual_nodes
@@ -56,8 +57,8 @@ def free_body(
     T = rigid_elimination(nodes, dofs_per_node, rigid_sets)
     if sum(node.node_ids.size for node in rigid) == len(nodes):
         raise ModelError(f"body '{name}': its interfaces hold every node rigidly; describe it by a RigidBody")
+    check_positive_mass(name, M_nodal, dofs_per_node)
     M, K = _congruent(T, M_nodal), _congruent(T, K_nodal)
-    check_positive_mass(name, M_nodal, M, dofs_per_node)
 
     free = np.ones(len(nodes), dtype=bool)
     for node in rigid:
@@ -69,6 +70,10 @@ def free_body(
         ]
     )
     check_moves_rigidly(name, K, R, rigid_tolerance)
+    tied = _massless_tied(name, K, M, 6 * len(rigid), rigid_tolerance)
+    if tied is not None:
+        T, R = sparse.csc_array(T @ tied.expansion), R[tied.kept]
+        M, K = _congruent(tied.expansion, M), _congruent(tied.expansion, K)
 
     body = FlexibleBody(
         name=name,
@@ -93,6 +98,22 @@ def free_body(
     )
     _ = body.grounded_stiffness  # made now, so that a mechanism is named where the body is built
     return body
+
+
+def _massless_tied(
+    name: str, K: sparse.csc_array, M: sparse.csc_array, n_rigid: int, tolerance: float
+) -> StaticallyTied | None:
+    """How motions without mass follow the others; None where every motion carries mass."""
+    try:
+        motions = massless_motions(M, tolerance)
+        if not motions.shape[1]:
+            return None
+        return tie_statically(K, motions, np.arange(len(motions)) < len(motions) - n_rigid)
+    except ModelError as error:
+        raise ModelError(
+            f"body '{name}': the mass matrix is not positive definite: {error}; is the density positive "
+            "everywhere?"
+        ) from None
 
 
 def _quadratic_force(

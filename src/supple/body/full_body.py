@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array, vstack
 
 from supple.arguments import check_fields
@@ -15,6 +15,7 @@ from supple.body.flexible_body import FlexibleBody
 from supple.body.floating_kinematics import floating_positions
 from supple.body.frame import Frame
 from supple.body.interface import BodyInterface
+from supple.body.mass_properties import rigid_mass_properties
 from supple.integrate.motion import FloatingMotion
 
 __all__ = ["FullBody"]
@@ -53,6 +54,11 @@ class FullBody:
         return float(along_x @ (self.body.mass @ along_x))
 
     @property
+    def centre_of_mass(self) -> np.ndarray:
+        """(3,) undeformed, in the body's frame, m."""
+        return rigid_mass_properties(self.body.nodal_mass, self.body.nodes, self.body.dofs_per_node).centre
+
+    @property
     def n_coordinates(self) -> int:
         """Number of coordinates: all of them."""
         return self.body.n
@@ -77,11 +83,17 @@ class FullBody:
         motions = [interface.motion for interface in self.interfaces]
         return csr_array(vstack(motions)) if motions else csr_array((0, self.n_coordinates))
 
-    def expand(self, coordinates: np.ndarray) -> np.ndarray:
-        """Nodal displacements (..., N, 3) of coordinates (..., n), in the body's frame."""
+    def expand(self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> np.ndarray:
+        """Displacements (..., k, 3) of some nodes or all by coordinates (..., n), in the body's frame."""
         nodal = np.asarray(coordinates) @ self.body.expansion.T
         shape = (*nodal.shape[:-1], len(self.nodes), self.body.dofs_per_node)
-        return nodal.reshape(shape)[..., :3]
+        return nodal.reshape(shape)[..., nodes, :3]
+
+    def expand_rates(
+        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> np.ndarray:
+        """Their rates (..., k, 3) at rates (..., n), whatever the coordinates are."""
+        return self.expand(rates, nodes)
 
     def positions(self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
         """Positions r = R + A (x + u) (t, k, 3) in space of some nodes, or all."""

@@ -6,19 +6,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body.flexible_body import FlexibleBody
-from supple.body.rigid_motion import cross_of_axes, nodal_rigid_modes
+from supple.body.inertia_polynomial import InertiaPolynomial
+from supple.body.rigid_motion import cross_of_axes
 from supple.errors import ModelError
 
 
 def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
-    """The Gram matrix of the fields that nodal velocities are made of.
+    """The matrix of the kinetic energy of a body that moves as a basis allows.
 
-        W = [ Phi_t | Phi_w0 | Phi_1 ... Phi_r | V ],     G = W^T M W
         z = (v, w, gamma_1 w, ..., gamma_r w, gamma'),    T = 1/2 z^T G z
 
-    Phi_t: unit translations. Phi_w0: e_i x x_a, with unit rotations on rotational freedoms. Phi_k: e_i x V_k
-    on translations, zero on rotations, three columns each. V: the basis. All in the body's frame. M is the
-    nodal mass; where its translational part couples nodes by a scalar times I_3, T is exact at any rotation.
+    Of masses at nodes alone it is the Gram matrix W^T M W of the fields
+    W = [Phi_t | Phi_w0 | Phi_1 ... Phi_r | V]: unit translations, unit rotations, e_i x V_k (three columns
+    each) and the basis. Rotary inertia adds to its blocks, to second order in the rotations
+    (`InertiaPolynomial`).
 
     Parameters
     ----------
@@ -33,14 +34,19 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
     V = np.asarray(basis, dtype=np.float64)
     if V.ndim != 2 or V.shape[0] != body.n:
         raise ModelError(f"the basis has shape {V.shape}; body '{body.name}' has {body.n} coordinates")
-    r, d = V.shape[1], body.dofs_per_node
-    N = len(body.nodes)
-    nodal = (body.expansion @ V).reshape(N, d, r)
-    W = np.zeros((N, d, 6 + 4 * r))
-    W[:, :, :6] = nodal_rigid_modes(body.nodes, d).reshape(N, d, 6)
-    turned = cross_of_axes(np.moveaxis(nodal[:, :3, :], 2, 1))  # (N, r, 3, 3): component, axis
-    W[:, :3, 6 : 6 + 3 * r] = np.moveaxis(turned, 1, 2).reshape(N, 3, 3 * r)
-    W[:, :, 6 + 3 * r :] = nodal
-    W = W.reshape(N * d, 6 + 4 * r)
-    gram = W.T @ (body.nodal_mass @ W)
+    r, R = V.shape[1], body.rigid_modes
+    energy = InertiaPolynomial(body)
+    nodal = body.expansion @ V
+    by_basis = (body.mass @ R).T @ V
+    turned = np.zeros((6, r, 3))
+    turned[:3] = np.moveaxis(cross_of_axes(by_basis[:3].T), 0, 1)
+    turned[3:] = (energy.by_both @ V).swapaxes(1, 2)
+    among, rates = np.zeros((r, 3, r, 3)), np.zeros((r, 3, r))
+    for number, column in enumerate(V.T):  # by columns, to save memory
+        rates[:, :, number] = (energy.rate_products(column)[1] @ V).T
+        among[:, :, number] = np.moveaxis(energy.spin_products(column) @ V, 2, 0)
+    rigid, turned = R.T @ (body.mass @ R), turned.reshape(6, 3 * r)
+    among, rates = among.reshape(3 * r, 3 * r), rates.reshape(3 * r, r)
+    own = nodal.T @ (body.nodal_mass @ nodal)
+    gram = np.block([[rigid, turned, by_basis], [turned.T, among, rates], [by_basis.T, rates.T, own]])
     return 0.5 * (gram + gram.T)

@@ -11,20 +11,15 @@ from numpy.typing import NDArray
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.fem import BeamSection, FiniteElementModel, Isotropic, ShellSection
 from supple.fem.beam2 import beam_axes
+from supple.fem.quadrature import conical_tetrahedron, gauss_cube
 from supple.mesh import CellType
+from supple.mesh.reference_cell import shape_functions, shape_gradients
 
 FloatArray = NDArray[np.float64]
 
-# Tetrahedra of a hexahedron: exact where its faces are flat.
-_HEXA_TETRAS = np.array([[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]])
-_SIMPLICES = {
-    CellType.LINE2: np.array([[0, 1]]),
-    CellType.TRIANGLE3: np.array([[0, 1, 2]]),
-    CellType.TETRA4: np.array([[0, 1, 2, 3]]),
-    CellType.TETRA10: np.array([[0, 1, 2, 3]]),
-    CellType.HEXA8: _HEXA_TETRAS,
-    CellType.HEXA20: _HEXA_TETRAS,
-}
+# Exact for x x^T det J: degree 4 + 5 in one direction of a HEXA20, 4 + 3 in all of a TETRA10.
+_CUBE, _TETRAHEDRON = gauss_cube(5), conical_tetrahedron(4)
+_CELLS_AT_ONCE = 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,39 +48,65 @@ def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> M
     total = float(np.trace(gram[:3, :3]) / 3)
     if not total > 0:
         return MassProperties(total, middle, np.zeros((3, 3)))
-    # The coupling of u_i with theta_j is m (e_j x r)_i: its skew part holds m times the centre.
-    C = gram[:3, 3:]
-    arm = np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]]) / (2 * total)
+    arm = centre_of_gram(gram)
     about_centre = gram[3:, 3:] - total * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     return MassProperties(total, middle + arm, about_centre)
 
 
+def centre_of_gram(gram: FloatArray) -> FloatArray:
+    """Centre of mass (3,) of R^T M R (6, 6), about the point that the rotations are about.
+
+    The coupling of u_i with theta_j is m (e_j x r)_i: its skew part holds m times the centre.
+    """
+    C, total = gram[:3, 3:6], np.trace(gram[:3, :3]) / 3
+    return np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]]) / (2 * total)
+
+
 def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
-    """Density integrated over the mesh itself, without shape functions: a check of the mass matrix.
+    """Density integrated over the mesh itself: a check of the mass matrix.
 
     A simplex of k corners x_a and size V has
         int 1 = V,   int x = V s / k,   int x x^T = V / (k (k + 1)) (sum_a x_a x_a^T + s s^T),   s = sum_a x_a
-    Curved cells count as if their edges were straight; shells as sheets and beams as lines, with the rotary
-    inertia of their sections.
+    Solid cells are integrated over their own map, which curves with their middle nodes. Shells count as
+    sheets and beams as lines, with the rotary inertia of their sections.
     """
     middle = model.mesh.nodes.mean(axis=0)
     total, first, second, rotary = 0.0, np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3))
     for section in model.sections:
-        corners = section.corners(model.mesh)[:, _SIMPLICES[section.cell_type]] - middle
-        x = corners.reshape(-1, *corners.shape[2:])
-        k = x.shape[1]
-        m = _density(section.property) * _sizes(x)
-        s = x.sum(axis=1)
-        total += m.sum()
-        first += m @ s / k
-        second += (
-            np.einsum("e,eai,eaj->ij", m, x, x, optimize=True)
-            + np.einsum("e,ei,ej->ij", m, s, s, optimize=True)
-        ) / (k * (k + 1))
+        x = section.corners(model.mesh) - middle
+        moments = _simplex_moments(x) if section.cell_type.dimension < 3 else _moments(section.cell_type, x)
+        density = _density(section.property)
+        total += density * moments[0]
+        first += density * moments[1]
+        second += density * moments[2]
         rotary += _rotary_inertia(section.property, x)
     arm = first / total
     central = second - total * np.outer(arm, arm)
     return MassProperties(float(total), middle + arm, np.trace(central) * np.eye(3) - central + rotary)
+
+
+def _moments(kind: CellType, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """Volume, int x and int x x^T over solid cells (E, k, 3), by quadrature on their parent."""
+    rule = _CUBE if kind in (CellType.HEXA8, CellType.HEXA20) else _TETRAHEDRON
+    shape, gradients = shape_functions(kind, rule.points), shape_gradients(kind, rule.points)
+    volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
+    for start in range(0, len(x), _CELLS_AT_ONCE):
+        some = x[start : start + _CELLS_AT_ONCE]
+        jacobian = np.einsum("eki,pkj->epij", some, gradients, optimize=True)
+        weights = (rule.weights * np.linalg.det(jacobian)).ravel()
+        points = (shape @ some).reshape(-1, 3)
+        volume += float(weights.sum())
+        first += weights @ points
+        second += points.T @ (weights[:, None] * points)
+    return volume, first, second
+
+
+def _simplex_moments(x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """The same over lines (E, 2, 3) or triangles (E, 3, 3)."""
+    k, sizes, s = x.shape[1], _sizes(x), x.sum(axis=1)
+    second = np.einsum("e,eai,eaj->ij", sizes, x, x, optimize=True)
+    second += np.einsum("e,ei,ej->ij", sizes, s, s, optimize=True)
+    return float(sizes.sum()), sizes @ s / k, second / (k * (k + 1))
 
 
 def _density(made_of: Isotropic | ShellSection | BeamSection) -> float:
@@ -109,11 +130,9 @@ def _rotary_inertia(made_of: Isotropic | ShellSection | BeamSection, x: FloatArr
 
 
 def _sizes(x: FloatArray) -> FloatArray:
-    """Lengths of lines (E, 2, 3), areas of triangles (E, 3, 3), volumes of tetrahedra (E, 4, 3)."""
+    """Lengths of lines (E, 2, 3), areas of triangles (E, 3, 3)."""
     edges = x[:, 1:] - x[:, :1]
     if x.shape[1] == 2:
         return np.linalg.norm(edges[:, 0], axis=1)
     normal = np.cross(edges[:, 0], edges[:, 1])
-    if x.shape[1] == 3:
-        return 0.5 * np.linalg.norm(normal, axis=1)
-    return np.abs(np.einsum("ei,ei->e", normal, edges[:, 2])) / 6
+    return 0.5 * np.linalg.norm(normal, axis=1)

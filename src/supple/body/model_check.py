@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import KDTree
 
-from supple.algebra import factorize_symmetric, lowest_modes
+from supple.algebra import lowest_modes
 from supple.body.checks import FREEDOM_NAMES, RIGID_NAMES, SYMMETRY, rigid_force_ratios
 from supple.body.free_body import RIGID_TOLERANCE
 from supple.body.labelled_superelement import NodalMatrices
 from supple.body.mass_properties import MassProperties, mesh_mass_properties, rigid_mass_properties
+from supple.body.massless_motion import StaticallyTied, massless_motions, tie_statically
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import AccuracyError, ModelError
 from supple.fem import FiniteElementModel
@@ -31,7 +32,7 @@ LOWEST_FREQUENCIES = "lowest free frequencies"
 # Against the highest eigenvalue looked at: rigid modes come out at some 1e-9 of it, the slowest elastic modes
 # of slender parts at some 1e-4.
 ZERO_MODE = 1e-6
-# The mass matrix against the mass of the mesh: curved cells make up this much.
+# The mass matrix against the mass of the mesh: far more than quadrature on curved cells errs.
 MASS_AGREEMENT = 0.02
 # The three masses of R^T M R, against each other: apart by rounding of entries printed with few digits.
 SAME_MASS = 1e-4
@@ -128,11 +129,12 @@ def check_model(
     labels = np.arange(len(nodes)) if node_ids is None else node_ids
     R = nodal_rigid_modes(nodes, dofs_per_node)
     properties = rigid_mass_properties(M, nodes, dofs_per_node)
+    mass_found, tied = _positive_mass(M, K, labels, dofs_per_node, rigid_tolerance)
     findings = [
         _symmetry("stiffness", K),
         _symmetry("mass", M),
         *_mass(M, R, properties, mesh_mass),
-        _positive_mass(M, labels, dofs_per_node),
+        mass_found,
         _grounding(K, R, labels, dofs_per_node, rigid_tolerance),
         _units(nodes, K, M, dofs_per_node),
     ]
@@ -141,7 +143,7 @@ def check_model(
     positive = all(f.verdict is not Verdict.REFUSED for f in findings[:-2])
     if n_frequencies == 0 or not positive:
         return check
-    modes, n_zero, frequencies = _modes(K, M, R, n_frequencies, labels, dofs_per_node)
+    modes, n_zero, frequencies = _modes(K, M, R, n_frequencies, labels, dofs_per_node, tied)
     return ModelCheck((*findings, *modes), properties, energy, n_zero, frequencies)
 
 
@@ -285,8 +287,15 @@ def _against_mesh(found: MassProperties, expected: MassProperties) -> Finding:
     )
 
 
-def _positive_mass(M: sparse.csc_array, labels: NDArray[np.int64], dofs_per_node: int) -> Finding:
-    diagonal = M.diagonal()
+def _positive_mass(
+    M: sparse.csc_array,
+    K: sparse.csc_array,
+    labels: NDArray[np.int64],
+    dofs_per_node: int,
+    tolerance: float,
+) -> tuple[Finding, StaticallyTied | None]:
+    """What is found, and how motions without mass follow the others, where there are such."""
+    what, diagonal = "positive mass", M.diagonal()
     bad = np.flatnonzero(~(diagonal > 0))
     remedy = (
         "every freedom must carry mass, and every rotation rotary inertia; reduce massless rotations away "
@@ -295,15 +304,22 @@ def _positive_mass(M: sparse.csc_array, labels: NDArray[np.int64], dofs_per_node
     if bad.size:
         first = _freedom(int(bad[0]), labels, dofs_per_node)
         seen = f"{bad.size} freedoms have none, first {first}: {diagonal[bad[0]]:.3g}"
-        return Finding("positive mass", seen, Verdict.REFUSED, remedy)
+        return Finding(what, seen, Verdict.REFUSED, remedy), None
     try:
-        inertia = factorize_symmetric(M).inertia
-    except AccuracyError:
-        return Finding("positive mass", "the matrix is singular", Verdict.REFUSED, remedy)
-    if inertia.negative or inertia.zero:
-        seen = f"{inertia.negative} negative and {inertia.zero} zero eigenvalues"
-        return Finding("positive mass", seen, Verdict.REFUSED, remedy)
-    return Finding("positive mass", f"all {len(diagonal)} eigenvalues")
+        motions = massless_motions(M, tolerance)
+        if not motions.shape[1]:
+            return Finding(what, f"all {len(diagonal)} eigenvalues"), None
+        tied = tie_statically(K, motions, np.ones(len(diagonal), dtype=bool))
+    except ModelError as error:
+        return Finding(what, str(error), Verdict.REFUSED, remedy), None
+    moved = np.abs(motions).max(axis=1).reshape(-1, dofs_per_node).max(axis=1)
+    nodes = labels[moved > 0.1 * moved.max()]
+    listed = ", ".join(str(node) for node in nodes[:8]) + (", ..." if len(nodes) > 8 else "")
+    seen = (
+        f"all but {motions.shape[1]} of {len(diagonal)} eigenvalues; the motions without mass, at nodes "
+        f"{listed}, follow the others statically"
+    )
+    return Finding(what, seen), tied
 
 
 def _rigid_energy(K: sparse.csc_array, R: FloatArray) -> FloatArray:
@@ -369,10 +385,14 @@ def _modes(
     n_frequencies: int,
     labels: NDArray[np.int64],
     dofs_per_node: int,
+    tied: StaticallyTied | None,
 ) -> tuple[list[Finding], int | None, tuple[float, ...]]:
-    wanted = min(6 + n_frequencies, len(R))
+    stiffness, mass = K, M
+    if tied is not None:
+        stiffness, mass = (tied.expansion.T @ matrix @ tied.expansion for matrix in (K, M))
+    wanted = min(6 + n_frequencies, len(R) if tied is None else len(tied.kept))
     try:
-        pairs = lowest_modes(K, M, wanted)
+        pairs = lowest_modes(stiffness, mass, wanted)
     except (ModelError, AccuracyError) as error:
         remedy = (
             "strain energy cannot be negative; export the elastic stiffness, without loads or geometric terms"
@@ -382,7 +402,10 @@ def _modes(
     if zero == wanted or pairs.values[-1] <= 0:
         zero = wanted
     frequencies = tuple((np.sqrt(np.maximum(pairs.values[zero:], 0)) / (2 * np.pi)).tolist())
-    found = [_zero_modes(zero, pairs.vectors[:, :zero], M, R, labels, dofs_per_node)]
+    rigid = pairs.vectors[:, :zero]
+    found = [
+        _zero_modes(zero, rigid if tied is None else tied.expansion @ rigid, M, R, labels, dofs_per_node)
+    ]
     if frequencies:
         listed = ", ".join(f"{value:.4g}" for value in frequencies)
         found.append(Finding(LOWEST_FREQUENCIES, listed))

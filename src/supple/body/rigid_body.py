@@ -62,6 +62,11 @@ class RigidBody:
         return "rigid"
 
     @property
+    def centre_of_mass(self) -> NDArray[np.float64]:
+        """(3,) in the body's frame, m."""
+        return self.centre
+
+    @property
     def n_coordinates(self) -> int:
         """None."""
         return 0
@@ -80,9 +85,17 @@ class RigidBody:
         """The interface of that name; ModelError names the nearest, or those there are."""
         return interface_named(self.name, name, self.interfaces)
 
-    def expand(self, coordinates: ArrayLike) -> NDArray[np.float64]:
-        """No displacement, (..., N, 3), for coordinates (..., 0)."""
-        return np.zeros((*np.shape(coordinates)[:-1], len(self.nodes), 3))
+    def expand(
+        self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """No displacement, (..., k, 3), for coordinates (..., 0)."""
+        return np.zeros((*np.shape(coordinates)[:-1], len(self.nodes[nodes]), 3))
+
+    def expand_rates(
+        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """No velocity, likewise."""
+        return self.expand(rates, nodes)
 
     def positions(
         self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)

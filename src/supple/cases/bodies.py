@@ -55,7 +55,7 @@ from supple.importers.toml import (
 )
 from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed
-from supple.reduction import CondensedQuartic, ReducedBody, reduce
+from supple.reduction import CondensedQuartic, NoLoads, ReducedBody, reduce
 from supple.reduction.eigenvalues.mode_search import search_words
 from supple.storage import read_reduced_body
 
@@ -107,8 +107,17 @@ class Body(CheckedTable):
     linear: bool = Field(False, description="true leaves the nonlinear strains out (for comparison)")
     position: Vector = Field(ZERO, description="start of the mesh origin, global axes")
     rotation: Vector = Field(ZERO, description="start orientation as a rotation vector, global axes, rad")
-    velocity: Vector = Field(ZERO, description="start velocity of the mesh origin, global axes")
-    angular_velocity: Vector = Field(ZERO, description="start angular velocity, body axes, rad per time")
+    velocity: Vector | None = Field(
+        None,
+        description="start velocity of the mesh origin, global axes; by default what joints and laws ask for",
+    )
+    centre_velocity: Vector | None = Field(
+        None, description="instead of velocity: start velocity of the centre of mass, global axes"
+    )
+    angular_velocity: Vector | None = Field(
+        None,
+        description="start angular velocity, body axes, rad per time; by default as velocity",
+    )
 
     @property
     def kind(self) -> str:
@@ -165,8 +174,10 @@ class Body(CheckedTable):
         folder : where that file lies
         notify : hears of each long step
         """
-        start: dict[str, Any] = {key: np.array(getattr(self, key)) for key in _START}
-        return Placed(self._form(flexible, folder, notify), **start)
+        given = {key: getattr(self, key) for key in _START}
+        start: dict[str, Any] = {key: np.array(value) for key, value in given.items() if value is not None}
+        placed = Placed(self._form(flexible, folder, notify), **start)
+        return placed if self.centre_velocity is None else placed.with_centre_velocity(self.centre_velocity)
 
     def _form(
         self, flexible: FlexibleBody | None, folder: Path, notify: Notify
@@ -201,6 +212,7 @@ class Body(CheckedTable):
             flexible,
             frame,
             self.reduction.recipe(lambda detail: notify(step, detail)),
+            loads=NoLoads,  # the recipe has them, where they are asked for
             derivatives=derivative_choice(self.reduction.derivatives),
             damping=damped,
             quartic=quartic_choice(self.reduction.condensed, CondensedQuartic()),
@@ -245,6 +257,19 @@ def _is_of_one_kind(path: KeyPath, body: Raw) -> Mistakes:
             yield (*path, needless), f"a {key} body takes no {needless}; remove the key"
 
 
+def _has_one_velocity(path: KeyPath, body: Raw) -> Mistakes:
+    if "centre_velocity" not in body:
+        return
+    if "velocity" in body:
+        message = "the velocity of the mesh origin or that of the centre of mass: remove one of the two"
+        yield (*path, "centre_velocity"), message
+    if "split" in body:
+        message = (
+            "each part of a split body has a centre of its own; give velocity, of the mesh origin of all"
+        )
+        yield (*path, "centre_velocity"), message
+
+
 def _mesh_can_be_read(path: KeyPath, body: Raw) -> Mistakes:
     kind, mesh = kind_of(body), body.get("mesh")
     allowed = (kind.mesh_suffixes if kind is not None else ()) or Shell.mesh_suffixes
@@ -266,6 +291,7 @@ RULES = (
     on_each(
         "body",
         _is_of_one_kind,
+        _has_one_velocity,
         _mesh_can_be_read,
         _interfaces_have_names,
         *interfaces.RULES_OF_BODY,

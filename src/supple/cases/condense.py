@@ -111,6 +111,8 @@ def _has_no_floating_frame(path: KeyPath, body: Raw) -> Mistakes:
     for needless in (each for each in _INSTEAD_OF if each in body):
         yield (*path, needless), f"a condensed body has its own modes and takes no {needless}; remove the key"
     damping = table(body, "damping").get("kind")
+    if "held" in table(body, "damping"):
+        yield (*path, "damping", "held"), "the damping of a condensed body acts on its own modes; remove held"
     if damping not in (None, "rayleigh", "modal"):
         message = f'a condensed body takes damping of kind "rayleigh" or "modal", not "{damping}"'
         yield (*path, "damping", "kind"), message

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
+from dataclasses import replace
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
 from supple.body import (
@@ -16,25 +19,35 @@ from supple.body import (
     rayleigh_at_modes,
 )
 from supple.cases.table import Made
+from supple.errors import SuppleWarning
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Raw, table
+from supple.reduction import ReducedBody, clamped_modes
+
+LARGEST_MISS = 0.1
+"""Part of the ratio asked for by which that of a held mode may differ, without a warning."""
+
+HELD = "interface that it acts against, the same in every frame; none: against the body's frame"
 
 
 class _RatioOfTwoModes(CheckedTable):
-    """The same damping ratio on two modes of the body in its frame."""
+    """The same damping ratio on two modes of the body."""
 
     ratio: NonNegative = Field(description="damping ratio, 0.02 for 2 %")
     modes: Annotated[tuple[int, int], Field(strict=False)] = Field((1, 2), description="mode numbers from 1")
     held: str | None = Field(
-        None, description="interface held while these modes vibrate; none: free in the frame"
+        None,
+        description="interface held while these modes vibrate, which damping by mass acts against; none: "
+        "free in the frame",
     )
 
     def _fitted(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
         constraint = (NodalFixedFrame(self.held) if self.held else frame).constraint(body)
-        return rayleigh_at_modes(body.stiffness, body.mass, constraint, self.ratio, self.modes)
+        fitted = rayleigh_at_modes(body.stiffness, body.mass, constraint, self.ratio, self.modes)
+        return replace(fitted, held=self.held)
 
 
 class RayleighRatio(_RatioOfTwoModes):
-    """Rayleigh damping by strain rate with the same ratio on two modes of the body in its frame."""
+    """Rayleigh damping by strain rate with the same ratio on two modes of the body."""
 
     kind: Literal["rayleigh-ratio"]
 
@@ -54,27 +67,29 @@ class LinearRayleighRatio(_RatioOfTwoModes):
 
 
 class Rayleigh(Made):
-    """Damping alpha M + beta K_mat(q) that follows the strain rate."""
+    """Damping by mass, and by stiffness K_mat(q) that follows the strain rate."""
 
     makes = RayleighDamping
 
     kind: Literal["rayleigh"]
     alpha: NonNegative = Field(description="per time")
     beta: NonNegative = Field(description="a time")
+    held: str | None = Field(None, description=HELD)
 
 
 class LinearRayleigh(Made):
-    """Rayleigh damping alpha M + beta K with the stiffness of the undeformed body."""
+    """Rayleigh damping by mass, and by the stiffness of the undeformed body."""
 
     makes = LinearRayleighDamping
 
     kind: Literal["linear-rayleigh"]
     alpha: NonNegative = Field(description="per time")
     beta: NonNegative = Field(description="a time")
+    held: str | None = Field(None, description=HELD)
 
 
 class Modal(Made):
-    """The same damping ratio on the modes of the body in its frame: all of a reduced body, or the lowest."""
+    """The same damping ratio on the modes of the body: all of a reduced body, or the lowest."""
 
     makes = ModalDamping
 
@@ -85,11 +100,40 @@ class Modal(Made):
         ge=1,
         description="number of modes damped, from the lowest up; a body that is not reduced needs it",
     )
+    held: str | None = Field(
+        None,
+        description="interface clamped in these modes, the same in every frame; none: those in the frame",
+    )
 
 
 Damping = Annotated[
     RayleighRatio | Rayleigh | LinearRayleighRatio | LinearRayleigh | Modal, Field(discriminator="kind")
 ]
+
+
+def warn_of_ratios(given: Damping | None, body: ReducedBody) -> None:
+    """SuppleWarning where modes held at an interface have another damping ratio than is asked of them."""
+    if isinstance(given, _RatioOfTwoModes):
+        modes = given.modes
+    elif isinstance(given, Modal):
+        modes = (1, 2)[: given.modes]
+    else:
+        return
+    if given.held is None or not given.ratio:
+        return
+    every = clamped_modes(body, given.held).damping_ratios
+    found = np.array([every[mode - 1] for mode in modes if mode <= len(every)])
+    if np.all(abs(found - given.ratio) <= LARGEST_MISS * given.ratio):
+        return
+    seen = " and ".join(f"{100 * ratio:.2g}" for ratio in found)
+    numbers = " and ".join(map(str, modes))
+    warnings.warn(
+        f"body '{body.name}': a damping ratio of {100 * given.ratio:.3g} % is asked of its modes {numbers} "
+        f"with '{given.held}' held; as reduced they have {seen} %: its basis lacks motion of these modes. "
+        f"Keep more modes, or take a basis with the static shapes of '{given.held}' (craig-bampton, rubin)",
+        SuppleWarning,
+        stacklevel=2,
+    )
 
 
 def _damped_modes_differ(path: KeyPath, body: Raw) -> Mistakes:

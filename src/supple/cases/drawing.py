@@ -12,6 +12,7 @@ from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import At, System
 from supple.mesh import Mesh
+from supple.reduction import BodyModes, ReducedBody
 from supple.results import TrackedMotion
 from supple.units import UnitSystem
 
@@ -30,6 +31,7 @@ class Drawing:
     solution: Solution
     meshes: Mapping[str, Mesh]
     tracked: Mapping[str, TrackedMotion]
+    modes: Mapping[str, BodyModes]
     elements: Mapping[str, FiniteElementModel] | None
     bases: Mapping[str, At]
     units: UnitSystem
@@ -48,6 +50,7 @@ class Drawing:
                 self.folder,
                 *run,
                 tracked=self.tracked,
+                modes=self.modes,
                 elements=self.elements,
                 bases=self.bases,
                 units=self.units,
@@ -81,6 +84,7 @@ def drawing_of(
         solution,
         case.drawn,
         tracked,
+        case.held_modes if output.pictures and system.bodies_of(ReducedBody) else {},
         case.elements if output.colour == "von-mises" else None,
         case.bases,
         case.units,

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from supple.body import FullBody
 from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import Progress, silent
-from supple.cases.static_case import check_fixed_sizes, looked_at, spin_of
+from supple.cases.reductions import DEFAULT_ACCURACY
+from supple.cases.static_case import looked_at, spin_of
+from supple.correction import Missed, correct_statically
 from supple.errors import CaseError
 from supple.linearization import (
     CampbellDiagram,
@@ -22,9 +25,10 @@ from supple.linearization import (
     machine_modes,
     mode_motion,
 )
-from supple.machine import Spin
+from supple.machine import Spin, System
 from supple.multibody.equations.build_model import system_length
 from supple.results.run_summary import unit_names
+from supple.simulation.equilibrium import LARGEST_ERROR
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
 
@@ -32,6 +36,10 @@ __all__ = ["campbell_case", "modes_case"]
 
 AMPLITUDE = 0.1
 """Of a drawn mode, as a share of the machine's size."""
+TURNING, STANDING = "turning with the machine", "standing in space"
+"""In which frequencies are seen: forward whirl at w in space is w less the spin in axes that turn."""
+NO_DEFORMATION = 1e-12
+"""Of the machine's size: a rest with less has no error to speak of."""
 
 
 def modes_case(
@@ -40,24 +48,31 @@ def modes_case(
     *,
     n_modes: int = 6,
     time: float = 0.0,
+    errors: bool = True,
     allow_code: bool = False,
     progress: Progress = silent,
 ) -> tuple[MachineModes, dict[str, Any]]:
     """Modes of a case's machine; writes `CASE-modes.json`, and pictures and animations of the shapes.
 
+    Modes that are off by 1 % or more are listed with their error, and not drawn.
+
+    errors : compare with the modes that the machine has with all coordinates of its bodies
     allow_code : whether the controllers that the case names, a program, act
 
     Raises
     ------
-    CaseError           a body whose size only a run can tell
-    ModelError          whatever `linearize` refuses
-    ConvergenceError    no equilibrium
+    CaseError               code that fails
+    SelfCorrectionError     a body that does not reach its accuracy
+    ModelError              whatever `linearize` refuses
+    ConvergenceError        no equilibrium
     """
     warn_of_units(case)
-    check_fixed_sizes(case, "modes")
     progress("linearising", 0.0)
-    system = looked_at(case, allow_code=allow_code)
-    modes = machine_modes(linearize(system, time=time, spin=spin_of(case)), n_modes)
+    system, spin = looked_at(case, allow_code=allow_code), spin_of(case)
+    fulls = case.fulls if errors or case.starts else {}
+    if case.starts:
+        system = _accurate(case, system, (spin,), n_modes, time)
+    modes = machine_modes(linearize(system, time=time, spin=spin, fulls=fulls), n_modes)
     progress("linearising", 1.0)
     numbers = {"title": case.title, "time": time, **_numbers(case, modes)}
     with file_errors("make the folder", folder):
@@ -74,22 +89,29 @@ def campbell_case(
     rates: Sequence[float],
     *,
     n_modes: int = 6,
+    errors: bool = True,
     allow_code: bool = False,
     progress: Progress = silent,
 ) -> CampbellDiagram:
     """Modes over the rate of the case's spin; writes `CASE-campbell.json` and a picture.
 
+    Bodies reduced to an accuracy keep to it at the first and the last rate.
     Raises CaseError where the case has no spin, and as for `modes_case`.
     """
     warn_of_units(case)
-    check_fixed_sizes(case, "modes")
     spin = spin_of(case)
     if spin is None:
         raise CaseError(f"{case.path}: a Campbell diagram needs a spin; add [spin] with rate and axis")
     spins = [Spin(float(rate), spin.axis, spin.point, spin.bodies) for rate in rates]
     system = looked_at(case, allow_code=allow_code)
+    if case.starts:
+        system = _accurate(case, system, (spins[0], spins[-1]), n_modes, 0.0)
     diagram = campbell_diagram(
-        system, spins, n_modes=n_modes, progress=lambda share: progress("linearising", share)
+        system,
+        spins,
+        n_modes=n_modes,
+        fulls=case.fulls if errors or case.starts else {},
+        progress=lambda share: progress("linearising", share),
     )
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
@@ -98,10 +120,12 @@ def campbell_case(
         {
             "title": case.title,
             "units": unit_names(case.units),
+            "axes": TURNING,
             "rates": diagram.rates.tolist(),
             "frequencies": _shown(case, diagram.frequencies).tolist(),
             "damping_ratios": diagram.damping_ratios.tolist(),
             "likeness": diagram.likeness.tolist(),
+            "errors": _known(diagram.errors),
         },
     )
     if case.tables.output.pictures:
@@ -109,6 +133,42 @@ def campbell_case(
 
         plot_campbell(folder / f"{case.path.stem}-campbell.png", diagram, units=case.units)
     return diagram
+
+
+def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes: int, time: float) -> System:
+    """The machine with its bodies reduced so far that its modes at some spins keep to their accuracy.
+
+    Of frequencies that is the relative accuracy asked for, or a thousandth where it is a length.
+    """
+
+    def look(reduced: System, fulls: Mapping[str, FullBody]) -> dict[str, Missed]:
+        worst, fields = dict.fromkeys(fulls, 0.0), {name: [] for name in fulls}
+        for spin in spins:
+            linear = linearize(reduced, time=time, spin=spin, fulls=fulls)
+            error = machine_modes(linear, n_modes).error
+            if error is None or linear.full is None:
+                worst = dict.fromkeys(fulls, np.inf)
+                continue
+            off = 1.0 if len(error.missed) else float(np.minimum(error.relative, 1.0).max(initial=0.0))
+            for name, rest in linear.full.rest.items():
+                at_rest = rest.rms / rest.size if rest.size > NO_DEFORMATION * system_length(system) else 0.0
+                worst[name] = max(worst[name], off, at_rest)
+                fields[name] += [rest.deformation[:, None], error.fields[name]]
+        return {
+            name: Missed(
+                worst[name], case.starts[name].target.relative or DEFAULT_ACCURACY, np.hstack(fields[name])
+            )
+            for name in fulls
+        }
+
+    return correct_statically(system, case.starts, look).system
+
+
+def _known(errors: np.ndarray | None) -> list[list[float | None]] | None:
+    """Errors over speed, None where they are not known."""
+    if errors is None:
+        return None
+    return [[float(each) if np.isfinite(each) else None for each in row] for row in errors]
 
 
 def _shown(case: Case, frequencies: np.ndarray) -> np.ndarray:
@@ -119,20 +179,31 @@ def _shown(case: Case, frequencies: np.ndarray) -> np.ndarray:
 def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
     shares = modes.kinetic_shares
     names = [placed.body.name for placed in modes.machine.system.bodies]
+    error, n = modes.error, len(modes.eigenvalues)
+    turns = modes.machine.spin is not None and modes.machine.spin.rate != 0
+    relative = np.full(n, np.nan) if error is None else error.relative
+    exact = np.full(n, np.nan) if error is None else _shown(case, error.eigenvalues.imag)
     return {
         "units": unit_names(case.units),
+        "axes": TURNING if turns else STANDING,
+        "missed": [] if error is None else _shown(case, error.missed.imag).tolist(),
         "modes": [
             {
                 "frequency": frequency,
                 "damping_ratio": ratio,
                 "eigenvalue": [value.real, value.imag],
+                "error": off if np.isfinite(off) else None,
+                "with all coordinates": full if np.isfinite(full) else None,
+                "none of the machine's": bool(np.isinf(off)),
                 "unstable": bool(unstable),
                 "kinetic_share": dict(zip(names, share, strict=True)),
             }
-            for frequency, ratio, value, unstable, share in zip(
+            for frequency, ratio, value, off, full, unstable, share in zip(
                 _shown(case, modes.frequencies).tolist(),
                 modes.damping_ratios.tolist(),
                 modes.eigenvalues,
+                relative.tolist(),
+                exact.tolist(),
                 modes.unstable,
                 shares.T.tolist(),
                 strict=True,
@@ -147,7 +218,8 @@ def _draw(case: Case, modes: MachineModes, folder: Path, progress: Progress) -> 
     titles = mode_titles(modes.frequencies / (2 * np.pi), case.units)
     system = replace(modes.machine.system, loads=())
     size = system_length(system)
-    for number in range(len(modes.eigenvalues)):
+    wrong = np.zeros(len(modes.eigenvalues)) if modes.error is None else modes.error.relative
+    for number in np.flatnonzero(wrong < LARGEST_ERROR).tolist():
         motion = mode_motion(modes, number, amplitude=AMPLITUDE * size)
         stem = f"{case.path.stem}-mode-{number + 1}"
         if case.tables.output.pictures:

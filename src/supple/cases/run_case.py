@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from supple.cases.case import Case
+from supple.cases.damping import warn_of_ratios
 from supple.cases.drawing import drawing_of
 from supple.cases.drawing_beside import DrawingBeside
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
@@ -20,7 +21,7 @@ from supple.errors import CaseError
 from supple.integrate import Solution, Validity
 from supple.machine import System
 from supple.multibody import warn_of_missing_modes
-from supple.results import TrackedMotion, summarize, tracked_places
+from supple.results import TrackedMotion, stress_numbers, summarize, tracked_places
 from supple.sensors import Reading, read_sensors, write_readings, write_readings_hdf5
 from supple.simulation import reduced_bodies, simulate_kept
 from supple.storage import write_errors, write_json
@@ -127,7 +128,8 @@ def _run_case(
 ) -> CaseResult:
     warn_of_units(case)
     inputs = case.inputs
-    _ = case.system
+    # What is wrong with sensors is said now, not when the run is over.
+    _ = case.system, case.sensors
     if changed := changes(inputs, case.inputs):
         raise CaseError(f"{case.path} was changed while it was read ({changed}): run it again")
     for body in reduced_bodies(case.system, case.flexible):
@@ -162,15 +164,25 @@ def _run_case(
         _write_report(case, folder, correction_numbers(rounds), {})
         raise
     warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
+    _warn_of_damping(case, system)
     tracked = _tracked(case, system, solution)
     readings = read_sensors(case.sensors, system, solution)
-    numbers = summarize(system, solution, tracked, units=case.units)
+    numbers = summarize(system, solution, tracked, fulls=case.fulls, units=case.units)
+    numbers |= {"stress": stress_numbers(system, solution, case.elements, units=case.units)}
     numbers |= {"sensors": {each.name: each.plain(case.units) for each in readings}}
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_readings(case, folder, readings)
     _write_report(case, folder, result.rounds, result.numbers)
     beside.finish(drawing_of(case, system, solution, tracked, folder), progress)
     return result
+
+
+def _warn_of_damping(case: Case, system: System) -> None:
+    """Compare the damping ratios of held modes with those that are asked for, body by body."""
+    reduced = {body.name: body for body in reduced_bodies(system, case.made_here)}
+    for table in case.parts.body:
+        if table.name in reduced:
+            warn_of_ratios(table.damping, reduced[table.name])
 
 
 def _tracked(case: Case, system: System, solution: Solution) -> dict[str, TrackedMotion]:

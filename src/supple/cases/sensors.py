@@ -9,10 +9,11 @@ import numpy as np
 from pydantic import Field
 
 from supple import sensors
+from supple.cases.body_kinds import kind_of, kinds_that
 from supple.cases.shared_rules import usable_names
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
-from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, tables, unknown
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, names, tables, unknown
 from supple.machine import At, ForceElement, as_end
 
 
@@ -71,14 +72,21 @@ class JointSensor(CheckedTable):
         return made(self.name, self.joint)
 
 
+_Component = Literal["von-mises", "principal", "xx", "yy", "zz", "yz", "xz", "xy"]
+
+
 class TensorSensor(CheckedTable):
-    """Stress or strain at a node of a body's elements; of a shell at its bottom, middle and top."""
+    """Stress or strain at nodes of a body's elements; of a shell at its bottom, middle and top."""
 
     kind: Literal["stress", "strain"]
     name: str = Field(description="its columns are NAME.von Mises, NAME.top xx, ...")
-    at: str = Field(description="BODY.NODE_SET; of several nodes the one nearest their mean")
-    measure: Literal["von-mises", "principal", "xx", "yy", "zz", "yz", "xz", "xy"] = Field(
-        "von-mises", description="components are in the axes of the body"
+    at: str = Field(description="BODY.NODE_SET")
+    component: _Component | None = Field(
+        None, description="von-mises if left out; components are in the axes of the body"
+    )
+    measure: Literal["max", "mean", "nearest", _Component] = Field(
+        "max",
+        description="of the nodes of the set: largest magnitude, mean, or the node nearest the centroid",
     )
 
     def build(self, case: SensedCase) -> sensors.Sensor:
@@ -86,16 +94,34 @@ class TensorSensor(CheckedTable):
         body, where = case.place(self.at)
         if body not in case.elements or isinstance(where, str):
             raise ModelError(f"sensor '{self.name}': '{self.at}' is no node set of a body with elements")
-        model, nodes = case.elements[body], np.asarray(where)
-        points = model.mesh.nodes[nodes]
-        node = int(nodes[np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1))])
-        own: Mapping[str, sensors.TensorMeasure] = {
-            "von-mises": sensors.VonMises(),
-            "principal": sensors.Principal(),
-        }
-        measure = own.get(self.measure) or sensors.Component(self.measure)
         made = sensors.StrainSensor if self.kind == "strain" else sensors.StressSensor
-        return made(self.name, body, model, node, measure)
+        measure = _tensor_measure(self._component)
+        return made(self.name, body, case.elements[body], np.asarray(where), measure, self._over)
+
+    @property
+    def _component(self) -> str:
+        """A component stood in `measure` before sets had one."""
+        stated = None if self.measure in _OVER else self.measure
+        return self.component or stated or "von-mises"
+
+    @property
+    def _over(self) -> sensors.OverNodes:
+        return _OVER.get(self.measure, sensors.Maximum())
+
+
+_OVER: Mapping[str, sensors.OverNodes] = {
+    "max": sensors.Maximum(),
+    "mean": sensors.Mean(),
+    "nearest": sensors.Nearest(),
+}
+
+
+def _tensor_measure(component: str) -> sensors.TensorMeasure:
+    own: Mapping[str, sensors.TensorMeasure] = {
+        "von-mises": sensors.VonMises(),
+        "principal": sensors.Principal(),
+    }
+    return own.get(component) or sensors.Component(component)
 
 
 class SectionSensor(CheckedTable):
@@ -176,4 +202,33 @@ def _sees_deflections(raw: Raw) -> Mistakes:
             yield (*path, "seen_from"), 'only a sensor of kind "deflection" is seen from an interface'
 
 
-RULES = (_elements_exist, _names_differ, _sees_deflections)
+def _stress_is_of_elements(raw: Raw) -> Mistakes:
+    """The rule that stress and strain are read at node sets of bodies with elements."""
+    bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
+    for path, each in tables(raw, "sensor"):
+        name, _, where = str(each.get("at")).partition(".")
+        if each.get("kind") not in ("stress", "strain") or name not in bodies:
+            continue
+        kind = kind_of(bodies[name])
+        if kind is not None and not kind.has_elements:
+            able = ", ".join(kinds_that("has_elements"))
+            yield (*path, "at"), f"body {name!r} has no elements, whose stress it would be ({able} have)"
+        elif where in names(bodies[name], "interface"):
+            yield (
+                (*path, "at"),
+                f"{where!r} is an interface, and stress is that of elements: this is no node set of a body "
+                "with elements; name one",
+            )
+
+
+def _one_component(raw: Raw) -> Mistakes:
+    for path, each in tables(raw, "sensor"):
+        stated = each.get("measure")
+        if "component" in each and isinstance(stated, str) and stated not in _OVER:
+            yield (
+                (*path, "measure"),
+                f"beside component, measure is one of {', '.join(_OVER)}; it says {stated!r}",
+            )
+
+
+RULES = (_elements_exist, _names_differ, _sees_deflections, _stress_is_of_elements, _one_component)

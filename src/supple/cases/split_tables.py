@@ -21,7 +21,7 @@ from supple.cases.sensors import SensorTable
 from supple.cases.split import SplitSource
 from supple.errors import ModelError, SuppleWarning
 from supple.machine import At
-from supple.machine.split_body import SplitBody, cut_name, part_name
+from supple.machine.split_body import SplitBody, cut_name, frequency_changes, part_name
 
 IntArray = NDArray[np.int64]
 
@@ -108,7 +108,9 @@ def with_damping(body: Body, whole: FlexibleBody) -> Body:
     if isinstance(damping, RayleighRatio):
         assert body.frame is not None  # a rule of the case file
         made: RayleighDamping = damping.build(whole, body.frame.build())
-        damping = Rayleigh(kind="rayleigh", alpha=made.alpha, beta=made.beta)
+        damping = Rayleigh(kind="rayleigh", alpha=made.alpha, beta=made.beta, held=None)
+    if isinstance(damping, Rayleigh):
+        damping = damping.model_copy(update={"held": None})  # an interface of one part alone
     if isinstance(damping, Rayleigh) and damping.alpha > 0:
         warnings.warn(
             f"body '{body.name}' is split: the part alpha = {damping.alpha:.3g} 1/s of its damping resists "
@@ -121,10 +123,11 @@ def with_damping(body: Body, whole: FlexibleBody) -> Body:
 
 
 def changed_frequencies(whole: FlexibleBody, split: SplitBody) -> str:
-    """What the ties of a split body change, in a line: its lowest elastic frequencies, free, in per cent."""
-    free = (whole.mass @ whole.rigid_modes).T
-    before = np.sqrt(whole.lowest_modes(3, free).values)
-    changes = ", ".join(f"{100 * change:+.2g}" for change in split.frequencies(3) / before - 1)
+    """What the ties of a split body change, in a line: its lowest elastic frequencies, free, in per cent.
+
+    A SuppleWarning where one of them changes by 2 % or more.
+    """
+    changes = ", ".join(f"{100 * change:+.2g}" for change in frequency_changes(whole, split))
     return (
         f"split body '{whole.name}' into {len(split.parts)}; the ties change its lowest free frequencies by "
         f"{changes} %"

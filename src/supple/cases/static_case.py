@@ -13,6 +13,7 @@ import numpy as np
 from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import Progress, silent
+from supple.correction import correct_at_rest
 from supple.errors import CaseError, ControlWarning
 from supple.machine import Controller, Spin, System
 from supple.results import TrackedMotion, summarize, tracked_places
@@ -108,27 +109,35 @@ def check_fixed_sizes(case: Case, command: str) -> None:
     """CaseError where a body is to be reduced by a run that `command` does not make."""
     if case.starts:
         raise CaseError(
-            f"{case.path}: body '{next(iter(case.starts))}' is reduced to an accuracy, which takes a run "
-            f"from where it is placed: for `supple {command}` give it a basis of fixed size (remove accuracy)"
+            f"{case.path}: body '{next(iter(case.starts))}' is reduced as far as its run needs, which starts "
+            f"where it is placed: for `supple {command}` give it a basis of fixed size, such as reduction = "
+            '{ basis = "craig-bampton", modes = 10 } without accuracy'
         )
 
 
 def static_case(
-    case: Case, folder: Path, *, time: float = 0.0, allow_code: bool = False, progress: Progress = silent
+    case: Case,
+    folder: Path,
+    *,
+    time: float = 0.0,
+    errors: bool = True,
+    allow_code: bool = False,
+    progress: Progress = silent,
 ) -> StaticResult:
     """Find the equilibrium of a case, write its numbers (`CASE-static.json`) and a picture.
 
     folder : made if it is not there
     time : at which loads and laws are taken
+    errors : say what the bases of the bodies miss, which takes a factorisation with all their coordinates
     allow_code : whether the controllers that the case names, a program, act
 
     Raises
     ------
-    CaseError           a body whose size only a run can tell; code that fails
-    ConvergenceError    no equilibrium
+    CaseError               code that fails
+    SelfCorrectionError     a body that does not reach its accuracy
+    ConvergenceError        no equilibrium
     """
     warn_of_units(case)
-    check_fixed_sizes(case, "static")
     system = looked_at(case, allow_code=allow_code)
 
     def searching(_: int, residual: float) -> None:
@@ -136,14 +145,20 @@ def static_case(
         progress("searching the equilibrium", float(np.clip(-np.log10(residual + 1e-300) / 9, 0.0, 1.0)))
 
     searching(0, 1.0)
-    found = equilibrium(system, time=time, spin=spin_of(case), progress=searching)
+    if case.starts:
+        found, _ = correct_at_rest(system, case.starts, time=time, spin=spin_of(case))
+    else:
+        fulls = case.fulls if errors else {}
+        found = equilibrium(system, time=time, spin=spin_of(case), fulls=fulls, progress=searching)
     progress("searching the equilibrium", 1.0)
     places = {name: case.place(name) for name in case.parts.output.track}
     tracked = tracked_places(found.system, found.solution, places)
     numbers = {
         "title": case.title,
         "time": time,
-        **summarize(found.system, found.solution, tracked, units=case.units),
+        "stable": found.stable,
+        **summarize(found.system, found.solution, tracked, fulls=case.fulls, units=case.units),
+        "errors": {name: error.plain() for name, error in found.errors.items()},
     }
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)

@@ -15,10 +15,13 @@ app = typer.Typer(
     help="Reduced-order flexible multibody dynamics.",
     no_args_is_help=True,
     add_completion=False,
+    # Plain text: markup would take [spin] for a style, and write a type behind every flag.
+    rich_markup_mode=None,
+    context_settings={"max_content_width": 110},
     pretty_exceptions_show_locals=False,
 )
 app.add_typer(
-    typer.Typer(cls=BenchmarkGroup),
+    typer.Typer(cls=BenchmarkGroup, rich_markup_mode=None),
     name="benchmark",
     help="Run a published benchmark and set our numbers beside the paper's.",
     no_args_is_help=True,
@@ -29,6 +32,12 @@ AllowCode = Annotated[
     typer.Option(
         "--allow-code",
         help="Run the Python file that `control` of the case names; read it first: it may do anything.",
+    ),
+]
+NoErrors = Annotated[
+    bool,
+    typer.Option(
+        "--no-errors", help="Leave out what the bases of the bodies miss, which takes full factors."
     ),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback of an error.")]
@@ -116,16 +125,18 @@ def static(
         Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
     ] = None,
     time: Annotated[float, typer.Option(help="Instant of loads and laws, in the case's unit of time.")] = 0.0,
+    no_errors: NoErrors = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
-    """Find where the machine of a case file rests, or how it turns steadily if the file has a [spin]."""
+    """Find where the machine of a case file rests, or turns steadily if the file has a table spin."""
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.static_case import static_case
 
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
-        static_case(case, output or Path("results") / case.stem, time=time, allow_code=allow_code)
+        folder = output or Path("results") / case.stem
+        static_case(case, folder, time=time, errors=not no_errors, allow_code=allow_code)
 
 
 @app.command()
@@ -138,8 +149,9 @@ def modes(
     time: Annotated[float, typer.Option(help="Instant of loads and laws, in the case's unit of time.")] = 0.0,
     rates: Annotated[
         str | None,
-        typer.Option(help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's [spin], rad/s."),
+        typer.Option(help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's spin, rad/s."),
     ] = None,
+    no_errors: NoErrors = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
@@ -150,7 +162,15 @@ def modes(
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
         folder = output or Path("results") / case.stem
-        modes_case(case, folder, n_modes=number, time=time, rates=rates, allow_code=allow_code)
+        modes_case(
+            case,
+            folder,
+            n_modes=number,
+            time=time,
+            rates=rates,
+            errors=not no_errors,
+            allow_code=allow_code,
+        )
 
 
 @app.command()

@@ -14,7 +14,7 @@ from supple.units import headed
 
 
 def modes_case(
-    path: Path, folder: Path, *, n_modes: int, time: float, rates: str | None, allow_code: bool
+    path: Path, folder: Path, *, n_modes: int, time: float, rates: str | None, errors: bool, allow_code: bool
 ) -> None:
     """Print the modes of the case at `path`, or its frequencies over speed.
 
@@ -29,7 +29,13 @@ def modes_case(
     if speeds is None:
         with bars:
             _, numbers = cases.modes_case(
-                case, folder, n_modes=n_modes, time=time, allow_code=allow_code, progress=steps.share
+                case,
+                folder,
+                n_modes=n_modes,
+                time=time,
+                errors=errors,
+                allow_code=allow_code,
+                progress=steps.share,
             )
             steps.finish()
         print_table(*_mode_table(numbers))
@@ -40,6 +46,7 @@ def modes_case(
                 folder,
                 speeds.tolist(),
                 n_modes=n_modes,
+                errors=errors,
                 allow_code=allow_code,
                 progress=steps.share,
             )
@@ -54,7 +61,10 @@ def modes_case(
             [f"{rate:.5g}", *(f"{each:.5g}" for each in row)]
             for rate, row in zip(diagram.rates, frequencies, strict=True)
         ]
-        print_table("Frequencies over speed", heads, rows)
+        print_table("Frequencies over speed, in axes that turn with the machine", heads, rows)
+        if diagram.errors is not None:
+            largest = 100 * float(np.nanmax(diagram.errors, initial=0.0))
+            say(f"Largest error of the bases, first and last speed: {largest:.2g} % of a frequency")
     say(f"Results are in {folder}/")
 
 
@@ -79,9 +89,21 @@ def _mode_table(numbers: dict[str, Any]) -> tuple[str, list[str], list[list[str]
             [
                 str(number),
                 f"{mode['frequency']:.5g}",
+                _error(mode),
                 f"{100 * mode['damping_ratio']:.3g}",
                 f"{body} ({100 * share:.0f} %)",
                 "unstable" if mode["unstable"] else "",
             ]
         )
-    return "Modes of the machine", ["mode", headed("frequency", unit), "damping, %", "moves most", ""], rows
+    heads = ["mode", headed("frequency", unit), "error, %", "damping, %", "moves most", "stability"]
+    return f"Modes of the machine, in axes {numbers['axes']}", heads, rows
+
+
+def _error(mode: dict[str, Any]) -> str:
+    """Of a frequency, in percent."""
+    if mode["none of the machine's"]:
+        return "no such mode"
+    if mode["error"] is None:
+        return "unknown"
+    percent = 100 * mode["error"]
+    return "< 0.01" if percent < 0.01 else f"{percent:.2g}"

@@ -34,7 +34,7 @@ def reduce_case(path: Path, folder: Path) -> None:
             'reduction = { basis = "error-controlled", tolerance = 1e-3, modes = 10 }; one that corrects '
             "itself is written by supple run"
         )
-    numbers = {body.name: body_numbers(body, case.units) for body in bodies}
+    numbers = {body.name: body_numbers(body, case.units, case.fulls.get(body.name)) for body in bodies}
     print_table(*body_table({"units": unit_names(case.units), "bodies": numbers}))
     for body in bodies:
         print_rows(f"Reduction of {body.name}", describe_reduction(body.report))

@@ -11,6 +11,7 @@ from supple import cases
 from supple.cases.remains import kept_so_far
 from supple.correction import SelfCorrectionError, correction_numbers
 from supple.results.explicit_tables import explicit_cost_line, explicit_tables
+from supple.results.run_start import start_lines
 from supple.results.run_tables import (
     correction_table,
     cost_line,
@@ -99,6 +100,8 @@ def _run(
         print_table(*error_table(numbers))
         for line in error_lines(numbers):
             say(line)
+    for line in start_lines(numbers):
+        say(line)
     say(cost_line(result.solution.statistics))
     say(f"Results are in {folder}/")
 

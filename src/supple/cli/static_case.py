@@ -5,20 +5,30 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple import cases
+from supple.results.rest_tables import rest_error_table
 from supple.results.run_tables import motion_tables
 from supple.terminal import Steps, print_table, progress_bars, say
 
+_STABILITY = {True: "Stable", False: "Unstable", None: "An"}
+"""Of an equilibrium whose tangent stiffness does not decide, the modes do."""
 
-def static_case(path: Path, folder: Path, *, time: float, allow_code: bool) -> None:
+
+def static_case(path: Path, folder: Path, *, time: float, errors: bool, allow_code: bool) -> None:
     """Print the equilibrium of the case at `path`; parameters and errors as for `cases.static_case`."""
     bars = progress_bars()
     steps = Steps(bars)
     case = cases.read_case(path, steps.show)
     say(case.title, "bold")
     with bars:
-        result = cases.static_case(case, folder, time=time, allow_code=allow_code, progress=steps.share)
+        result = cases.static_case(
+            case, folder, time=time, errors=errors, allow_code=allow_code, progress=steps.share
+        )
         steps.finish()
     numbers = result.numbers
     for table in motion_tables(numbers):
         print_table(*table)
-    say(f"Equilibrium after {result.found.iterations} iterations. Results are in {folder}/")
+    if result.found.errors:
+        print_table(*rest_error_table(numbers))
+    found = result.found
+    kind = _STABILITY[found.stable]
+    say(f"{kind} equilibrium after {found.iterations} iterations. Results are in {folder}/")

@@ -44,6 +44,13 @@ from supple.correction.round_table import (
 from supple.correction.self_correction import (
     self_correct,
 )
+from supple.correction.static_correction import (
+    Missed,
+    StaticallyCorrected,
+    correct_at_rest,
+    correct_statically,
+    missed_at_rest,
+)
 
 __all__ = [
     "ROUNDS_FOLDER",
@@ -57,6 +64,7 @@ __all__ = [
     "ErrorStudy",
     "JointForce",
     "JudgedQuantity",
+    "Missed",
     "MissedMotion",
     "ReductionStart",
     "ResidualCorrections",
@@ -66,12 +74,16 @@ __all__ = [
     "SelfCorrected",
     "SelfCorrection",
     "SelfCorrectionError",
+    "StaticallyCorrected",
     "WholeBody",
     "best_round",
+    "correct_at_rest",
     "correct_recorded",
+    "correct_statically",
     "correction_numbers",
     "estimate_batch_errors",
     "estimate_error",
+    "missed_at_rest",
     "residual_corrections",
     "self_correct",
     "state_batch_errors",

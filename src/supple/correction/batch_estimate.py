@@ -28,7 +28,6 @@ from supple.correction.error_estimate import (
 )
 from supple.correction.error_study import ErrorStudy, statements
 from supple.correction.judged_quantity import WholeBody
-from supple.correction.kept_basis import kept_bases
 from supple.correction.looked_at_instants import jittered
 from supple.correction.residual_correction import system_corrections
 from supple.correction.settled_error import is_small, settled
@@ -48,6 +47,7 @@ from supple.integrate import ErrorPart, FloatingMotion, Run, Solution
 from supple.machine import System
 from supple.multibody.compiled.every_step import every_step
 from supple.reduction import ReducedBody, ReductionBasis
+from supple.simulation.kept_basis import kept_bases
 
 __all__ = ["estimate_batch_errors", "state_batch_errors"]
 

@@ -261,8 +261,8 @@ class ErrorEstimator:
             for given, motion in (
                 (each.position, steps.bodies[name].position),
                 (each.rotation, steps.bodies[name].rotation),
-                (each.velocity, steps.bodies[name].velocity),
-                (each.angular_velocity, steps.bodies[name].angular_velocity),
+                (each.twist[:3], steps.bodies[name].velocity),
+                (each.twist[3:], steps.bodies[name].angular_velocity),
             )
         )
         if as_given and not any(

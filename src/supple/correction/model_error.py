@@ -26,7 +26,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from supple.body import BodyForm, MeanAxisFrame, frame_projector
+from supple.body import BodyForm, MeanAxisFrame, frame_projector, smaller_rotations
 from supple.body.full_body import FullBody
 from supple.body.turned_elements import turned_force
 from supple.correction.judged_quantity import Deflection, JudgedQuantity, WholeBody
@@ -51,8 +51,6 @@ CANTILEVER = 1.5
 """Turn of a cantilever's end under a force, over its deflection in parts of its length."""
 AT_LIMIT = 2e-3
 """Relative error of the deflection at the largest rotation that the kinematics describe."""
-
-_REMEDY = "choose a mean-axis frame, or split the body (split = { parts = 2 }, split_body)"
 
 
 def model_errors(
@@ -155,9 +153,10 @@ def _part(
     limits: Mapping[str, float],
 ) -> ErrorPart:
     name = quantity.body
+    remedy = _remedy(system, name)
     if isinstance(quantity, WholeBody) and name in missed:
         value = max(float(missed[quantity.body].rms.max()), _shortening(system, name, limits))
-        return ErrorPart(value, "elements and ties turned exactly", _REMEDY)
+        return ErrorPart(value, "elements and ties turned exactly", remedy)
     if isinstance(quantity, Deflection) and name in missed:
         full = fulls[quantity.body]
         at = quantity.nodes
@@ -165,7 +164,7 @@ def _part(
         moved = _moved(full, missed[quantity.body])[:, nodes]
         value = float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
         value = max(value, _shortening(system, name, limits))
-        return ErrorPart(value, "elements and ties turned exactly", _REMEDY)
+        return ErrorPart(value, "elements and ties turned exactly", remedy)
     shares = [0.0]
     for body, limit in limits.items():
         size = largest_displacement(system.bodies[system.body_index(body)].body, solution.bodies[body])
@@ -174,7 +173,15 @@ def _part(
             own = max(float(missed[body].rms.max()), _shortening(system, body, limits))
         if size > 0 and name in (None, body):
             shares.append(own / size)
-    return ErrorPart(max(shares) * quantity.size(system, solution), "in parts of the body's motion", _REMEDY)
+    return ErrorPart(max(shares) * quantity.size(system, solution), "in parts of the body's motion", remedy)
+
+
+def _remedy(system: System, name: str | None) -> str:
+    """For one elastic body, or for any of the machine: one that is not in mean axes yet can be."""
+    bodies = [placed.body for placed in system.bodies if placed.body.n_coordinates]
+    frames = [getattr(body, "frame", None) for body in bodies if name in (None, body.name)]
+    others = [frame for frame in frames if not isinstance(frame, MeanAxisFrame)]
+    return smaller_rotations((others or frames or [None])[0])
 
 
 def _shortening(system: System, name: str | None, limits: Mapping[str, float]) -> float:

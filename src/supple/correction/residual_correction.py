@@ -13,8 +13,8 @@ K_t is the tangent of the deformed body and of the inertia forces at given accel
 softens, the tension it raises stiffens). The frame rows D and the joint rows G hold, while the frame, the
 other bodies and the joint forces are free to follow: one clamped interface, closed loops and free flight are
 all of one kind. The inertia M / p says what a static equilibrium cannot, how a rigid motion resists. delta
-is the missing motion, quasi-statically; z, which no displacement of the run shows, belongs
-to it.
+is the missing motion, quasi-statically. Displacements of the run have z at rest at the first interface, these
+equations have it in the body's frame: the rigid motion between the two is taken off delta.
 """
 
 from __future__ import annotations
@@ -161,7 +161,10 @@ def system_corrections(
     if search.singular is not None and not known.any():
         raise search.singular
     for index, full in zip(indices, fulls, strict=True):
-        steps[:, prepared.slices[index]][:, 6:] += seen.expanded[full.name].following[: len(instants)]
+        own, rigid = steps[:, prepared.slices[index]], seen.expanded[full.name].rigid[: len(instants)]
+        rotations = solution.bodies[full.name].rotation[instants]
+        own[:, :3] -= np.einsum("tij,tj->ti", rotations, rigid[:, :3])
+        own[:, 3:6] -= rigid[:, 3:]
     found = corrections_of(seen, fulls, states, steps)
     return {
         name: replace(own, rms=np.where(known, own.rms, np.inf), factorizations=search.factorizations)
@@ -288,12 +291,12 @@ def _of_body(
 
 
 class _ExpandedMotion(NamedTuple):
-    """Coordinates (k, n) of one body at the instants, and of them what follows its columns."""
+    """Coordinates (k, n) of one body at the instants; `rigid` (k, 6) as of `RunColumns`."""
 
     coordinates: np.ndarray
     coordinate_rates: np.ndarray
     coordinate_accelerations: np.ndarray
-    following: np.ndarray
+    rigid: np.ndarray
 
 
 def _expanded_motion(
@@ -304,14 +307,16 @@ def _expanded_motion(
         for item in ("coordinates", "coordinate_rates", "coordinate_accelerations")
     )
     moved = [each @ basis.vectors.T for each in (gamma, rate, acceleration)]
-    following = np.zeros(moved[0].shape)
+    rigid = np.zeros((len(gamma), 6))
     if isinstance(reduced, ReducedBody) and reduced.condensed is not None:
-        z = Condensation(full.body, basis).bilinear  # z(gamma) = z(gamma, gamma), so its derivatives:
-        following = z(gamma, gamma).T
-        moved[0] = moved[0] + following
+        condensation = Condensation(full.body, basis)
+        z = condensation.bilinear  # z(gamma) = z(gamma, gamma), so its derivatives:
+        following = z(gamma, gamma)
+        rigid = condensation.rigid_part(following).T
+        moved[0] = moved[0] + following.T
         moved[1] = moved[1] + 2 * z(gamma, rate).T
         moved[2] = moved[2] + 2 * (z(rate, rate) + z(gamma, acceleration)).T
-    return _ExpandedMotion(moved[0], moved[1], moved[2], following)
+    return _ExpandedMotion(moved[0], moved[1], moved[2], rigid)
 
 
 def _expanded(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.correction.correction_rounds import CorrectedSystem, ReductionStart, SelfCorrection
 from supple.correction.error_study import ErrorStudy, judged
@@ -18,6 +19,7 @@ from supple.machine import System
 __all__ = ["self_correct"]
 
 
+@checked_arguments
 def self_correct(
     system: System,
     run: Run,

@@ -91,7 +91,7 @@ class ErrorHistory:
     def at_nodes(self, row: int) -> Array:
         """Error of every node in space, (N, 3), at one step."""
         full, motion = self.body.full, self.body.motion
-        place = full.nodes + full.expand(motion.basis @ motion.shown[row])
+        place = full.nodes + full.expand(motion.vectors @ motion.coordinates[row])
         seen = full.expand(self.deformation @ self.coordinates[row]) + np.cross(self.turn[row], place)
         return in_space(self.origin[[row]], self.rotation[[row]], seen[None])[0]
 
@@ -386,14 +386,13 @@ class ErrorEquation:
     def _history(self, name: str, errors: Array) -> ErrorHistory:
         judged, own = self.bodies[name], self.steps.bodies[name]
         full, motion = judged.full, judged.motion
-        coordinates = errors[:, 6 : 6 + judged.space.size].copy()
-        # What follows the basis at rest is in no displacement of the run: all of it is error.
-        coordinates[:, : judged.space.n_motion] += motion.unseen
+        coordinates = errors[:, 6 : 6 + judged.space.size]
         squares = nodal_squares(
-            full.nodes, _at_nodes(full, motion.basis), _at_nodes(full, judged.space.vectors)
+            full.nodes, _at_nodes(full, motion.vectors), _at_nodes(full, judged.space.vectors)
         )
-        origin, turn = errors[:, :3], errors[:, 3:6]
-        rms = squares.rms(own.rotation, origin, turn, motion.shown, coordinates)
+        origin = errors[:, :3] - np.einsum("tij,tj->ti", own.rotation, motion.rigid[:, :3])
+        turn = errors[:, 3:6] - motion.rigid[:, 3:]
+        rms = squares.rms(own.rotation, origin, turn, motion.coordinates, coordinates)
         return ErrorHistory(judged, self.steps.times, own.rotation, origin, turn, coordinates, rms)
 
 

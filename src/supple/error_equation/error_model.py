@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import Damping, FlexibleBody, Frame, inertia_gram
+from supple.body.damping import damping_matrix
 from supple.machine import Placed, System
 from supple.reduction import ReducedBody, ReducedInterface, ReductionReport, filled_up
 
@@ -39,7 +40,7 @@ def body_of_columns(body: FlexibleBody, frame: Frame, columns: Array, damping: D
         stiffness=stiffness,
         cubic=None,
         quartic=None,
-        damping=np.zeros((k, k)) if damping is None else damping.matrix(stiffness, np.eye(k)),
+        damping=damping_matrix(damping, body, columns, stiffness),
         interfaces=tuple(
             ReducedInterface(i.name, i.position, i.motion @ columns, i.cubic_turn) for i in body.interfaces
         ),

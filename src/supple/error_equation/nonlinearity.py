@@ -26,8 +26,7 @@ def second_correction(history: ErrorHistory) -> float:
     largest = 0.0
     for row in _worst(history.rms):
         q = motion.vectors @ motion.coordinates[row]
-        found = history.coordinates[row].copy()
-        found[: judged.space.n_motion] -= motion.unseen[row]
+        found = history.coordinates[row]
         size = np.linalg.norm(found)
         if not size:
             continue

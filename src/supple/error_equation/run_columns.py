@@ -30,31 +30,19 @@ class RunColumns:
 
     vectors : (n, s)
     coordinates, rates, accelerations : (t, s)
-    shown : (t, r)      gamma: what the displacements of the run show
+    rigid : (t, 6)      by which the run's displacements differ from these: z rests at an interface there
     """
 
     vectors: Array
     coordinates: Array
     rates: Array
     accelerations: Array
-    shown: Array
+    rigid: Array
 
     def at(self, rows: slice) -> RunColumns:
         """A part of the run."""
-        parts = (self.coordinates, self.rates, self.accelerations, self.shown)
+        parts = (self.coordinates, self.rates, self.accelerations, self.rigid)
         return RunColumns(self.vectors, *(each[rows] for each in parts))
-
-    @property
-    def basis(self) -> Array:
-        """V (n, r)."""
-        return self.vectors[:, : self.shown.shape[1]]
-
-    @property
-    def unseen(self) -> Array:
-        """Coordinates (t, s) of z, which is in the strains of the run but not in its displacements."""
-        hidden = self.coordinates.copy()
-        hidden[:, : self.shown.shape[1]] -= self.shown
-        return hidden
 
 
 def run_columns(
@@ -74,11 +62,12 @@ def run_columns(
     )
     own = (gamma, rate, acceleration)
     if reduced.condensed is None or not np.any(gamma):
-        return RunColumns(basis.vectors, *own, shown=gamma)
+        return RunColumns(basis.vectors, *own, rigid=np.zeros((len(gamma), 6)))
     scale = 1 / np.maximum(np.abs(gamma).max(axis=0), 1e-12 * np.abs(gamma).max())
     products = pair_products(gamma * scale, gamma * scale)
     chosen = few_instants(products, SMALLEST_PRODUCT, MOST_SAMPLES)
-    sampled = Condensation(body, basis).bilinear(gamma[chosen], gamma[chosen])
+    condensation = Condensation(body, basis)
+    sampled = condensation.bilinear(gamma[chosen], gamma[chosen])
     columns = np.hstack([basis.vectors, _leading(body, basis, sampled, float(np.linalg.norm(gamma[chosen])))])
     # z is not M-orthogonal to V, from which it differs in energy alone.
     onto = columns.T @ (body.mass @ sampled)
@@ -96,7 +85,8 @@ def run_columns(
         moved = weights_of_instants(products, chosen, wanted) @ onto.T
         moved[:, : basis.r] += given
         joined.append(moved)
-    return RunColumns(columns, *joined, shown=gamma)
+    rigid = weights_of_instants(products, chosen, products) @ condensation.rigid_part(sampled).T
+    return RunColumns(columns, *joined, rigid=rigid)
 
 
 def _leading(body: FlexibleBody, basis: ReductionBasis, fields: Array, moved: float) -> Array:

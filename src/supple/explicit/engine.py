@@ -14,14 +14,22 @@ from supple.algebra.jax_settings import before_compiled_code
 from supple.errors import ModelError
 from supple.explicit.explicit_system import ExplicitSystem
 from supple.explicit.march.build import Built, built
-from supple.explicit.march.interval import Recorded, chosen_steps, frame_limits, march_to, recorded
-from supple.explicit.march.march_step import kinetic
+from supple.explicit.march.interval import (
+    Recorded,
+    chosen_steps,
+    frame_limits,
+    march_to,
+    nodes_limit,
+    recorded,
+)
+from supple.explicit.march.march_step import kinetic, with_forces
 from supple.explicit.march.model import Energies, MarchState
 from supple.explicit.motions import FourPointMotion, NodalMotion
 from supple.explicit.projected_difference import ProjectedDifference
 from supple.explicit.published_scheme import PublishedScheme
 from supple.explicit.series_motion import SeriesMotion
-from supple.integrate import Leg, Run, Solution, Statistics
+from supple.integrate import FixedStep, GeneralizedAlpha, Leg, Run, Solution, Statistics, Tolerances
+from supple.machine.laws.time_law import as_time_law
 
 __all__ = ["ENERGIES", "OBSTACLES", "STEPS", "ExplicitEngine", "ExplicitOptions"]
 
@@ -39,7 +47,8 @@ class ExplicitOptions:
 
     scheme : of the four-point frames: ProjectedDifference() or PublishedScheme(..)
     safety : part of the step limit that is used
-    step : of the explicit nodes, s, kept throughout; None: what is stable, chosen at every output time
+    step : of the explicit nodes, s, kept throughout, as a FixedStep of the run is; None: what is stable,
+        chosen at every output time
     largest_ratio : explicit steps in one step of the frames; 1: one step for all
     interface_loss : of the energy: what is lost, or won, between parts that march at different steps from
         one output time to the next; above it the ratio is halved, and the way repeated
@@ -72,9 +81,10 @@ class ExplicitEngine:
 
     def __init__(self, system: ExplicitSystem, run: Run, options: ExplicitOptions | None = None) -> None:
         before_compiled_code()
-        self._options = options or ExplicitOptions()
-        self._system, self._run = system, run
-        own = self._options
+        own = self._options = options or ExplicitOptions()
+        _check_run(system, run)
+        self._fixed = _fixed_step(run, own)
+        self._run = run
         self._built = built(system, own.scheme, own.safety, own.largest_ratio, own.interface_loss)
         self._check_step()
 
@@ -90,14 +100,15 @@ class ExplicitEngine:
             self._built.model,
             self._built.methods,
             self._built.start,
-            jnp.asarray(self._options.step or 0.0),
+            jnp.asarray(self._fixed or 0.0),
             span,
         )
         return float(h), int(ratio)
 
     def start(self, time: float) -> MarchState:
         """The parts as they are placed."""
-        state = self._built.start._replace(time=jnp.asarray(time))
+        own = self._built
+        state = with_forces(own.model, own.methods, own.start._replace(time=jnp.asarray(time)))
         return state._replace(initial=kinetic(self._built.model, state))
 
     def resumed(self, last: Solution) -> MarchState:
@@ -130,7 +141,7 @@ class ExplicitEngine:
                 own.model,
                 own.methods,
                 state,
-                jnp.asarray(self._options.step or 0.0),
+                jnp.asarray(self._fixed or 0.0),
                 jnp.asarray(ahead),
             )
             after = jax.device_get(after)
@@ -188,22 +199,18 @@ class ExplicitEngine:
         )
 
     def _check_step(self) -> None:
-        step = self._options.step
+        step = self._fixed
         if step is None:
             return
-        limits = [float(np.asarray(limit).min()) for limit in self._built.model.limits]
-        if self._built.model.shells:
-            limits.append(float(self._built.model.shell_limit))
-        rate = float(self._built.model.contact_rate)
-        limit = min((2 / np.sqrt((2 / own) ** 2 + rate) for own in limits), default=np.inf)
-        limit = min(
-            [limit] + [float(own) for own in frame_limits(self._built.model, self._built.start) if not limits]
-        )
+        own = self._built
+        if own.model.blocks or own.model.shells:
+            limit = float(nodes_limit(own.model, own.start))
+        else:
+            limit = min(float(each) for each in frame_limits(own.model, own.start))
         if step > limit:
             raise ModelError(
                 f"the step {step:g} s is above the limit of {limit:.4g} s, at which the march blows up; "
-                f"leave it "
-                f"out, or give at most {0.9 * limit:.3g}"
+                f"leave it out, or give at most {0.9 * limit:.3g}"
             )
 
     def _told(self, row: Recorded, initial: float) -> str:
@@ -245,3 +252,39 @@ class ExplicitEngine:
                     f"nothing, for "
                     "the step is above what is stable; take a smaller safety"
                 )
+
+
+def _check_run(system: ExplicitSystem, run: Run) -> None:
+    """ModelError for what a run asks and the march does not do, and for tables that do not cover it."""
+    if run.method != GeneralizedAlpha():
+        raise ModelError(
+            f"explicit parts march by central differences, not by {type(run.method).__name__}: leave the "
+            "method of the run out; ExplicitOptions(scheme=...) chooses that of the modal parts"
+        )
+    if run.tolerances != Tolerances():
+        raise ModelError("an explicit march iterates nothing: leave the tolerances of the run out")
+    for force in system.forces:
+        law = as_time_law(force.law)
+        if law.begin > run.times[0] or law.end < run.times[-1] * (1 - 1e-12):
+            raise ModelError(
+                f"force on '{force.nodes}': its table goes from t = {law.begin:g} to {law.end:g}, the run "
+                f"from {run.times[0]:g} to {run.times[-1]:g}; extend the table"
+            )
+
+
+def _fixed_step(run: Run, options: ExplicitOptions) -> float | None:
+    """Of the explicit nodes, s, as run and options say; None: what is stable."""
+    match run.step:
+        case None:
+            return options.step
+        case FixedStep(size=size) if options.step in (None, size):
+            return size
+        case FixedStep(size=size):
+            raise ModelError(
+                f"the run has steps of {size:g}, its ExplicitOptions of {options.step:g}: give one"
+            )
+        case _:
+            raise ModelError(
+                f"explicit steps are bounded by stability, not by an error: {type(run.step).__name__} has no "
+                "meaning here; give FixedStep(size), or none"
+            )

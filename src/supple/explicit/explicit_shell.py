@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
+from supple.body.damping import refuse_held
 from supple.errors import ModelError
 from supple.explicit.materials import J2Plasticity
 from supple.fem import FiniteElementModel, HomogeneousSection, lumped_mass, stress_recovery
@@ -60,6 +62,7 @@ class ExplicitShell:
     damping : LinearRayleighDamping | None      alpha alone
     """
 
+    used_with: ClassVar[str] = "which an ExplicitSystem takes as a part, and no System"
     name: str
     model: FiniteElementModel = field(repr=False)
     law: J2Plasticity | None = None
@@ -69,6 +72,7 @@ class ExplicitShell:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        refuse_held(self.damping, f"explicit shell '{self.name}'")
         for section in self.model.sections:
             if section.cell_type is not CellType.TRIANGLE3 or not isinstance(
                 section.property, HomogeneousSection

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar, get_args
 
 import numpy as np
 
-from supple.arguments import check_fields
+from supple.arguments import check_fields, check_instance, check_sequence
 from supple.errors import ModelError, did_you_mean
 from supple.explicit.collocated import Collocated
 from supple.explicit.continuity import EveryNode, MeanMotion
@@ -24,6 +24,11 @@ from supple.mesh import Mesh
 __all__ = ["Contact", "ExplicitSystem", "NodalForce", "Part", "Support", "SurfaceContact", "Tie"]
 
 Subdomain = ModalSubdomain | ExplicitSubdomain | ExplicitShell
+
+_SUBDOMAINS = (
+    "a modal_subdomain, an explicit_subdomain or an explicit_shell; bodies in floating frames and intrinsic "
+    "ones are simulated in a System"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +46,7 @@ class Part:
     angular_velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
+        check_instance("Part, subdomain", self.subdomain, get_args(Subdomain), _SUBDOMAINS)
         for name in ("position", "velocity", "angular_velocity"):
             object.__setattr__(self, name, space_vector(f"{name} of part '{self.name}'", getattr(self, name)))
         object.__setattr__(
@@ -176,9 +182,13 @@ class NodalForce:
 class ExplicitSystem:
     """Sub-domains in space with what ties, holds, hits and loads them; checked when built.
 
-    Raises ModelError: no part, a name used twice, an end that is not there.
+    Raises ModelError: no part, a name used twice, an end that is not there, a support of a modal part or of
+        tied nodes, a force that cannot follow; ArgumentError: a body of another method.
     """
 
+    used_with: ClassVar[str] = (
+        "which simulate_explicit alone takes: statics, modes, batches and error estimates are of a System"
+    )
     parts: Sequence[Part | Subdomain]
     ties: Sequence[Tie] = ()
     contacts: Sequence[Contact | SurfaceContact] = ()
@@ -187,9 +197,14 @@ class ExplicitSystem:
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
+        check_sequence("ExplicitSystem, parts", self.parts, "a list of parts")
         placed = tuple(part if isinstance(part, Part) else Part(part) for part in self.parts)
         object.__setattr__(self, "parts", placed)
-        for item in ("ties", "contacts", "supports", "forces"):
+        for item, kinds in _ITEMS.items():
+            check_sequence(f"ExplicitSystem, {item}", getattr(self, item), "a list")
+            expected = " or ".join(kind.__name__ for kind in kinds)
+            for number, each in enumerate(getattr(self, item)):
+                check_instance(f"ExplicitSystem, {item}, number {number}", each, kinds, f"a {expected}")
             object.__setattr__(self, item, tuple(getattr(self, item)))
         object.__setattr__(self, "gravity", space_vector("gravity", self.gravity))
         names = [part.name for part in placed]
@@ -202,27 +217,16 @@ class ExplicitSystem:
         for contact in self.surface_contacts:
             self.node_numbers(contact.surface)
         for support in self.supports:
-            most = 6 if isinstance(self.part(support.nodes.body).subdomain, ExplicitShell) else 3
-            if not all(0 <= axis < most for axis in support.axes):
+            _check_support(self, support)
+        for force in self.forces:
+            if force.follows and not self.is_modal(force.nodes.body):
                 raise ModelError(
-                    f"support of '{support.nodes}': axes {support.axes}; give 0 to {most - 1}, rotations of "
-                    "shells alone"
+                    f"force on '{force.nodes}': it follows the frame of a modal part, and "
+                    f"'{force.nodes.body}' is explicit and has none; give it without `follows`, or on a "
+                    "modal part"
                 )
         for tie in self.ties:
-            if tie.on == tie.nodes.body:
-                raise ModelError(f"tie of '{tie.nodes}': a part is not tied to itself, give another as `on`")
-            modal_on = isinstance(self.part(tie.on).subdomain, ModalSubdomain)
-            if isinstance(tie.transfer, Mortar) and not modal_on:
-                raise ModelError(
-                    f"tie of '{tie.nodes}' on '{tie.on}': a mortar needs a modal part to hang on; explicit "
-                    "parts are tied node to node"
-                )
-            modal = isinstance(self.part(tie.nodes.body).subdomain, ModalSubdomain)
-            if modal and not modal_on:
-                raise ModelError(
-                    f"tie of '{tie.nodes}' on '{tie.on}': nodes of a modal sub-domain are tied on a modal "
-                    f"one, and '{tie.on}' is explicit; tie its nodes on '{tie.nodes.body}' instead"
-                )
+            _check_tie(self, tie)
 
     def part(self, name: str) -> Part:
         """The part of that name."""
@@ -234,6 +238,10 @@ class ExplicitSystem:
             f"there is no sub-domain '{name}'" + did_you_mean(name, [p.name for p in self.placed])
         )
 
+    def is_modal(self, name: str) -> bool:
+        """Whether the part of that name is modal."""
+        return isinstance(self.part(name).subdomain, ModalSubdomain)
+
     @property
     def placed(self) -> tuple[Part, ...]:
         """The parts, all of them placed."""
@@ -242,7 +250,7 @@ class ExplicitSystem:
     @property
     def modal_ties(self) -> tuple[Tie, ...]:
         """Ties of modal parts to each other."""
-        return tuple(t for t in self.ties if isinstance(self.part(t.nodes.body).subdomain, ModalSubdomain))
+        return tuple(tie for tie in self.ties if self.is_modal(tie.nodes.body))
 
     @property
     def rigid_contacts(self) -> tuple[Contact, ...]:
@@ -263,6 +271,62 @@ class ExplicitSystem:
                 + did_you_mean(end.interface, list(sets))
             )
         return np.asarray(sets[end.interface])
+
+
+_ITEMS: Mapping[str, tuple[type, ...]] = {
+    "ties": (Tie,),
+    "contacts": (Contact, SurfaceContact),
+    "supports": (Support,),
+    "forces": (NodalForce,),
+}
+"""What an explicit system has lists of."""
+
+
+_APART = 1e-9
+"""Of the fastest point: by how much the velocities of two tied modal parts may differ at the start."""
+_ROUNDED = 1e-6
+"""The same of explicit nodes, whose velocity is that of the part that leads them."""
+
+
+def _check_support(system: ExplicitSystem, support: Support) -> None:
+    part = support.nodes.body
+    if system.is_modal(part):
+        raise ModelError(
+            f"support of '{support.nodes}': '{part}' is modal, and flies free on its frame; hold nodes of an "
+            "explicit part that is tied on it elsewhere"
+        )
+    most = 6 if isinstance(system.part(part).subdomain, ExplicitShell) else 3
+    if not all(0 <= axis < most for axis in support.axes):
+        raise ModelError(
+            f"support of '{support.nodes}': axes {support.axes}; give 0 to {most - 1}, rotations of shells "
+            "alone"
+        )
+
+
+def _check_tie(system: ExplicitSystem, tie: Tie) -> None:
+    what = f"tie of '{tie.nodes}' on '{tie.on}'"
+    if tie.on == tie.nodes.body:
+        raise ModelError(f"tie of '{tie.nodes}': a part is not tied to itself, give another as `on`")
+    modal, modal_on = system.is_modal(tie.nodes.body), system.is_modal(tie.on)
+    if isinstance(tie.transfer, Mortar) and not modal_on:
+        raise ModelError(
+            f"{what}: a mortar needs a modal part to hang on; explicit parts are tied node to node"
+        )
+    if modal and not modal_on:
+        raise ModelError(
+            f"{what}: nodes of a modal sub-domain are tied on a modal one, and '{tie.on}' is explicit; tie "
+            f"its nodes on '{tie.nodes.body}' instead"
+        )
+    first, second = system.part(tie.nodes.body), system.part(tie.on)
+    x = first.nodes[system.node_numbers(tie.nodes)]
+    one, two = first.velocities(x), second.velocities(x)
+    fastest = max(np.linalg.norm(one, axis=1).max(), np.linalg.norm(two, axis=1).max())
+    apart = float(np.linalg.norm(one - two, axis=1).max())
+    if apart > (_APART if modal else _ROUNDED) * fastest:
+        raise ModelError(
+            f"{what}: at the start the two sides fly apart by {apart:.3g} m/s; tied parts start as one: give "
+            "both the velocity and angular velocity of one rigid motion"
+        )
 
 
 def _check_stiffness(stiffness: float | None, fraction: float) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar
 
 import jax.numpy as jnp
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
 from supple.body import FlexibleBody, LinearRayleighDamping, MeanAxisFrame
+from supple.body.damping import refuse_held
 from supple.body.mass_properties import rigid_mass_properties
 from supple.errors import ModelError
 from supple.explicit.frame_model import FrameModel
@@ -36,17 +38,24 @@ class ModalSubdomain:
     frequencies : (k,)      rad/s, ascending
     mass_damping, stiffness_damping : alpha, 1/s, and beta, s, of the modes
     spin_stiffness : (6, k, k) of `CentrifugalStiffness`, or None
+    yield_stress : Pa, beyond which a run warns; None: that of the explicit parts of its material, if any
     Raises ModelError for vectors that contain rigid motion: their step limit would not be that of the modes.
     """
 
+    used_with: ClassVar[str] = "which an ExplicitSystem takes as a part, and no System"
     body: FlexibleBody
     vectors: NDArray[np.float64] = field(repr=False)
     frequencies: NDArray[np.float64] = field(repr=False)
     mass_damping: float = 0.0
     stiffness_damping: float = 0.0
     spin_stiffness: NDArray[np.float64] | None = field(default=None, repr=False)
+    yield_stress: float | None = None
 
     def __post_init__(self) -> None:
+        if self.yield_stress is not None and not self.yield_stress > 0:
+            raise ModelError(
+                f"the yield stress of part '{self.name}' must be positive, got {self.yield_stress}"
+            )
         R, M = self.body.rigid_modes, self.body.mass
         shared = self.vectors.T @ (M @ R) / np.sqrt(np.einsum("ij,ij->j", R, M @ R))
         if (worst := float(np.abs(shared).max(initial=0.0))) > LARGEST_RIGID_PART:
@@ -115,6 +124,7 @@ def modal_subdomain(
     highest: float = float("inf"),
     damping: LinearRayleighDamping | None = None,
     stiffening: CentrifugalStiffness | None = None,
+    yield_stress: float | None = None,
 ) -> ModalSubdomain:
     """A linear body as a modal sub-domain of an explicit march.
 
@@ -130,9 +140,12 @@ def modal_subdomain(
     damping : LinearRayleighDamping(..)     of the modes; the frame is undamped
     stiffening : CentrifugalStiffness()     stress of free spin, for bodies that spin faster than about 3 % of
         their lowest frequency; None: the modes are those at rest at any spin
+    yield_stress : float    Pa, beyond which a run warns, for modes stay elastic; None: the lowest of the
+        explicit parts of the same material
     Raises ModelError when no mode is left; errors of the recipe.
     Source: [Radioss]; docs/theory/explicit.md for the orthogonality.
     """
+    refuse_held(damping, f"modal sub-domain '{body.name}'")
     frame = MeanAxisFrame()
     linear = rayleigh_ritz(body, frame, basis.build(body, frame))
     kept = linear.frequencies <= highest
@@ -147,4 +160,4 @@ def modal_subdomain(
     signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(vectors.shape[1])])
     vectors = vectors * signs
     spun = None if stiffening is None else stiffening.matrices(body, vectors)
-    return ModalSubdomain(body, vectors, linear.frequencies[kept], alpha, beta, spun)
+    return ModalSubdomain(body, vectors, linear.frequencies[kept], alpha, beta, spun, yield_stress)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import pickle
 from dataclasses import replace
-from hashlib import sha256
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
@@ -13,11 +11,13 @@ from supple.arguments import checked_arguments
 from supple.errors import ResultFileError
 from supple.explicit.engine import ExplicitEngine, ExplicitOptions
 from supple.explicit.explicit_system import ExplicitSystem
-from supple.integrate import Progress, Run, Solution
+from supple.explicit.modal_limits import ModalPeaks, ModalWatch, modal_watch
+from supple.explicit.run_inputs import check_modes, inputs_of, modes_of
+from supple.integrate import Progress, Recorder, Run, Solution
 from supple.integrate import run as march_through
 from supple.storage import ResultFile, read_header, read_solution
 from supple.storage.result_content import Metadata
-from supple.storage.run_inputs import Inputs
+from supple.storage.run_inputs import Inputs, changes
 
 __all__ = ["keep_explicit", "simulate_explicit"]
 
@@ -38,7 +38,8 @@ def simulate_explicit(
     Parameters
     ----------
     system : ExplicitSystem
-    run : Run               its span and output times; steps, method and tolerances are the engine's own
+    run : Run               its span and output times, the step of the explicit nodes if it is fixed, and its
+                            validity; another method and tolerances are refused, the march has its own
     options : ExplicitOptions
     file : path             keep the motion in this result file as it is computed; a finished run is read, one
                             that was cut off goes on, to the last bit as if it had not been
@@ -55,25 +56,34 @@ def simulate_explicit(
     ------
     ModelError          ties that do not meet, nodes that begin inside an obstacle, a step above the limit
     ConvergenceError    an element that turned over, an energy balance open by 1 %: what was computed is kept
+    ValidityError       what is warned of, under `Validity(strict=True)`
     ResultFileError     the file holds another run, or cannot be read or written
+
+    Warns
+    -----
+    ValidityWarning     a modal part stressed beyond the yield stress, turned by more than 0.1 rad against its
+                        frame, or spinning too fast for modes at rest, at an output time
     """
     engine = ExplicitEngine(system, run, options)
+    watched = _Watched(engine, run, modal_watch(system, run.validity))
     if file is None:
-        return march_through(engine, run.times, progress=progress, check=check)
+        return watched.march(progress=progress, check=check)
     path, case = Path(file), _case(system, run)
-    inputs = {"the run": repr(run), "the system": _digest(engine), "the options": repr(options)}
+    inputs = inputs_of(system, run, options or ExplicitOptions())
     begun = False
     if path.exists() and not overwrite:
         header = read_header(path)
-        if dict(header.inputs) != inputs:
+        if changed := changes(header.inputs, inputs):
             raise ResultFileError(
-                f"{path} holds another run ({header.case}); say overwrite=True to replace it"
+                f"{path} holds another run than the one asked for ({changed}); say overwrite=True to replace "
+                f"it, or choose another file. There: {header.case}. Here: {case}"
             )
+        check_modes(header, system, path)
         if header.complete:
             return read_solution(path)
         begun = bool(header.n_times)
-    names = _Names(case, inputs, {})
-    return _kept(engine, run, path, names, begun, overwrite, progress, check)
+    names = _Names(case, inputs, modes_of(system))
+    return _kept(watched, path, names, begun, overwrite, progress, check)
 
 
 def keep_explicit(
@@ -105,7 +115,11 @@ def keep_explicit(
     """
     engine = ExplicitEngine(system, run, options)
     begun = resume and bool(read_header(path).n_times)
-    return _kept(engine, run, path, _Names(case, inputs, metadata), begun, overwrite, progress, True)
+    if begun:
+        check_modes(read_header(path), system, path)
+    names = _Names(case, inputs, {**metadata, **modes_of(system)})
+    watched = _Watched(engine, run, modal_watch(system, run.validity))
+    return _kept(watched, path, names, begun, overwrite, progress, True)
 
 
 class _Names(NamedTuple):
@@ -116,9 +130,38 @@ class _Names(NamedTuple):
     metadata: Metadata
 
 
+class _Watched(NamedTuple):
+    """An engine and its run, with the limits of modal parts."""
+
+    engine: ExplicitEngine
+    run: Run
+    limits: ModalWatch
+
+    def march(
+        self,
+        *,
+        resume: Solution | None = None,
+        record: Recorder | None = None,
+        progress: Progress | None = None,
+        check: bool = True,
+    ) -> Solution:
+        """Through the run, each leg held against the limits once it is recorded."""
+        peaks: dict[str, ModalPeaks] = {}
+
+        def observed(leg: Solution) -> None:
+            if record is not None:
+                record(leg)
+            peaks.update(self.limits.observe(peaks, leg))
+
+        done = march_through(
+            self.engine, self.run.times, resume=resume, record=observed, progress=progress, check=check
+        )
+        self.limits.report(peaks)
+        return done
+
+
 def _kept(
-    engine: ExplicitEngine,
-    run: Run,
+    watched: _Watched,
     path: Path,
     names: _Names,
     begun: bool,
@@ -129,26 +172,23 @@ def _kept(
     """The run in its file, from its start or from the last instant that is there."""
     if begun:
         with ResultFile.resume(path, case=names.case, inputs=names.inputs) as kept:
-            return _recorded(engine, run, kept, kept.last_instant(), progress, check)
+            return _recorded(watched, kept, kept.last_instant(), progress, check)
     with ResultFile.create(
         path, case=names.case, inputs=names.inputs, metadata=names.metadata, overwrite=overwrite
     ) as kept:
-        return _recorded(engine, run, kept, None, progress, check)
+        return _recorded(watched, kept, None, progress, check)
 
 
 def _recorded(
-    engine: ExplicitEngine,
-    run: Run,
+    watched: _Watched,
     kept: ResultFile,
     start: Solution | None,
     progress: Progress | None,
     check: bool,
 ) -> Solution:
-    stopped = None
+    run, stopped = watched.run, None
     if start is None or start.times[-1] < run.times[-1] - 1e-6 * run.output_step:
-        done = march_through(
-            engine, run.times, resume=start, record=kept.append, progress=progress, check=check
-        )
+        done = watched.march(resume=start, record=kept.append, progress=progress, check=check)
         stopped = done.stopped
     whole = kept.solution()
     if stopped is None:
@@ -159,20 +199,3 @@ def _recorded(
 def _case(system: ExplicitSystem, run: Run) -> str:
     parts = ", ".join(f"{part.name} ({type(part.subdomain).__name__})" for part in system.placed)
     return f"explicit: {parts}; {run.duration:g} from {run.start:g}, every {run.output_step:g}"
-
-
-def _digest(engine: ExplicitEngine) -> str:
-    """Of all numbers and methods of the march."""
-    import jax
-    import numpy as np
-
-    own = engine.built
-    digest = sha256(repr(own.methods).encode())
-    leaves, structure = jax.tree.flatten((own.model, own.start))
-    digest.update(str(structure).encode())
-    for leaf in leaves:
-        array = np.ascontiguousarray(leaf)
-        digest.update(pickle.dumps((array.shape, str(array.dtype))))
-        # Modes have no sign of their own in the last digits; twelve tell another body.
-        digest.update(np.float64(f"{float(np.abs(array.astype(float)).sum()):.6e}").tobytes())
-    return digest.hexdigest()

@@ -5,6 +5,9 @@ that they are copied, not computed again: with x~ the cross matrices of the node
 
     [Phi_t | Phi_w0 | Phi_k | V] = [Phi_t | -x~ | -Psi~ | Psi]
 
+Exudyn's equations are of points. Of nodes and rigid interfaces that turn they have the gyroscopic and the
+centrifugal terms; what goes with the angular acceleration is of first order in the modes.
+
 Source: A. Zwoelfer, J. Gerstmayr, The nodal-based floating frame of reference formulation with modal
 reduction, Acta Mechanica 232 (2021) 835-851.
 """
@@ -93,6 +96,8 @@ def exudyn_arrays(
     mass = gram[0, 0]
     first_moment = -gram[t, w]
     centre = np.array([first_moment[2, 1], first_moment[0, 2], first_moment[1, 0]]) / mass
+    couplings = gram[k, v].reshape(r, 3, r)
+    skew = (couplings - couplings.transpose(2, 1, 0)) / 2  # of points the whole
     return {
         "fileVersion": _FILE_VERSION,
         "type": "ObjectFFRFreducedOrderInterface",
@@ -113,7 +118,7 @@ def exudyn_arrays(
         "mPhitTPsiTilde": -gram[t, k],
         "mXRefTildePsi": -gram[w, v],
         "mXRefTildePsiTilde": gram[w, k],
-        "mPsiTildePsi": -gram[k, v],
+        "mPsiTildePsi": -skew.reshape(3 * r, r),
         "mPsiTildePsiTilde": gram[k, k],
     }
 

@@ -19,6 +19,7 @@ from supple.fem.shell_kinematics import GREEN_LAGRANGE, VON_KARMAN, ShellKinemat
 from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
 from supple.fem.stress import (
     StressRecovery,
+    has_stress,
     strain_recovery,
     stress_recovery,
     von_mises,
@@ -44,6 +45,7 @@ __all__ = [
     "assemble",
     "assemble_strains",
     "cell_masses",
+    "has_stress",
     "lumped_mass",
     "nodal_rotation_operator",
     "part_of_model",

@@ -66,6 +66,11 @@ def strain(block: QuadraticStrain, q: Array) -> Array:
     return _apply(block.B, q) + 0.5 * _apply(_contract(block.N, a), a)
 
 
+def strains(block: QuadraticStrain, Q: Array) -> Array:
+    """Strains (E, g, s, t) of t sets of element freedoms Q (E, n, t)."""
+    return _directions(block.B, Q) + _half_square(block.N, _directions(block.G, Q))
+
+
 def energy(block: QuadraticStrain, q: Array) -> Array:
     """Strain energy U (E,) of each element."""
     return energies(block, q[..., None])[..., 0]
@@ -73,7 +78,7 @@ def energy(block: QuadraticStrain, q: Array) -> Array:
 
 def energies(block: QuadraticStrain, Q: Array) -> Array:
     """Strain energies U (E, t) of each element, for t sets of element freedoms Q (E, n, t)."""
-    eps = _directions(block.B, Q) + _half_square(block.N, _directions(block.G, Q))
+    eps = strains(block, Q)
     return 0.5 * (eps * (block.weighted_D @ eps)).sum(axis=(1, 2))
 
 

@@ -17,7 +17,7 @@ from supple.errors import ModelError
 from supple.fem.beam_section import BeamSection
 from supple.fem.material import Isotropic
 from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel
-from supple.fem.quadratic_strain import QuadraticStrain, strain
+from supple.fem.quadratic_strain import QuadraticStrain, strain, strains
 from supple.fem.section import Section
 from supple.fem.shell_section import HomogeneousSection
 from supple.fem.shell_triangle import element_axes, layer_strain
@@ -54,6 +54,19 @@ class SectionStress:
         of_strain = self.of_strain.reshape(n_cells, -1, s)
         stress = strain(self.arrays, displacement[self.arrays.dofs]) @ of_strain.swapaxes(1, 2)
         return stress.reshape(n_cells, -1, 6)
+
+    def at_points_over(self, displacements: FloatArray) -> FloatArray:
+        """Stress (E, g l', 6, t) of t displacements (n, t)."""
+        n_cells, _, _, s = self.of_strain.shape
+        of_strain = self.of_strain.reshape(n_cells, 1, -1, s)
+        stress = of_strain @ strains(self.arrays, displacements[self.arrays.dofs])
+        return stress.reshape(n_cells, -1, 6, displacements.shape[1])
+
+    def of(self, cells: NDArray[np.int64]) -> SectionStress:
+        """The same for some of the cells."""
+        return replace(
+            self, nodes=self.nodes[cells], arrays=self.arrays.of(cells), of_strain=self.of_strain[cells]
+        )
 
     def linearized(self) -> SectionStress:
         """The same without the quadratic strain."""
@@ -98,6 +111,22 @@ class StressRecovery:
             np.add.at(cells_at_node, section.nodes, 1)
         return tuple(section.shares(self.n_nodes, cells_at_node) for section in self.sections)
 
+    def around(self, nodes: NDArray[np.int64]) -> StressRecovery:
+        """The recovery with the cells at some nodes alone, which is right at these nodes.
+
+        Raises ModelError where one of the nodes belongs to no cell.
+        """
+        cells = [np.flatnonzero(np.isin(section.nodes, nodes).any(axis=1)) for section in self.sections]
+        kept = tuple(section.of(own) for section, own in zip(self.sections, cells, strict=True) if len(own))
+        known = np.concatenate([section.nodes.ravel() for section in kept]) if kept else np.empty(0)
+        alone = np.setdiff1d(nodes, known)
+        if alone.size:
+            raise ModelError(
+                f"node number {alone[0]} (of {alone.size}) belongs to no element: there is no stress; choose "
+                "nodes of elements"
+            )
+        return replace(self, sections=kept)
+
     def at_points(self, displacement: FloatArray) -> tuple[FloatArray, ...]:
         """Stress (E, g, 6) of each section, Pa.
 
@@ -116,6 +145,24 @@ class StressRecovery:
             total += averaging @ section.at_points(displacement).reshape(-1, 6)
         return total.reshape(self.n_nodes, self.n_layers, 6)
 
+    def over(self, displacements: FloatArray, nodes: NDArray[np.int64]) -> FloatArray:
+        """`at_nodes` of t displacements (n, t) at k nodes: (t, k, l, 6)."""
+        n_layers, t = self.n_layers, displacements.shape[1]
+        rows = (nodes[:, None] * n_layers + np.arange(n_layers)).ravel()
+        total = np.zeros((len(rows), 6 * t))
+        for section, averaging in zip(self.sections, self.averaging, strict=True):
+            points = section.at_points_over(displacements)
+            total += averaging.tocsr()[rows] @ points.reshape(-1, 6 * t)
+        return np.moveaxis(total.reshape(len(nodes), n_layers, 6, t), -1, 0)
+
+    @property
+    def numbers_per_instant(self) -> int:
+        """How many numbers `over` forms for every displacement, about."""
+        return sum(
+            section.arrays.dofs.size + (section.arrays.G.shape[2] + 12) * section.arrays.w.size
+            for section in self.sections
+        )
+
 
 def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     """Prepare the stress recovery of a model.
@@ -126,6 +173,11 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     """
     pairs = zip(model.sections, model.blocks, strict=True)
     return StressRecovery(model.mesh.n_nodes, tuple(_section(model, *pair) for pair in pairs))
+
+
+def has_stress(model: FiniteElementModel) -> bool:
+    """Whether every section says where its stress acts: solids and homogeneous shells do."""
+    return all(isinstance(section.property, Isotropic | HomogeneousSection) for section in model.sections)
 
 
 def strain_recovery(model: FiniteElementModel) -> StressRecovery:

@@ -20,6 +20,7 @@ from supple.intrinsic.joined_start import instant_rates, joined_start
 from supple.intrinsic.joined_step import JoinedState, joined_step
 from supple.intrinsic.machine_of_lines import line_motion
 from supple.machine import System
+from supple.multibody.checks.start import report_start
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.floating_solution import body_motions, joint_multipliers
 from supple.multibody.equations.joint_wrench import joint_wrenches
@@ -53,7 +54,8 @@ class JoinedEngine:
 
     def start(self, time: float) -> JoinedState:
         """Velocities on the joints, consistent rates and joint forces."""
-        self._arrays, begun = joined_start(self._machine, time)
+        self._arrays, begun, change = joined_start(self._machine, time)
+        report_start(change, self._run.validity)
         # Of NumPy's types as all later instants: JAX would compile once more for numbers of Python's.
         now = jax.tree.map(np.asarray, begun)
         _, rates, multipliers = self._outputs(jax.tree.map(lambda leaf: leaf[None], now))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -10,9 +9,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
+from scipy.linalg import block_diag
 
 from supple.algebra.kept_programs import KeptProgram
-from supple.errors import ModelError, StartWarning
+from supple.errors import ModelError
+from supple.intrinsic.intrinsic_body import body_of
 from supple.intrinsic.joined_equations import (
     Instant,
     Motion,
@@ -23,6 +24,9 @@ from supple.intrinsic.joined_equations import (
 )
 from supple.intrinsic.joined_machine import JoinedArrays, JoinedMachine, seen_model, with_stations
 from supple.intrinsic.line_model import LineState
+from supple.intrinsic.machine_of_lines import frame_to_root
+from supple.intrinsic.rigid_motion import amplitudes_of, rigid_motion
+from supple.machine import System
 from supple.multibody.equations.build_model import row_scales
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.consistent_start import (
@@ -32,13 +36,13 @@ from supple.multibody.equations.consistent_start import (
 )
 from supple.multibody.equations.inertia import mass_matrix
 from supple.multibody.equations.joint_force import constraints
+from supple.multibody.equations.start_change import StartChange, StartEnergies
+from supple.multibody.equations.start_velocity import given_parts, levels_of_body, rigid_fit
 
 __all__ = ["JoinedStart", "instant_rates", "joined_start"]
 
 OPEN = 1e-6
 """Of the machine's size, and rad."""
-CHANGED = 1e-5
-"""Of the kinetic energy."""
 
 
 class JoinedStart(NamedTuple):
@@ -46,13 +50,14 @@ class JoinedStart(NamedTuple):
 
     arrays: JoinedArrays
     now: Instant
+    change: StartChange
 
 
 def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
-    """Velocities are changed by the least motion, in kinetic energy, that the joints allow.
+    """Velocities are changed as those of floating bodies are: rigid motions first (`start_velocity`).
 
-    Raises ModelError for a joint that is open. Warns StartWarning of velocities that joints do not allow,
-    RedundantConstraintWarning of joints that hold what others hold.
+    Raises ModelError for a joint that is open. Warns RedundantConstraintWarning of joints that hold what
+    others hold.
     """
     arrays, seen = machine.arrays, machine.seen
     placed = jax.tree.map(jnp.asarray, placed_configuration(seen))
@@ -62,16 +67,15 @@ def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
         placed,
         jnp.asarray(placed_velocity(seen)[: arrays.n_floating]),
     )
-    now, gaps, rows, missed, metric = _BEGUN(arrays, given)
-    _check_closed(machine, np.asarray(gaps))
-    active = independent_constraints(seen, np.asarray(rows), np.asarray(metric))
+    now, *found = _BEGUN(arrays, given)
+    gaps, rows, rates, metric = map(np.asarray, found)
+    _check_closed(machine, gaps)
+    active = np.array(independent_constraints(seen, rows, metric), dtype=int)
     if len(active) < len(gaps):
         n_floating = len(arrays.model.sizes) - arrays.n_held
-        arrays = replace(arrays, model=seen_model(seen, n_floating, active))
-        rows, missed = rows[np.array(active)], missed[np.array(active)]
-    if len(active):
-        now = _on_joints(machine, now, np.asarray(rows), np.asarray(missed), np.asarray(metric))
-    return JoinedStart(arrays, now)
+        arrays = replace(arrays, model=seen_model(seen, n_floating, tuple(active.tolist())))
+    now, change = _on_joints(machine, now, active, rows, rates, metric)
+    return JoinedStart(arrays, now, change)
 
 
 def _begun(
@@ -124,23 +128,75 @@ def _metric(arrays: JoinedArrays, now: Instant) -> jax.Array:
 
 
 def _on_joints(
-    machine: JoinedMachine, now: Instant, rows: np.ndarray, missed: np.ndarray, metric: np.ndarray
-) -> Instant:
+    machine: JoinedMachine,
+    now: Instant,
+    active: np.ndarray,
+    all_rows: np.ndarray,
+    all_rates: np.ndarray,
+    metric: np.ndarray,
+) -> tuple[Instant, StartChange]:
+    """The instant with velocities that its joints allow, and by what they differ from those given."""
     flat, unravel = ravel_pytree(_velocities(now))
+    rows, rates = all_rows[active], all_rates[active]
     soft = np.linalg.solve(metric, rows.T)
-    change = -soft @ np.linalg.solve(rows @ soft, missed)
-    given = np.asarray(flat)
-    energy, lost = given @ metric @ given, change @ metric @ change
-    if energy > 0 and lost > CHANGED * energy:
-        after = (given + change) @ metric @ (given + change)
-        names = ", ".join(f"'{joint.name}'" for joint in machine.system.joints)
-        warnings.warn(
-            f"the joints ({names}) do not allow the initial velocities, which were changed: the kinetic "
-            f"energy is {after / 2:.4g} instead of {energy / 2:.4g}. Give velocities that the joints allow",
-            StartWarning,
-            stacklevel=2,
-        )
-    return _with_velocities(now, unravel(flat + change))
+    compliance = rows @ soft
+    parts, motions = _rigid_motions(machine)
+    by_body = [
+        [motion @ own for own in levels_of_body(given, motion.T @ metric[part, part] @ motion)]
+        for part, motion, given in zip(parts, motions, given_parts(_ordered(machine)), strict=True)
+    ]
+    fit = rigid_fit(
+        [np.asarray(block_diag(*own)) for own in zip(*by_body, strict=True)],
+        rows,
+        rates,
+        row_scales(machine.seen)[active],
+        lambda: np.linalg.inv(compliance),
+    )
+    deforming = -soft @ np.linalg.solve(compliance, fit.left)
+    before = np.asarray(flat)
+    after = before + np.sum(fit.by_level, axis=0) + deforming
+    unmet = np.zeros(len(all_rates))
+    unmet[active] = fit.unmet
+
+    def energies(velocity: np.ndarray) -> np.ndarray:
+        products = velocity * (metric @ velocity)
+        return np.array([products[part].sum() / 2 for part in parts])
+
+    def frames(velocity: np.ndarray) -> np.ndarray:
+        fitted = zip(parts, motions, strict=True)
+        return np.array([np.linalg.lstsq(own, velocity[part], rcond=None)[0] for part, own in fitted])
+
+    change = StartChange.of_positions_and_velocities(
+        _ordered(machine),
+        residual=np.zeros(len(all_rates)),
+        closed=placed_configuration(machine.system),
+        rates=all_rates,
+        unmet=unmet,
+        largest_rate=fit.largest,
+        velocities=(frames(before), frames(after)),
+        energies=StartEnergies(*map(energies, (before, after, fit.by_level[-1], deforming))),
+    )
+    return _with_velocities(now, unravel(after)), change
+
+
+def _ordered(machine: JoinedMachine) -> System:
+    """The machine, floating bodies first, as its velocities are."""
+    others = [placed for placed in machine.system.bodies if placed not in machine.lines]
+    return replace(machine.system, bodies=(*others, *machine.lines))
+
+
+def _rigid_motions(machine: JoinedMachine) -> tuple[list[slice], list[np.ndarray]]:
+    """Where the velocities of each body stand, and what they are (n, 6) when its frame moves."""
+    n_others = len(machine.arrays.model.sizes) - machine.arrays.n_held
+    parts = list(machine.arrays.model.slices[:n_others])
+    motions = [np.eye(part.stop - part.start, 6) for part in parts]
+    for placed, state in zip(machine.lines, machine.states, strict=True):
+        body = body_of(placed)
+        motion = rigid_motion(body, np.asarray(state.q2)) @ frame_to_root(placed)
+        motions.append(amplitudes_of(body, motion))
+        first = parts[-1].stop if parts else 0
+        parts.append(slice(first, first + len(motions[-1])))
+    return parts, motions
 
 
 def instant_rates(arrays: JoinedArrays, now: Instant) -> tuple[Motion, jax.Array]:

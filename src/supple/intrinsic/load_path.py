@@ -72,35 +72,81 @@ class LoadPath:
         length = float(np.linalg.norm(end - start))
         if not length > 0:
             raise ModelError(f"{_where(body)}: its ends '{self.root}' and '{self.tip}' are at one place")
-        along = (body.nodes[nodes] - start) @ (end - start) / length
-        place = along / length * (self.n_stations - 1)
+        place = (body.nodes[nodes] - start) @ (end - start) / length**2
+        order = np.argsort(place, kind="stable")
+        nodes, place = nodes[order], place[order]
+        shares = _shares(body, nodes, place, self.n_stations)
+        for number, (own, _) in enumerate(shares, start=1):
+            if not _carries_a_section(body, nodes[own]):
+                raise ModelError(self._too_few(body, nodes, place, number, length))
         masses = body.nodal_mass.diagonal()[nodes * body.dofs_per_node]
         if not (masses > 0).all():
             masses = np.ones(len(nodes))
-        found = []
-        for number in range(1, self.n_stations - 1):
-            distance = np.abs(place - number)
-            inside = distance <= 0.5 + ON_THE_CUT
-            self._check(body, nodes[inside], number, along)
-            # A node on the cut is half in either slice.
-            weights = masses[inside] * np.where(distance[inside] > 0.5 - ON_THE_CUT, 0.5, 1.0)
-            name = f"slice {number} of {self.root} - {self.tip}"
-            found.append(AveragingInterface(name, nodes[inside], weights=weights))
-        return found
+        return [
+            AveragingInterface(
+                f"slice {number} of {self.root} - {self.tip}", nodes[own], weights=masses[own] * share
+            )
+            for number, (own, share) in enumerate(shares, start=1)
+        ]
 
-    def _check(self, body: FlexibleBody, own: NDArray[np.intp], number: int, along: Array) -> None:
-        enough = len(own) > 0 and (body.dofs_per_node == 6 or not are_collinear(body.nodes[own]))
-        if enough:
-            return
-        length = float(np.linalg.norm(body.interface(self.tip).position - body.interface(self.root).position))
-        inside = np.unique(np.round(along[(along > 0) & (along < length)] / length, 6))
-        widest = float(np.diff(np.concatenate([[0.0], inside, [1.0]])).max())
-        distance = number * length / (self.n_stations - 1)
-        raise ModelError(
-            f"{_where(body)}: slice {number} of the path from '{self.root}' to '{self.tip}', {distance:.4g} "
-            f"from the root, holds {len(own)} nodes, too few for the motion of a section: take "
-            f"{max(2, int(1 / widest) + 1)} stations or fewer, or a mesh that is finer along the path"
+    def _too_few(
+        self, body: FlexibleBody, nodes: NDArray[np.intp], place: Array, number: int, length: float
+    ) -> str:
+        count = len(_shares(body, nodes, place, self.n_stations)[number - 1][0])
+        most = 2
+        while most + 1 < self.n_stations and _fit(body, nodes, place, most + 1):
+            most += 1
+        return (
+            f"{_where(body)}: slice {number} of the path from '{self.root}' to '{self.tip}', "
+            f"{number * length / (self.n_stations - 1):.4g} from the root, holds {count} nodes, too few for "
+            f"the motion of a section: take {most} stations or fewer, or a mesh that is finer along the path"
         )
+
+
+def _shares(
+    body: FlexibleBody, nodes: NDArray[np.intp], place: Array, n_stations: int
+) -> list[tuple[NDArray[np.intp], Array]]:
+    """Of each slice between the ends: which of the nodes are in it, and how much of each.
+
+    A node on a cut is half in either slice, unless both slices consist of two lines of nodes at most: their
+    mean motions would say the motion of the line on the cut twice. It is in the first slice then.
+
+    place : ascending, 0 at the root and 1 at the tip
+    """
+    cuts = (np.arange(n_stations - 1) + 0.5) / (n_stations - 1)
+    near = ON_THE_CUT / (n_stations - 1)
+    low, high = np.searchsorted(place, cuts - near), np.searchsorted(place, cuts + near, side="right")
+    inner = [np.arange(first, past) for first, past in zip(high[:-1], low[1:], strict=True)]
+    on_cut = high > low
+    lines = [int(on_cut[k]) + int(on_cut[k + 1]) + _lines(body, nodes[own]) for k, own in enumerate(inner)]
+    first_owns = [0 < k < len(lines) and max(lines[k - 1], lines[k]) <= 2 for k in range(len(cuts))]
+    shares = []
+    for number, own in enumerate(inner):
+        below, above = (np.arange(low[k], high[k]) for k in (number, number + 1))
+        if first_owns[number]:
+            below = below[:0]
+        weight_above = 1.0 if first_owns[number + 1] else 0.5
+        members = np.concatenate([below, own, above])
+        weights = np.concatenate(
+            [np.full(len(below), 0.5), np.ones(len(own)), np.full(len(above), weight_above)]
+        )
+        shares.append((members, weights))
+    return shares
+
+
+def _lines(body: FlexibleBody, own: NDArray[np.intp]) -> int:
+    """0 of no nodes, 1 of nodes on a line, else 3 for more than two."""
+    if not len(own):
+        return 0
+    return 1 if are_collinear(body.nodes[own]) else 3
+
+
+def _fit(body: FlexibleBody, nodes: NDArray[np.intp], place: Array, n_stations: int) -> bool:
+    return all(_carries_a_section(body, nodes[own]) for own, _ in _shares(body, nodes, place, n_stations))
+
+
+def _carries_a_section(body: FlexibleBody, own: NDArray[np.intp]) -> bool:
+    return len(own) > 0 and (body.dofs_per_node == 6 or not are_collinear(body.nodes[own]))
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.algebra.cross import cross_matrix
 from supple.algebra.rotation import euler_parameters
 from supple.errors import ModelError
 from supple.intrinsic.intrinsic_body import body_of
@@ -17,12 +18,20 @@ from supple.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.intrinsic.line_model import LineModel, LineState
 from supple.intrinsic.line_system import LineSystem, States
 from supple.intrinsic.machine_loads import machine_loads
+from supple.intrinsic.rigid_motion import amplitudes_of, rigid_motion
 from supple.intrinsic.root_drive import RootDrive
 from supple.intrinsic.strain_integration import rotation_of
 from supple.intrinsic.supported_root import HeldRoot, held_root, is_joined
 from supple.machine import Placed, System
 
-__all__ = ["MachineOfLines", "check_held_by_ground", "line_motion", "line_start", "machine_of_lines"]
+__all__ = [
+    "MachineOfLines",
+    "check_held_by_ground",
+    "frame_to_root",
+    "line_motion",
+    "line_start",
+    "machine_of_lines",
+]
 
 Array = np.ndarray
 
@@ -105,28 +114,57 @@ def check_held_by_ground(system: System) -> None:
 
 
 def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineState:
-    """The state in which a body is placed: rigid motion of its frame, and elastic amplitudes."""
+    """The state in which a body is placed: rigid motion of its frame, bent as it is, and rates of its modes.
+
+    What is not given of its velocity follows from its root's support or drive.
+    """
     body = body_of(placed)
-    k = body.modes.n_rigid
-    root = body.line.tree.points[0]
-    w = placed.angular_velocity
-    twist = np.concatenate([placed.rotation.T @ placed.velocity + np.cross(w, root), w])
-    allowed = body.modes.velocities[0, :, :k]
-    amplitudes = np.linalg.lstsq(allowed, twist, rcond=None)[0] if k else np.zeros(0)
-    missed = twist - allowed @ amplitudes
-    if drive is not None and np.abs(missed).max() > 0:
-        missed = missed - np.asarray(drive.twist(time).twist)
-    if np.abs(missed).max() > SAME_VELOCITY * np.abs(twist).max():
-        raise ModelError(
-            f"body '{body.name}' is given a velocity at which its root cannot move: of velocity and angular "
-            f"velocity {np.round(twist, 6).tolist()} along its axes, {np.round(missed, 6).tolist()} is held"
-        )
+    q2 = np.asarray(body.forces_of(placed.coordinates))
+    driven = np.zeros(6) if drive is None else np.asarray(drive.twist(time).twist)
+    own = rigid_motion(body, q2) @ _root_twist(placed, driven) - body.line.twists @ driven
+    q1 = amplitudes_of(body, own)
+    q1[body.modes.n_rigid :] += placed.coordinate_rates
     return LineState(
-        q1=jnp.asarray(np.concatenate([amplitudes, placed.coordinate_rates])),
-        q2=jnp.asarray(body.forces_of(placed.coordinates)),
+        q1=jnp.asarray(q1),
+        q2=jnp.asarray(q2),
         quaternion=_quaternion(placed.rotation),
-        position=jnp.asarray(placed.position + placed.rotation @ root),
+        position=jnp.asarray(placed.position + placed.rotation @ body.line.tree.points[0]),
     )
+
+
+def _root_twist(placed: Placed, driven: Array) -> Array:
+    """Velocity and angular velocity (6,) of the root, along its axes; ModelError for what holds it.
+
+    driven : (6,)   of its drive
+    """
+    given = np.array([placed.velocity is not None, placed.angular_velocity is not None])
+    if not given.any():
+        return driven
+    body = body_of(placed)
+    from_frame = frame_to_root(placed)
+    twist = from_frame @ placed.twist
+    allowed = body.modes.velocities[0, :, : body.modes.n_rigid]
+    left_out = from_frame[:, np.repeat(~given, 3)]
+    # What was left out counts as zero, unless the root cannot move so.
+    for ways in (allowed, np.hstack([allowed, left_out])):
+        found = np.linalg.lstsq(ways, twist - driven, rcond=None)[0] if ways.size else np.zeros(0)
+        missed = twist - driven - ways @ found
+        if np.abs(missed).max() <= SAME_VELOCITY * max(np.abs(twist).max(), np.abs(driven).max()):
+            return driven + allowed @ found[: allowed.shape[1]]
+    raise ModelError(
+        f"body '{body.name}' is given a velocity at which its root cannot move: of velocity and angular "
+        f"velocity {np.round(twist, 6).tolist()} along its axes, {np.round(missed, 6).tolist()} is held. "
+        "Give the velocity of its joint, or none"
+    )
+
+
+def frame_to_root(placed: Placed) -> Array:
+    """The root's twist (6, 6), along its axes, of the frame's velocity (global) and angular velocity."""
+    found = np.zeros((6, 6))
+    found[:3, :3] = placed.rotation.T
+    found[:3, 3:] = -cross_matrix(body_of(placed).line.tree.points[0])
+    found[3:, 3:] = np.eye(3)
+    return found
 
 
 def line_motion(

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from supple.arguments import checked_arguments
+from supple.body import FullBody
 from supple.errors import ModelError
-from supple.linearization.linear_machine import Array
+from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.linearize import linearize
 from supple.linearization.machine_modes import MachineModes, machine_modes
 from supple.linearization.sparse_machine import SparseMachine
@@ -24,14 +26,18 @@ class CampbellDiagram:
     """Modes over speed, each followed by the likeness of its shape.
 
     rates : (ns,) rad/s
-    eigenvalues : complex (ns, nm)      column by column the same mode, in axes that turn along; NaN where
+    eigenvalues : complex (ns, nm)      of a mode each column, in turning axes; NaN where
         it is no longer there
+    errors : (ns, nm) | None            relative, of the eigenvalues of the slowest modes at the first and the
+        last speed, by what the bases cost; infinite for a mode of the bases alone, NaN where not looked at;
+        None where the full bodies were not given
     likeness : (ns - 1, nm)             modal assurance between neighbouring speeds; low where modes veer
     """
 
     rates: Array
     eigenvalues: Any
     likeness: Array
+    errors: Array | None = None
 
     @property
     def frequencies(self) -> Array:
@@ -62,12 +68,14 @@ def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
     return product / np.where(both > 0, both, 1.0)
 
 
+@checked_arguments
 def campbell_diagram(
     system: System,
     spins: Sequence[Spin],
     *,
     n_modes: int = 6,
     time: float = 0.0,
+    fulls: Mapping[str, FullBody] | Sequence[FullBody] = (),
     progress: Callable[[float], None] = lambda _: None,
 ) -> CampbellDiagram:
     """Modes of a machine at a row of speeds, each in its own steady equilibrium, followed by their shapes.
@@ -77,6 +85,7 @@ def campbell_diagram(
     spins : Spin    in the order in which modes are followed, rates apart by little: the first may stand
     n_modes : of the slowest at the first speed
     time : of loads and laws
+    fulls : the bodies with all their coordinates, as for `equilibrium`: the errors are known then
 
     Raises
     ------
@@ -87,10 +96,12 @@ def campbell_diagram(
         raise ModelError("a Campbell diagram needs at least one speed")
     followed: list[np.ndarray] = []
     likeness: list[Array] = []
+    errors: list[Array] = []
     before: MachineModes | None = None
     wanted = n_modes
     for number, spin in enumerate(spins):
-        linear = linearize(system, spin=spin, time=time)
+        compared = fulls if number in (0, len(spins) - 1) else ()
+        linear = linearize(system, spin=spin, time=time, fulls=compared)
         # Of a machine with full bodies some more than wanted, among which each is looked for.
         modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
         if before is None:
@@ -104,6 +115,8 @@ def campbell_diagram(
             rows, chosen = linear_sum_assignment(apart / size - table)
             likeness.append(_placed(len(table), rows, table[rows, chosen]))
         eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
+        if fulls:
+            errors.append(_placed(wanted, rows, _errors(linear, n_modes, len(modes.eigenvalues))[chosen]))
         # A mode that has become two real ones, or none, is looked for by its last shape.
         shapes = np.zeros_like(modes.independent, shape=(len(modes.independent), wanted))
         if before is not None:
@@ -117,7 +130,18 @@ def campbell_diagram(
         np.array([spin.rate for spin in spins]),
         np.array(followed),
         np.array(likeness).reshape(len(spins) - 1, len(followed[0])),
+        np.array(errors) if errors else None,
     )
+
+
+def _errors(linear: LinearMachine | SparseMachine, n_modes: int, number: int) -> Array:
+    """Of so many modes, what the bases cost in the slowest; NaN of the others, and where it is not known."""
+    errors = np.full(number, np.nan)
+    if isinstance(linear, LinearMachine) and linear.full is not None:
+        error = machine_modes(linear, n_modes).error
+        if error is not None:
+            errors[: len(error.relative)] = error.relative
+    return errors
 
 
 def _placed(size: int, rows: np.ndarray, values: np.ndarray) -> np.ndarray:

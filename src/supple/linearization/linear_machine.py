@@ -2,16 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from supple.machine import Spin, System
 from supple.multibody.equations.control_linearization import LinearControl
 
-__all__ = ["LinearMachine"]
+if TYPE_CHECKING:
+    from supple.linearization.sparse_machine import SparseMachine
+    from supple.simulation.full_rest import RestError
+
+__all__ = ["FullMachine", "LinearMachine"]
 
 Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class FullMachine:
+    """What the bases of a linearised machine are compared with.
+
+    machine  : SparseMachine    about its own equilibrium, with all coordinates of the reduced bodies
+    expansion : sparse (N, n)   from motions `p` of the reduced machine to those of the full one
+    bodies   : by name, the coordinates of a reduced body among the N of the full machine
+    rest     : RestError        what the bases cost at the equilibrium, by name
+    """
+
+    machine: SparseMachine
+    expansion: Any
+    bodies: Mapping[str, slice]
+    rest: Mapping[str, RestError]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +55,7 @@ class LinearMachine:
     basis     : N, (n, k)
     full_mass : (n, n)          of `p`, the joints' constraints not considered
     control   : LinearControl   H (k, c), E_p (c, k), E_v (c, k), E_z (c, c)
+    full      : FullMachine | None      the same with all coordinates of its reduced bodies, if known
     """
 
     system: System
@@ -44,6 +67,7 @@ class LinearMachine:
     basis: Array
     full_mass: Array
     control: LinearControl
+    full: FullMachine | None = None
 
     @property
     def size(self) -> int:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
+from scipy.sparse import block_diag, csr_array, eye_array
 from scipy.spatial.transform import Rotation
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import ModelError
-from supple.linearization.linear_machine import Array, LinearMachine
+from supple.intrinsic import IntrinsicBody
+from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
 from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
 from supple.machine.forces import JointFriction
@@ -31,8 +34,10 @@ from supple.multibody.equations.steady_motion import (
     work_of_turning,
 )
 from supple.multibody.full.full_system import FullSystem
-from supple.multibody.full.linear_equations import carried_state, full_linear_equations
-from supple.simulation.equilibrium import RestingState, placed_at_rest, resting_state
+from supple.multibody.full.statics import FullStatics, carried_state
+from supple.simulation.equilibrium import fulls_by_name, warn_of_rest
+from supple.simulation.full_rest import full_rest, rest_errors
+from supple.simulation.resting_state import RestingState, placed_at_rest, resting_state
 
 __all__ = ["linearize"]
 
@@ -42,12 +47,14 @@ _TURNED_ON = 0.7
 """rad, after which they are compared: no fraction of a turn that a machine is likely to repeat."""
 
 
+@checked_arguments
 def linearize(
     system: System,
     *,
     time: float = 0.0,
     spin: Spin | None = None,
     search: StaticSearch | None = None,
+    fulls: Mapping[str, FullBody] | Sequence[FullBody] = (),
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> LinearMachine | SparseMachine:
     """Small motions of a machine about the equilibrium that is downhill from where its bodies are placed.
@@ -64,7 +71,8 @@ def linearize(
     time : of the loads and laws, which are held; a driven joint between bodies that turn and bodies that
         stand has the spin's rate, whatever its law
     spin : Spin             of the machine, or of the bodies that it names
-    search, progress : of the `equilibrium`
+    search, fulls, progress : of the `equilibrium`; with full bodies `machine_modes` says what the bases
+        of the reduced ones cost
 
     Raises
     ------
@@ -76,6 +84,11 @@ def linearize(
         raise ModelError(
             f"{frictions[0].label}: how the friction of what slides follows its force is not linearised; "
             "give it a preload, RevoluteFriction or PrismaticFriction, or leave it out"
+        )
+    if intrinsic := system.bodies_of(IntrinsicBody):
+        raise ModelError(
+            f"body '{next(iter(intrinsic))}' is intrinsic: such a machine is not linearised. Its own "
+            "modes on its support are body.modes; for those of the machine reduce its finite elements"
         )
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
     if system.bodies_of(FullBody):
@@ -99,13 +112,43 @@ def linearize(
         basis=basis,
         full_mass=equations.mass,
         control=projected.control,
+        full=_full_machine(found, fulls_by_name(fulls), time, spin, search or StaticSearch()),
     )
+
+
+def _full_machine(
+    found: RestingState,
+    fulls: Mapping[str, FullBody],
+    time: float,
+    spin: Spin | None,
+    search: StaticSearch,
+) -> FullMachine | None:
+    """The machine about the equilibrium that it has with all coordinates; None where that is not known."""
+    full = full_rest(found, fulls, time, search)
+    if full is None:
+        return None
+    errors = rest_errors(found, fulls, full)
+    warn_of_rest(errors)
+    if full.found is None:
+        return None
+    statics = FullStatics(FullSystem(full.found.system, full.found.model.active), full.found.turning)
+    equations = statics.linear_equations(full.found.state, time)
+    blocks, bodies = [], {}
+    for placed, part in zip(found.system.bodies, full.found.slices, strict=True):
+        name = placed.body.name
+        own: Any = eye_array(part.stop - part.start)
+        if name in full.bases:
+            own = block_diag([np.eye(6), full.bases[name].vectors])
+            bodies[name] = slice(part.start + 6, part.stop)
+        blocks.append(own)
+    machine = SparseMachine(placed_at_rest(full.found), spin, time, equations)
+    return FullMachine(machine, csr_array(block_diag(blocks)), bodies, errors)
 
 
 def _sparse(found: RestingState, time: float, spin: Spin | None) -> SparseMachine:
     """The linearised machine with full bodies."""
     active, turning = found.model.active, found.turning
-    equations = full_linear_equations(FullSystem(found.system, active), turning, time, found.state)
+    equations = FullStatics(FullSystem(found.system, active), turning).linear_equations(found.state, time)
     machine = SparseMachine(placed_at_rest(found), spin, time, equations)
     if spin is not None and spin.rate:
         turned = _turned_on(found, time, spin)
@@ -113,7 +156,7 @@ def _sparse(found: RestingState, time: float, spin: Spin | None) -> SparseMachin
         state, left = carried_state(
             there, turning, time, found.state._replace(configuration=placed_configuration(turned))
         )
-        later = full_linear_equations(there, turning, time, state)
+        later = FullStatics(there, turning).linear_equations(state, time)
         # The motions that are slow are those in which a change would be seen.
         basis = machine.slow.motions
         parts = replace(machine, equations=later).along(basis)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import scipy.linalg
 
+from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
+from supple.linearization.mode_error import ModeError, mode_error
 from supple.linearization.slowest_motions import slowest_motions
 from supple.linearization.sparse_machine import SparseMachine
 
@@ -32,12 +34,14 @@ class MachineModes:
         kinetic energy norm `shape^H M shape = 1`, the largest independent coordinate real
     independent : complex (m, k)    the same in the coordinates of the `LinearMachine`
     states : complex (c, k)         of the controllers
+    error : ModeError | None        what the bases cost; None where the full bodies are not known
     """
 
     machine: LinearMachine
     eigenvalues: Any
     independent: Any
     states: Any
+    error: ModeError | None = None
 
     @property
     def shapes(self) -> np.ndarray:
@@ -78,6 +82,7 @@ class MachineModes:
         return self.eigenvalues.real > 1e-7 * largest
 
 
+@checked_arguments
 def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = None) -> MachineModes:
     """The slowest modes of a linearised machine, all of them unless told how many.
 
@@ -88,6 +93,11 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
 
     Of a machine with full bodies the slowest are found by shift and invert (`slowest_motions`); with damping
     or gyroscopic terms these are the slowest of which iteration shows any.
+
+    Of a machine linearised with `fulls`, and a number given, the same modes are found with all coordinates of
+    its bodies (`MachineModes.error`).
+
+    Warns BasisWarning of modes whose eigenvalue is off by 1 % or more, and of modes that the bases lack.
 
     Raises
     ------
@@ -103,7 +113,19 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     values, y, z = values[:n_modes], y[:, :n_modes], z[:, :n_modes]
     largest = np.take_along_axis(y, np.argmax(abs(y), axis=0)[None], axis=0)[0]
     turned = np.where(largest == 0, 1.0, abs(largest) / np.where(largest == 0, 1.0, largest))
-    return MachineModes(machine, values, y * turned, z * turned)
+    modes = MachineModes(machine, values, y * turned, z * turned)
+    if machine.full is None or n_modes is None:
+        return modes
+    error = mode_error(machine.full, values, modes.shapes, _slowest)
+    error.warn(values)
+    return replace(modes, error=error)
+
+
+def _slowest(machine: SparseMachine, n_modes: int) -> tuple[Any, Any]:
+    """Eigenvalues and shapes (n, k) of the slowest modes of a machine with full bodies."""
+    along = machine.along(slowest_motions(machine, n_modes, _pairs))
+    values, y, _ = _pairs(along)
+    return values[:n_modes], along.basis @ y[:, :n_modes]
 
 
 def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
@@ -121,7 +143,8 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     values, vectors = _one_of_each(values, right)
     still = np.linalg.norm(vectors[: 2 * k], axis=0) < _MOTIONLESS
     vectors = scales[:, None] * vectors
-    order = np.lexsort((values.real, abs(values)))
+    # Of modes as slow as each other to rounding, those that grow come first.
+    order = np.lexsort((-values.real, [float(f"{size:.8g}") for size in abs(values)]))
     values, vectors, still = values[order], vectors[:, order], still[order]
     y = scipy.linalg.solve_triangular(lower.T, np.where(still, 0.0, vectors[:k]))
     sizes = np.sqrt(np.real(np.einsum("ij,ij->j", y.conj(), machine.mass @ y)))

@@ -72,10 +72,9 @@ def _largest_translation(modes: MachineModes, number: int) -> float:
         body = placed.body
         own = shape[first : first + 6 + body.n_coordinates]
         first += 6 + body.n_coordinates
-        still = body.expand(np.zeros(body.n_coordinates))
-        local = body.expand(np.real(own[6:])) - still + 1j * (body.expand(np.imag(own[6:])) - still)
+        moving = body.expand_rates(placed.coordinates, np.array([np.real(own[6:]), np.imag(own[6:])]))
         points = np.concatenate([body.nodes, [face.position for face in body.interfaces], np.zeros((1, 3))])
         moved = own[:3] + np.cross(own[3:6], points)
-        moved[: len(body.nodes)] += local
+        moved[: len(body.nodes)] += moving[0] + 1j * moving[1]
         largest = max(largest, float(np.linalg.norm(moved, axis=1).max()))
     return largest

@@ -144,5 +144,5 @@ def _shifted(equations: SparseEquations, shift: float) -> BorderedFactor:
         equations.constraint,
         equations.interior,
         equations.damping_columns,
-        shift,
+        shift * equations.damping_signs,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -11,13 +12,16 @@ from scipy import sparse
 
 from supple.algebra import lowest_modes
 from supple.body import AveragingInterface, FlexibleBody, RigidInterface, flexible_body
-from supple.errors import ModelError
+from supple.errors import ModelError, SuppleWarning
 from supple.fem import FiniteElementModel, part_of_model
 from supple.machine.ends import At
 from supple.machine.joints.fixed import Fixed
 from supple.mesh import DividedMesh, Division, divided
 
-__all__ = ["SplitBody", "cut_name", "part_name", "split_body"]
+__all__ = ["SplitBody", "cut_name", "frequency_changes", "part_name", "split_body"]
+
+# Changes of frequencies by the ties from which a run is another body's.
+NOTABLE = 0.02
 
 Interface = RigidInterface | AveragingInterface
 Tie = Callable[..., Interface]
@@ -58,7 +62,7 @@ class SplitBody:
     def frequencies(self, count: int) -> NDArray[np.float64]:
         """The lowest elastic frequencies of the tied parts, free and undeformed, rad/s.
 
-        Beside those of the whole body they tell what the ties change: rigid sections stiffen a body whose
+        Beside those of the whole body they show what the ties change: rigid sections stiffen a body whose
         sections would deform, averaging ones soften it.
         """
         first = np.cumsum([0, *(part.n for part in self.parts)])
@@ -81,6 +85,25 @@ class SplitBody:
         return np.sqrt(found.values)
 
 
+def frequency_changes(whole: FlexibleBody, split: SplitBody) -> NDArray[np.float64]:
+    """Relative changes (3,) of the lowest free frequencies of a body by the ties between its parts.
+
+    A SuppleWarning where one of them reaches 2 %.
+    """
+    before = np.sqrt(whole.lowest_modes(3, (whole.mass @ whole.rigid_modes).T).values)
+    changes = split.frequencies(3) / before - 1
+    if np.abs(changes).max() >= NOTABLE:
+        listed = ", ".join(f"{100 * change:+.2g}" for change in changes)
+        warnings.warn(
+            f"body '{whole.name}': its {len(split.parts)} parts, tied together, have other frequencies than "
+            f"the whole: the lowest free ones change by {listed} %. Sections that would deform are held in "
+            "shape where parts meet: cut where they do not, or try the other tie (rigid, averaging)",
+            SuppleWarning,
+            stacklevel=3,
+        )
+    return changes
+
+
 def split_body(
     name: str,
     model: FiniteElementModel,
@@ -92,7 +115,8 @@ def split_body(
     """Split a body into parts that are tied where they meet, for rotations beyond what one frame allows.
 
     A floating frame describes rotations against itself up to a limit. With a frame a part, each of k equal
-    parts turns against its frame by about 1 / k of what the whole body would.
+    parts turns against its frame by about 1 / k of what the whole body would. A SuppleWarning says by how
+    much the ties change the lowest frequencies, where that is 2 % or more.
 
     Parameters
     ----------
@@ -129,7 +153,9 @@ def split_body(
         flexible_body(part_name(name, i), part_of_model(model, part), own[i])
         for i, part in enumerate(mesh.parts)
     )
-    return SplitBody(name, mesh, bodies, base)
+    split = SplitBody(name, mesh, bodies, base)
+    frequency_changes(flexible_body(name, model, interfaces), split)
+    return split
 
 
 def part_name(name: str, part: int) -> str:

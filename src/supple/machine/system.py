@@ -16,6 +16,7 @@ from supple.body.full_body import FullBody
 from supple.errors import ModelError, did_you_mean
 from supple.machine.control import Controller, EndReading, SampledController
 from supple.machine.ends import GROUND, At
+from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.force_element import ForceElement
 from supple.machine.forces.joint_friction import JointFriction
 from supple.machine.joints.joint import Joint
@@ -30,6 +31,8 @@ Body = RigidBody | ReducedBody | FullBody
 _Form = TypeVar("_Form")
 
 
+_ACROSS = 1e-3
+"""Of a unit axis: what a joint leaves free of a servo's axis is less where it moves nothing."""
 # What a machine asks of every form of body.
 _BODY = ("name", "kind", "n_coordinates", "interfaces")
 
@@ -49,8 +52,11 @@ class Placed:
 
     position : (3,)           frame origin, global
     rotation : (3,) or (3, 3) rotation vector (rad) or matrix, body to global
-    velocity : (3,)           of the frame origin, global
+    velocity : (3,)           of the frame origin, global: of an elastic body the origin of its mesh
+        (`with_centre_velocity` takes that of the centre of mass)
     angular_velocity : (3,)   body components, rad/s
+        Of the two, what is left out (None) is what joints, their laws and other bodies ask for at the start,
+        and zero where they ask for nothing; zeros that are given are kept where the joints allow.
     coordinates, coordinate_rates : (r,) deformation at the start; zero unless given
     assembled : Assembly      where it stood when joints and forces were put on, which fixes their points and
         axes; where it starts unless given. An `equilibrium` starts elsewhere, in the same machine.
@@ -61,8 +67,8 @@ class Placed:
     body: Body | Any
     position: np.ndarray = field(default_factory=lambda: np.zeros(3))
     rotation: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    angular_velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    velocity: np.ndarray | None = None
+    angular_velocity: np.ndarray | None = None
     coordinates: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coordinate_rates: np.ndarray = field(default_factory=lambda: np.zeros(0))
     assembled: Assembly | None = None
@@ -77,7 +83,8 @@ class Placed:
                 "reduce(body, frame, basis), or FullBody(body, frame) to keep every freedom"
             )
         for item in ("position", "velocity", "angular_velocity"):
-            object.__setattr__(self, item, space_vector(f"{item} of body '{name}'", getattr(self, item)))
+            if item == "position" or getattr(self, item) is not None:
+                object.__setattr__(self, item, space_vector(f"{item} of body '{name}'", getattr(self, item)))
         object.__setattr__(self, "rotation", rotation_matrix(f"rotation of body '{name}'", self.rotation))
         r = self.body.n_coordinates
         for item in ("coordinates", "coordinate_rates"):
@@ -96,6 +103,24 @@ class Placed:
         """Where it stood when joints and forces were put on."""
         return self.assembled or Assembly(self.position, self.rotation)
 
+    @property
+    def twist(self) -> np.ndarray:
+        """Velocity and angular velocity (6,) as given, zero where left out."""
+        given = (self.velocity, self.angular_velocity)
+        return np.concatenate([np.zeros(3) if part is None else part for part in given])
+
+    def with_centre_velocity(self, velocity: ArrayLike) -> Placed:
+        """The same body with another velocity (3,) of its centre of mass, global, undeformed.
+
+            v = v_c - A (w x c)
+
+        The angular velocity is the given one, or zero where it was left out.
+        """
+        turning = np.zeros(3) if self.angular_velocity is None else self.angular_velocity
+        centre = space_vector(f"centre velocity of body '{self.body.name}'", velocity)
+        origin = centre - self.rotation @ np.cross(turning, self.body.centre_of_mass)
+        return replace(self, velocity=origin, angular_velocity=turning)
+
     def moved_to(self, position: np.ndarray, rotation: np.ndarray) -> Placed:
         """Placed elsewhere, its joints and forces on the same points and axes of it.
 
@@ -107,7 +132,7 @@ class Placed:
     def positions(self, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
         """Positions `R + A (x + u)` (k, 3) in space of some of its nodes, or all, deformed as it starts."""
         own = nodes if isinstance(nodes, slice) else np.asarray(nodes)
-        local = self.body.nodes[own] + self.body.expand(self.coordinates)[own]
+        local = self.body.nodes[own] + self.body.expand(self.coordinates, own)
         return self.position + local @ self.rotation.T
 
 
@@ -186,8 +211,45 @@ class System:
                 elif reading.joint not in joints:
                     near = did_you_mean(reading.joint, joints)
                     raise ModelError(f"{what}: there is no joint '{reading.joint}'{near}")
-            for element in controller.drives.values():
+            for key, element in controller.drives.items():
                 self._check_load(element)
+                self._check_acts_once(f"{what} drives {element.label} ('{key}')", element)
+        drivers = [(own, element) for own in self.controllers for element in own.drives.values()]
+        for number, (own, element) in enumerate(drivers):
+            if any(element is other for _, other in drivers[:number]):
+                raise ModelError(
+                    f"controller '{own.name}' drives {element.label}, which is driven already, so that its "
+                    "own law would act twice: give each output an element of its own"
+                )
+
+    def _check_acts_once(self, what: str, element: ForceElement) -> None:
+        if any(element is load for load in self.loads):
+            raise ModelError(
+                f"{what}, which also stands among the loads, so that its own law would act twice: leave it "
+                "out of loads; in a case file, remove its table and make it in the controller's function"
+            )
+
+    def _check_moves_something(self, element: ForceElement) -> None:
+        """ModelError for a servo or motor across the directions that a joint of its two ends holds."""
+        if not isinstance(element, AxialElement) or not element.held_by:
+            return
+        for joint in self.joints:
+            if {joint.first, joint.second} != {element.first, element.second}:
+                continue
+            held = np.array(
+                [any(f"{words} {axis}" in joint.rows for words in element.held_by) for axis in "xyz"]
+            )
+            held[2] &= joint.law is None
+            free = joint.initial_axes[:, ~held]
+            if np.linalg.norm(free.T @ element.initial_axes[:, 2]) < _ACROSS:
+                ways = " or ".join(str(np.round(axis, 4).tolist()) for axis in free.T)
+                remedy = (
+                    f"give it an axis along {ways}, which the joint leaves free, or" if ways else "give it"
+                )
+                raise ModelError(
+                    f"{element.label}: it moves nothing, for joint '{joint.name}' holds its ends along its "
+                    f"axis {tuple(element.axis)}: {remedy} ends between which something moves"
+                )
 
     def _check_load(self, load: Load) -> None:
         if isinstance(load, NodalLoad):
@@ -197,6 +259,7 @@ class System:
         else:
             self._check_end(load.label, load.first)
             self._check_end(load.label, load.second)
+            self._check_moves_something(load)
             if isinstance(load, JointFriction) and load.joint not in self.joints:
                 raise ModelError(f"{load.label}: this joint is not among the machine's joints")
             if load.law is not None:

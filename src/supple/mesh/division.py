@@ -9,13 +9,12 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
 from supple.mesh.mesh_part import MeshPart, mesh_part
+from supple.mesh.node_sections import NodeSection, flat_section, sections_along, shared_pieces
 
 IntArray = NDArray[np.int64]
 CellNumbers = Mapping[CellType, IntArray]
@@ -31,7 +30,9 @@ class Division(Protocol):
 
 @dataclass(frozen=True)
 class AlongAxis:
-    """Parts of equal length along an axis; a cell belongs where its centre is.
+    """Parts of about equal length along an axis, cut where the mesh has a section of nodes next to that.
+
+    No cut passes through cells: a tie would hold the whole row of them rigid.
 
     count : number of parts, at least 2
     axis  : (3,) direction in the mesh axes; the longest principal direction of the nodes if left out
@@ -45,21 +46,45 @@ class AlongAxis:
             raise MeshError(f"a body is divided into at least 2 parts, not {self.count!r}")
 
     def cells(self, mesh: Mesh) -> Sequence[CellNumbers]:
-        """The cells of each part, from the lowest to the highest along the axis."""
+        """The cells of each part, from the lowest to the highest along the axis.
+
+        Raises MeshError where no section of nodes lies within half a part's length of a cut.
+        """
         direction = _longest_direction(mesh) if self.axis is None else _unit(self.axis)
         along = mesh.nodes @ direction
-        inner = np.linspace(along.min(), along.max(), self.count + 1)[1:-1]
+        ends = np.linspace(along.min(), along.max(), self.count + 1)
+        sections = sections_along(mesh, direction)
+        chosen: list[NodeSection] = []
+        for number, wanted in enumerate(ends[1:-1], start=1):
+            near = [each for each in sections if abs(each.position - wanted) < 0.5 * (ends[1] - ends[0])]
+            # Planes stand first, so that of two sections as near as each other a plane is taken.
+            near.sort(key=lambda each: abs(round((each.position - wanted) / np.ptp(along), 6)))
+            beyond = [each for each in near if not chosen or each.contains(chosen[-1])]
+            found = next((each for each in beyond if flat_section(mesh, each)), None)
+            if found is None:
+                raise MeshError(self._no_section(number, float(wanted), direction, sections))
+            chosen.append(found)
         part = {
-            kind: np.searchsorted(inner, along[members].mean(axis=1)) for kind, members in mesh.cells.items()
+            kind: self.count - 1 - sum(section.below[kind].astype(int) for section in chosen)
+            for kind in mesh.cells
         }
-        found = [{kind: np.flatnonzero(own == i) for kind, own in part.items()} for i in range(self.count)]
-        for i, cells in enumerate(found):
-            if not any(len(numbers) for numbers in cells.values()):
-                raise MeshError(
-                    f"part {i + 1} of {self.count} has no cell: the mesh is too coarse along "
-                    f"({', '.join(f'{x:.3g}' for x in direction)}); ask for fewer parts, or refine it"
-                )
-        return found
+        return [{kind: np.flatnonzero(own == i) for kind, own in part.items()} for i in range(self.count)]
+
+    def _no_section(
+        self, number: int, wanted: float, direction: NDArray[np.float64], sections: Sequence[NodeSection]
+    ) -> str:
+        axis = f"({', '.join(f'{x:.3g}' for x in direction)})"
+        planes = sum(section.is_plane for section in sections)
+        if 0 < planes < self.count - 1:
+            return (
+                f"part {number} of {self.count} has no cell: the mesh is too coarse along {axis}; ask for "
+                f"fewer parts ({planes + 1} at most), or refine it"
+            )
+        return (
+            f"cut {number} of {self.count - 1}, at {wanted:.4g} along {axis}: no section of nodes is near, "
+            "and a cut through cells would hold a row of them rigid. Mesh the body with a plane of nodes "
+            "there, ask for another number of parts, or divide it by cell sets"
+        )
 
 
 @dataclass(frozen=True)
@@ -160,8 +185,8 @@ def divided(mesh: Mesh, division: Division) -> DividedMesh:
     cuts = tuple(
         Cut(first, second, nodes)
         for first, second in combinations(range(len(cells)), 2)
-        for nodes in _pieces(
-            mesh, (cells[first], cells[second]), np.intersect1d(members[first], members[second])
+        for nodes in shared_pieces(
+            mesh, [cells[first], cells[second]], np.intersect1d(members[first], members[second])
         )
     )
     return DividedMesh(mesh, tuple(parts), cuts)
@@ -183,27 +208,6 @@ def _shared_out(
         for part in np.unique(owner):
             found[part][name] = nodes[owner == part]
     return found
-
-
-def _pieces(mesh: Mesh, sides: Sequence[CellNumbers], shared: IntArray) -> Iterator[IntArray]:
-    """Shared nodes, apart where no cell joins them."""
-    if not len(shared):
-        return
-    rows, columns = [], []
-    for side in sides:
-        for kind, numbers in side.items():
-            corners = mesh.cells[kind][numbers]
-            on_cut = np.isin(corners, shared)
-            touching = on_cut.sum(axis=1) > 1
-            corners, on_cut = corners[touching], on_cut[touching]
-            first = np.where(on_cut, corners, -1).max(axis=1, initial=-1)[:, None]
-            rows.append(np.broadcast_to(first, corners.shape)[on_cut])
-            columns.append(corners[on_cut])
-    start, end = (np.searchsorted(shared, np.concatenate(ends)) for ends in (rows, columns))
-    graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(len(shared),) * 2)
-    n_pieces, piece = connected_components(graph, directed=False)
-    for i in range(n_pieces):
-        yield shared[piece == i]
 
 
 def _longest_direction(mesh: Mesh) -> NDArray[np.float64]:

@@ -24,8 +24,8 @@ from supple.reduction.bases.mode_selection import ChosenModes, LowestFrequency, 
 from supple.reduction.bases.normal_modes import CompleteBasis, NormalModes
 from supple.reduction.bases.rubin import Rubin
 from supple.reduction.bases.static_correction import StaticCorrection
-from supple.reduction.bases.steady_loads import SteadyLoads
-from supple.reduction.clamped_modes import ClampedModes, clamped_modes
+from supple.reduction.bases.steady_loads import NoLoads, SteadyLoads
+from supple.reduction.clamped_modes import BodyModes, ClampedModes, body_modes, clamped_modes
 from supple.reduction.components.component_model import ComponentModel, ReducedMatrices, RitzComponent
 from supple.reduction.components.fixed_interface_component import (
     FixedInterfaceComponent,
@@ -85,6 +85,7 @@ __all__ = [
     "AmplitudeProduct",
     "AttachmentModes",
     "Bisection",
+    "BodyModes",
     "ChosenModes",
     "ClampedModes",
     "CompleteBasis",
@@ -130,6 +131,7 @@ __all__ = [
     "ModeSearch",
     "ModeSelection",
     "NoDerivatives",
+    "NoLoads",
     "NormalModes",
     "OneByOne",
     "PairCriterion",
@@ -150,6 +152,7 @@ __all__ = [
     "SteadyLoads",
     "TwoTermEstimate",
     "UnitLoad",
+    "body_modes",
     "clamped_modes",
     "compress",
     "constraint_modes",

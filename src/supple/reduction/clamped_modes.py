@@ -1,18 +1,21 @@
-"""Modes of a reduced body with one interface clamped in space: what a test on a clamp would measure."""
+"""Modes of a body with one interface clamped in space: what a test on a clamp would measure."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import linalg
 
 from supple.algebra import read_only
+from supple.algebra.constraint_rows import constraint_rows
+from supple.body import FlexibleBody
 from supple.reduction.reduced_body import ReducedBody
 
 
 @dataclass(frozen=True, eq=False)
-class ClampedModes:
+class BodyModes:
     """Modes with unit modal mass.
 
     frequencies : (m,)      rad/s, ascending
@@ -21,6 +24,16 @@ class ClampedModes:
 
     frequencies: np.ndarray
     shapes: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class ClampedModes(BodyModes):
+    """Those of a reduced body, with their damping.
+
+    damping_ratios : (m,)   phi^T D phi / (2 omega), of the damping at rest
+    """
+
+    damping_ratios: np.ndarray
 
 
 def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = None) -> ClampedModes:
@@ -45,7 +58,23 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
     motion = (free @ vectors[:, :n_modes]).T
     translations, rotations, gammas = motion[:, :3], motion[:, 3:6], motion[:, 6:]
     rigid_shapes = translations[:, None] + np.cross(rotations[:, None], body.nodes)
+    frequencies = np.sqrt(np.maximum(values[:n_modes], 0.0))
+    damped = np.einsum("mi,ij,mj->m", gammas, body.damping, gammas)
     return ClampedModes(
-        frequencies=read_only(np.sqrt(np.maximum(values[:n_modes], 0.0))),
-        shapes=read_only(rigid_shapes + body.expand(gammas)),
+        frequencies=read_only(frequencies),
+        damping_ratios=read_only(damped / (2 * frequencies)),
+        shapes=read_only(rigid_shapes + body.expand_rates(np.zeros_like(gammas), gammas)),
+    )
+
+
+def body_modes(body: FlexibleBody, constraint: Any, *, n_modes: int) -> BodyModes:
+    """The lowest modes of a whole body on `D q = 0`, D (m, n): of a frame, or the motion of an interface.
+
+    Fewer where the body has no more.
+    """
+    D = constraint_rows(constraint, body.n)
+    found = body.lowest_modes(min(n_modes, body.n - len(D)), D)
+    nodal = (body.expansion @ found.vectors).T.reshape(-1, len(body.nodes), body.dofs_per_node)
+    return BodyModes(
+        frequencies=read_only(np.sqrt(np.maximum(found.values, 0.0))), shapes=read_only(nodal[..., :3])
     )

@@ -108,6 +108,14 @@ class Condensation:
         forces = self.body.assembly.strain_pair_forces(moved, numbers, numbers + len(a))
         return 0.5 * frame_projector(self.body, self.basis.frame)(self._outside(forces))
 
+    def rigid_part(self, moved: Array) -> Array:
+        """Rigid motion (6, k) that `bilinear` leaves out of z (n, k): z + R rho rests at the first interface.
+
+        Displacements of the reduced body hold it: translation and rotation, in the body's axes.
+        """
+        D, R = self._resting.constraint(self.body), self.body.rigid_modes
+        return -np.linalg.inv(D @ R) @ (D @ moved)
+
     @property
     def _resting(self) -> Frame:
         """The frame in which no interface moves, as joints have it; that of the basis where there is none."""

@@ -50,22 +50,23 @@ def condensed_moments(body: FlexibleBody, fields: Array, amplitudes: Array) -> A
         s = Phi_t^T M z,     c = Phi_w0^T M z,
         J_ij = Phi_w0,i^T M (e_j x z) + Phi_w0,j^T M (e_i x z)
 
-    Phi_t, Phi_w0: unit translations and rotations of the undeformed body; e_j x z on translations alone, as
-    in `inertia_gram`. So the change of the kinetic energy of a rotation w is w J w / 2 to first order in z.
+    Phi_t, Phi_w0: unit translations and rotations of the undeformed body. So the change of the kinetic energy
+    of a rotation w is w J w / 2 to first order in z.
 
     body : FlexibleBody
     fields : (n_nodal, m);  amplitudes : (m, r(r+1)/2)     of a `CondensedMotion`
     """
     d, n_nodes = body.dofs_per_node, len(body.nodes)
     momenta = body.nodal_mass @ nodal_rigid_modes(body.nodes, d)
-    of_rotation = momenta.reshape(n_nodes, d, 6)[:, :3, 3:]
+    # Of a translation and of a rotation, three components each.
+    of_rotation = momenta.reshape(n_nodes, d // 3, 3, 6)[..., 3:]
     unit = np.eye(3)
     weights = np.zeros((n_nodes, d, N_MOMENTS))
     weights.reshape(-1, N_MOMENTS)[:, :6] = momenta
     for k, (i, j) in enumerate(zip(_FIRST, _SECOND, strict=True)):
         # b . (e x z) = z . (b x e)
-        about_both = np.cross(of_rotation[:, :, i], unit[j]) + np.cross(of_rotation[:, :, j], unit[i])
-        weights[:, :3, 6 + k] = about_both
+        about_both = np.cross(of_rotation[..., i], unit[j]) + np.cross(of_rotation[..., j], unit[i])
+        weights[:, :, 6 + k] = about_both.reshape(n_nodes, d)
     moments = (weights.reshape(-1, N_MOMENTS).T @ fields) @ amplitudes
     on_diagonal = np.equal(*np.triu_indices(number_of_coordinates(amplitudes.shape[1])))
     return moments * np.where(on_diagonal, 2.0, 1.0)

@@ -18,7 +18,8 @@ class CondensedMotion:
 
         z(gamma) = fields @ (amplitudes @ m2),   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
 
-    Its strain is the linear one alone, and its inertia the leading one (`condensed_inertia`).
+    Its strain is the linear one alone, and its inertia the leading one (`condensed_inertia`). Displacements
+    contain it: a strip twisted by theta draws its edges in by width theta^2 / 4, a bent one its tip.
 
     fields : (n_nodal, m)       orthonormal in the strain energy; interfaces rest
     amplitudes : (m, n2)        n2 = r(r+1)/2
@@ -42,6 +43,11 @@ class CondensedMotion:
 
     def amplitudes_at(self, gamma: ArrayLike) -> Array:
         """Amplitudes (..., m) of the fields at coordinates gamma (..., r)."""
-        gamma = np.asarray(gamma, dtype=np.float64)
+        return 0.5 * self.amplitude_rates(gamma, gamma)
+
+    def amplitude_rates(self, gamma: ArrayLike, rates: ArrayLike) -> Array:
+        """Their rates (..., m) at coordinates and rates (..., r): symmetric in both, for z is quadratic."""
+        gamma, rates = np.asarray(gamma, dtype=np.float64), np.asarray(rates, dtype=np.float64)
         first, second = np.triu_indices(gamma.shape[-1])
-        return (gamma[..., first] * gamma[..., second]) @ self.amplitudes.T
+        products = gamma[..., first] * rates[..., second] + rates[..., first] * gamma[..., second]
+        return products @ self.amplitudes.T

@@ -8,6 +8,7 @@ import numpy as np
 
 from supple.body import Damping, FlexibleBody, inertia_gram
 from supple.body.averaging_error import section_softness
+from supple.body.damping import damping_matrix
 from supple.errors import AccuracyError
 from supple.reduction.condensation import Condensation
 from supple.reduction.locking import locking, warn_of_locking
@@ -74,7 +75,7 @@ def project(
         stiffness=tensors.stiffness,
         cubic=tensors.cubic,
         quartic=tensors.quartic,
-        damping=np.zeros((r, r)) if damping is None else damping.matrix(tensors.stiffness, np.eye(r)),
+        damping=damping_matrix(damping, body, V, tensors.stiffness),
         damping_cubic=None if material is None else time * material.cubic,
         damping_quartic=None if material is None else time * material.quartic,
         interfaces=tuple(

@@ -9,11 +9,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra import read_only
 from supple.body.floating_kinematics import floating_positions
 from supple.body.interface import interface_named
+from supple.body.mass_properties import centre_of_gram
 from supple.errors import ModelError
 from supple.integrate.motion import FloatingMotion
 from supple.reduction.condensed_motion import CondensedMotion
@@ -80,12 +81,18 @@ class ReductionReport:
     def __post_init__(self):
         _set_read_only(self)
 
+    def __str__(self) -> str:
+        counts = [f"{len(self.linear)} linear columns", f"{len(self.derivatives)} derivatives"]
+        counts += [f"{len(self.corrections)} corrections"] if self.corrections else []
+        left_out = f"; left out: {', '.join(self.dropped)}" if self.dropped else ""
+        return ", ".join(counts) + left_out
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class ReducedBody:
     """A flexible body in r coordinates gamma, whose columns V are M-orthonormal (V^T M V = I, D V = 0).
 
-        u_nodal = nodal_basis @ gamma,
+        u_nodal = nodal_basis @ gamma + z(gamma),   z: of the condensed tensors, quadratic in gamma
         f(gamma) = (K + A3/2 + A4/3) gamma,   A3 = unpack(cubic @ gamma),  A4 = unpack(quartic @ m2)
 
     with m2 the products gamma_j gamma_k, j <= k, in the order of numpy.triu_indices(r).
@@ -106,8 +113,8 @@ class ReducedBody:
     rotation_limit : float      rad; largest rotation against the frame that the kinematics describe
     frequencies : (r,)          rad/s, ascending, of the reduced body fixed in its frame
     report : ReductionReport
-    condensed : the motion outside the columns that the quartic tensor lets follow them; it adds to stress,
-                not to displacement; None where it lets none
+    condensed : the motion z outside the columns that the quartic tensor lets follow them; None where it lets
+                none
     inert : int                 coordinates that a run takes along besides, see `with_room`; not kept in files
     elastic_elsewhere : bool    what deformation adds to the force is not in the tensors, though the elements
                                 are nonlinear, and so their strains; not kept in files
@@ -134,6 +141,9 @@ class ReducedBody:
     inert: int = 0
     elastic_elsewhere: bool = False
 
+    def __repr__(self) -> str:
+        return f"<ReducedBody '{self.name}' in {self.frame}: {self.r} coordinates; {self.report}>"
+
     def __post_init__(self):
         _set_read_only(self)
         _check_shapes(self)
@@ -148,6 +158,11 @@ class ReducedBody:
     def mass(self) -> float:
         """Of the whole body, kg."""
         return float(self.gram[0, 0])
+
+    @property
+    def centre_of_mass(self) -> np.ndarray:
+        """(3,) undeformed, in the body's frame, m."""
+        return centre_of_gram(self.gram)
 
     @property
     def r(self) -> int:
@@ -193,9 +208,26 @@ class ReducedBody:
         """The interface of that name; ModelError names the nearest, or those there are."""
         return interface_named(self.name, name, self.interfaces)
 
-    def expand(self, gamma: ArrayLike) -> np.ndarray:
-        """Nodal displacements (..., N, 3) of the coordinates gamma (..., r), in the body's frame."""
-        return _combine(self.displacement_basis, gamma)
+    def expand(self, gamma: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> np.ndarray:
+        """Displacements V gamma + z(gamma), (..., k, 3), of some nodes or all, in the body's frame."""
+        moved = _combine(self.displacement_basis[nodes], gamma)
+        if self.condensed is not None:
+            moved += self._condensed_fields(nodes, self.condensed.amplitudes_at(gamma))
+        return moved
+
+    def expand_rates(
+        self, gamma: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> np.ndarray:
+        """Their rates (..., k, 3) at coordinates and rates (..., r); the linear shapes where gamma = 0."""
+        moved = _combine(self.displacement_basis[nodes], rates)
+        if self.condensed is not None and np.any(gamma):
+            moved += self._condensed_fields(nodes, self.condensed.amplitude_rates(gamma, rates))
+        return moved
+
+    def _condensed_fields(self, nodes: NDArray[np.intp] | slice, amplitudes: np.ndarray) -> np.ndarray:
+        assert self.condensed is not None
+        fields = self.condensed.fields.reshape(len(self.nodes), self.dofs_per_node, -1)
+        return _combine(fields[nodes, :3], amplitudes)
 
     def positions(self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
         """Positions r = R + A (x + u) (t, k, 3) in space of some nodes, or all."""

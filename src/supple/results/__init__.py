@@ -22,11 +22,17 @@ from supple.results.recovery import (
 from supple.results.round_off import without_noise
 from supple.results.run_summary import (
     body_numbers,
+    stress_numbers,
     summarize,
     unit_names,
 )
 from supple.results.stress_history import (
+    LargestStress,
+    TensorBlock,
+    largest_stress,
+    strain_blocks,
     strain_history,
+    stress_blocks,
     stress_history,
     von_mises_history,
     von_mises_strain_history,
@@ -48,17 +54,20 @@ from supple.results.tracked_motion import (
 )
 
 __all__ = [
+    "LargestStress",
     "MotionError",
     "NodeMotion",
     "Observer",
     "StrainModes",
     "StressModes",
+    "TensorBlock",
     "TrackedMotion",
     "body_numbers",
     "deflections",
     "displacement_from_axes",
     "joint_loads",
     "joint_meanings",
+    "largest_stress",
     "motion_error",
     "node_displacements",
     "node_motion",
@@ -67,10 +76,13 @@ __all__ = [
     "observer_of",
     "relative_error",
     "rms_error",
+    "strain_blocks",
     "strain_history",
     "strain_modes",
+    "stress_blocks",
     "stress_history",
     "stress_modes",
+    "stress_numbers",
     "summarize",
     "tracked_motion",
     "tracked_places",

@@ -12,8 +12,7 @@ from supple.integrate import JOINT_COMPONENTS
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody
 from supple.reduction.reduced_body import ReductionReport
-from supple.simulation import recorded_columns
-from supple.storage import read_header, read_solution
+from supple.storage import column_measures, read_header, read_solution
 from supple.units import UNNAMED, UnitSystem, measured
 
 Row = tuple[str, str]
@@ -40,7 +39,7 @@ def describe_reduced_body(body: ReducedBody, units: UnitSystem = UNNAMED) -> Ite
     yield "mass", measured(f"{body.mass:g}", units.mass)
     hertz, factor = units.frequency_shown
     lowest = _listed(factor * body.frequencies[:6] / (2 * np.pi))
-    yield "lowest frequencies", f"{measured(lowest, hertz)} in its frame"
+    yield "lowest frequencies of its basis", f"{measured(lowest, hertz)} in its frame"
     if body.report.certificate is not None:
         yield "eigenvalues", str(body.report.certificate)
     for interface in body.interfaces:
@@ -73,7 +72,7 @@ def describe_result(path: Path) -> Iterator[Row]:
     yield "what", "complete" if header.complete else unfinished
     units = UnitSystem.parsed(str(header.metadata.get("units", "")))
     for name, value in header.metadata.items():
-        if name != recorded_columns.KEY:  # numbers that say nothing to anybody
+        if name != column_measures.KEY:  # numbers that say nothing to anybody
             yield name, str(value)
     if header.n_times:
         solution = read_solution(path)

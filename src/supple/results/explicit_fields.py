@@ -11,9 +11,9 @@ from scipy import sparse
 from supple.explicit import ExplicitShell, ExplicitSubdomain, FourPointMotion, ModalSubdomain, NodalMotion
 from supple.explicit.elements import SolidPoints
 from supple.explicit.explicit_shell import ShellElements
-from supple.fem import stress_recovery, von_mises
+from supple.explicit.modal_stress import modal_von_mises, stress_of_modes
 
-__all__ = ["element_means", "modal_von_mises", "nodal_von_mises"]
+__all__ = ["element_means", "nodal_von_mises"]
 
 FloatArray = NDArray[np.float64]
 
@@ -42,27 +42,12 @@ def _elements(subdomain: ExplicitSubdomain | ExplicitShell) -> Sequence[SolidPoi
     return subdomain.elements if isinstance(subdomain, ExplicitShell) else subdomain.points
 
 
-def modal_von_mises(subdomain: ModalSubdomain, coordinates: FloatArray) -> FloatArray:
-    """Von Mises stress (t, N), Pa, the largest over the layers, of modal coordinates (t, k): linear in them.
-
-    Raises
-    ------
-    ModelError   as for stress_recovery; a body of matrices, which has no elements
-    """
-    body = subdomain.body
-    assert body.model is not None  # parts of case files have elements
-    recovery = stress_recovery(body.model).linearized()
-    nodal = body.expansion @ subdomain.vectors
-    of_modes = np.array([recovery.at_nodes(column) for column in nodal.T])
-    return np.array([von_mises(np.einsum("k,knlc->nlc", row, of_modes)).max(axis=1) for row in coordinates])
-
-
 def nodal_von_mises(
     subdomain: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motion: FourPointMotion | NodalMotion
 ) -> FloatArray:
     """Von Mises stress (t, N) of a part, Pa."""
     if isinstance(subdomain, ModalSubdomain):
         assert isinstance(motion, FourPointMotion)
-        return modal_von_mises(subdomain, motion.coordinates)
+        return modal_von_mises(stress_of_modes(subdomain), motion.coordinates)
     assert isinstance(motion, NodalMotion)
     return element_means(subdomain, motion.von_mises, motion.alive)

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.body import BodyForm, Interface, node_displacements
+from supple.body import BodyForm, Interface
+from supple.body.floating_kinematics import time_slices
 from supple.integrate.motion import FloatingMotion
 
 Array = NDArray[np.float64]
@@ -37,8 +38,9 @@ def node_motion(body: BodyForm, motion: FloatingMotion, nodes: ArrayLike) -> Nod
     ModelError  a node number outside the body
     """
     numbers = np.atleast_1d(np.asarray(nodes))
-    shapes = motion.coordinates, motion.coordinate_rates, motion.coordinate_accelerations
-    displacement, rate, second = (node_displacements(body, each, numbers) for each in shapes)
+    q, dq, ddq = motion.coordinates, motion.coordinate_rates, motion.coordinate_accelerations
+    parts = [_of_frame(body, q[rows], dq[rows], ddq[rows], numbers) for rows in time_slices(body, len(q))]
+    displacement, rate, second = (np.concatenate(each) for each in zip(*parts, strict=True))
     moving = _in_space(motion, body.nodes[numbers] + displacement, rate, second)
     return moving._replace(position=body.positions(motion, numbers))
 
@@ -49,6 +51,19 @@ def moving_point(interface: Interface, motion: FloatingMotion) -> NodeMotion:
     displacement, rate, second = ((q @ interface.motion.T)[:, None, :3] for q in shapes)
     moving = _in_space(motion, interface.position + displacement, rate, second)
     return NodeMotion(*(each[:, 0] for each in moving))
+
+
+def _of_frame(
+    body: BodyForm, q: Array, dq: Array, ddq: Array, nodes: NDArray[np.intp]
+) -> tuple[Array, Array, Array]:
+    """Displacements (t, k, 3) of some nodes in the frame, and their first and second rates.
+
+    Displacements are quadratic, u = V q + Z(q, q): expand_rates is V dq + 2 Z(q, dq), so that
+    ddu = V ddq + 2 Z(q, ddq) + 2 Z(dq, dq).
+    """
+    quadratic = body.expand_rates(dq, dq, nodes) - body.expand_rates(np.zeros_like(dq), dq, nodes)
+    rate, second = body.expand_rates(q, dq, nodes), body.expand_rates(q, ddq, nodes)
+    return body.expand(q, nodes), rate, second + quadratic
 
 
 def _in_space(motion: FloatingMotion, place: Array, rate: Array, second: Array) -> NodeMotion:

@@ -8,12 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody, RigidBody
+from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution, Statistics
 from supple.intrinsic import IntrinsicBody
 from supple.machine import System
-from supple.reduction import Locking, ReducedBody, clamped_modes
+from supple.reduction import Locking, ReducedBody, body_modes, clamped_modes
 from supple.results.joint_loads import joint_loads, joint_meanings
+from supple.results.run_start import start_numbers
+from supple.results.stress_history import largest_stress
 from supple.results.tracked_motion import TrackedMotion
 from supple.units import UNNAMED, UnitSystem, headed
 
@@ -21,30 +25,66 @@ N_FREQUENCIES = 5
 _QUANTITIES = ("length", "mass", "time", "force", "moment", "stress", "energy")
 
 
+@checked_arguments
 def summarize(
     system: System,
     solution: Solution,
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
     *,
+    fulls: Mapping[str, FullBody] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> dict[str, Any]:
     """Numbers of a finished run: bodies, tracked places, joint forces, cost, and what they are in.
 
     tracked : motions of places, by their names
+    fulls : the bodies with all their coordinates, which reduced ones were made of: frequencies are theirs
     units : of the model; frequencies are in Hz, all else as it was computed
     """
     meanings = joint_meanings(system)
     return {
         "units": unit_names(units),
-        "bodies": {placed.body.name: body_numbers(placed.body, units) for placed in system.bodies},
+        "bodies": {
+            placed.body.name: body_numbers(placed.body, units, fulls.get(placed.body.name))
+            for placed in system.bodies
+        },
         "tracked": {name: _place_numbers(place, solution.times) for name, place in tracked.items()},
         "joints": {
             name: {**meanings[name], **_joint_numbers(loads, solution.times)}
             for name, loads in joint_loads(system, solution).items()
         },
+        "start": start_numbers(system, solution),
         "errors": {name: each.plain() for name, each in solution.errors.items()},
         "statistics": cost_numbers(solution.statistics),
     }
+
+
+def stress_numbers(
+    system: System,
+    solution: Solution,
+    elements: Mapping[str, FiniteElementModel],
+    *,
+    units: UnitSystem = UNNAMED,
+) -> dict[str, Any]:
+    """By body: its largest von Mises stress over all nodes and output times, and at which of them.
+
+    elements : of the bodies, by name; one whose sections do not say where their stress acts is left out
+    """
+    found = {}
+    for placed in system.bodies:
+        body = placed.body
+        model = elements.get(body.name)
+        if model is None or not has_stress(model):
+            continue
+        if isinstance(body, ReducedBody | FullBody | IntrinsicBody):
+            largest = largest_stress(body, model, solution.bodies[body.name].coordinates)
+            found[body.name] = {
+                "largest von Mises stress": largest.value,
+                "unit": units.stress,
+                "node": int(model.mesh.node_ids[largest.node]),
+                "point": model.mesh.nodes[largest.node].tolist(),
+                "time": float(solution.times[largest.instant]),
+            }
+    return found
 
 
 def unit_names(units: UnitSystem) -> dict[str, str]:
@@ -54,25 +94,35 @@ def unit_names(units: UnitSystem) -> dict[str, str]:
 
 
 def body_numbers(
-    body: RigidBody | FullBody | ReducedBody | IntrinsicBody, units: UnitSystem = UNNAMED
+    body: RigidBody | FullBody | ReducedBody | IntrinsicBody,
+    units: UnitSystem = UNNAMED,
+    full: FullBody | None = None,
 ) -> dict[str, Any]:
-    """Kind, size, mass and frequencies (Hz, or one over the time where no unit is said) of a body."""
-    return {"kind": body.kind, **_NUMBERS_OF[body.kind](body, units)}
+    """Kind, size, mass and frequencies (Hz, or one over the time where no unit is said) of a body.
+
+    full : what a reduced body was made of: the frequencies are its own, not those of the basis
+    """
+    return {"kind": body.kind, **_NUMBERS_OF[body.kind](body, units, full)}
 
 
-def _numbers_of_rigid(body: RigidBody, _: UnitSystem) -> dict[str, Any]:
+def _numbers_of_rigid(body: RigidBody, *_: Any) -> dict[str, Any]:
     return {"mass": body.mass}
 
 
-def _numbers_of_full(body: FullBody, _: UnitSystem) -> dict[str, Any]:
+def _numbers_of_full(body: FullBody, *_: Any) -> dict[str, Any]:
     return {"nodes": len(body.nodes), "coordinates": body.n_coordinates}
 
 
-def _numbers_of_reduced(body: ReducedBody, units: UnitSystem) -> dict[str, Any]:
-    held = {
-        i.name: _shown(clamped_modes(body, i.name, n_modes=N_FREQUENCIES).frequencies, units)
-        for i in body.interfaces
-    }
+def _numbers_of_reduced(body: ReducedBody, units: UnitSystem, full: FullBody | None) -> dict[str, Any]:
+    clamped = {i.name: clamped_modes(body, i.name, n_modes=N_FREQUENCIES) for i in body.interfaces}
+    damped = {name: modes.damping_ratios for name, modes in clamped.items()} if body.damping.any() else {}
+    if full is None:
+        in_frame = body.frequencies[:N_FREQUENCIES]
+        held = {name: modes.frequencies for name, modes in clamped.items()}
+    else:
+        own, constraint = full.body, full.frame.constraint(full.body)
+        in_frame = body_modes(own, constraint, n_modes=N_FREQUENCIES).frequencies
+        held = {i.name: body_modes(own, i.motion, n_modes=N_FREQUENCIES).frequencies for i in full.interfaces}
     proven, hertz = body.report.certificate, units.frequency_shown.unit
     locking = body.report.locking
     return {
@@ -84,24 +134,25 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem) -> dict[str, Any]:
         "derivative columns": len(body.report.derivatives),
         "dropped columns": list(body.report.dropped),
         "largest singular value dropped": float(np.max(body.report.singular_values_dropped, initial=0.0)),
-        headed("frequencies in the frame", hertz): _shown(body.frequencies[:N_FREQUENCIES], units),
-        headed("frequencies held", hertz): held,
+        headed("frequencies in the frame", hertz): _shown(in_frame, units),
+        headed("frequencies held", hertz): {name: _shown(each, units) for name, each in held.items()},
+        **({"damping ratios held": damped} if damped else {}),
+        "frequencies of": "the basis" if full is None else "the body",
         **({} if proven is None else {"eigenvalues": str(proven)}),
         **({} if locking is None else {"locking": _locking_numbers(locking)}),
         "seconds": dict(body.report.seconds),
     }
 
 
-def _numbers_of_intrinsic(body: IntrinsicBody, units: UnitSystem) -> dict[str, Any]:
+def _numbers_of_intrinsic(body: IntrinsicBody, units: UnitSystem, _: Any) -> dict[str, Any]:
     first, second = body.modes.orthonormality
-    elastic = body.modes.omega[body.modes.n_rigid :]
     return {
         "mass": body.mass,
         "nodes": len(body.nodes),
         "stations": body.line.n,
         "coordinates": body.n_coordinates,
         headed("frequencies in the frame", units.frequency_shown.unit): _shown(
-            elastic[:N_FREQUENCIES], units
+            body.modes.frequencies[:N_FREQUENCIES], units
         ),
         "orthonormality": {"velocities": first, "forces": second},
     }
@@ -115,7 +166,7 @@ def _locking_numbers(locking: Locking) -> dict[str, Any]:
     }
 
 
-_NUMBERS_OF: Mapping[str, Callable[[Any, UnitSystem], dict[str, Any]]] = MappingProxyType(
+_NUMBERS_OF: Mapping[str, Callable[..., dict[str, Any]]] = MappingProxyType(
     {
         "rigid": _numbers_of_rigid,
         "intrinsic": _numbers_of_intrinsic,

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from supple.integrate import PARTS, Statistics
+from supple.results.point_words import point_words
 from supple.results.round_off import without_noise
 from supple.units import UNNAMED, UnitSystem, headed
 
@@ -25,13 +26,39 @@ def motion_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
     tables = [body_table(numbers), joint_table(numbers)]
     if numbers["tracked"]:
         tables += [motion_table(numbers), place_table(numbers)]
+    if numbers.get("stress"):
+        tables.append(stress_table(numbers))
     if numbers.get("sensors"):
         tables.append(sensor_table(numbers))
     return tables[:3] + [table for table in tables[3:] if table.rows]
 
 
+def stress_table(numbers: Mapping[str, Any]) -> TextTable:
+    """The largest stress of each body; numbers as of `stress_numbers`."""
+    stress, length, time = (numbers["units"].get(what, "") for what in ("stress", "length", "time"))
+    rows = [
+        [
+            name,
+            _number(each["largest von Mises stress"]),
+            str(each["node"]),
+            _vector(each["point"], digits=4),
+            _number(each["time"]),
+        ]
+        for name, each in numbers["stress"].items()
+    ]
+    heads = (
+        *("body", headed("largest von Mises stress", stress), "at node"),
+        *(headed("x, y, z of the undeformed node", length), headed("at time", time)),
+    )
+    return TextTable("Stress", heads, rows)
+
+
 def sensor_table(numbers: Mapping[str, Any]) -> TextTable:
-    """What each channel of each sensor read, smallest, largest and last; numbers as of its `plain`."""
+    """What each channel of each sensor read, smallest, largest and last; numbers as of its `plain`.
+
+    Where a sensor reads at nodes, a last column says at which the magnitude was largest.
+    """
+    located = any("place" in told for each in numbers["sensors"].values() for told in each.values())
     rows = []
     for name, channels in numbers["sensors"].items():
         for row, (channel, told) in enumerate(channels.items()):
@@ -41,9 +68,21 @@ def sensor_table(numbers: Mapping[str, Any]) -> TextTable:
             for extreme in ("smallest", "largest"):
                 value = float(without_noise(told[extreme], like=scale))
                 cells += [_number(value), _number(told[f"time of {extreme}"] if value else 0.0)]
-            rows.append([*cells, _number(float(without_noise(told["last"], like=scale)))])
+            where = [_place_words(told)] if located else []
+            rows.append([*cells, _number(float(without_noise(told["last"], like=scale))), *where])
     time = headed("at time", numbers["units"].get("time", ""))
-    return TextTable("Sensors", ("sensor", "channel", "smallest", time, "largest", time, "at the end"), rows)
+    heads = ("sensor", "channel", "smallest", time, "largest", time, "at the end")
+    return TextTable("Sensors", (*heads, "where the magnitude is largest") if located else heads, rows)
+
+
+def _place_words(told: Mapping[str, Any]) -> str:
+    """The node at which a channel has its largest magnitude, and of how many; numbers as of a reading."""
+    extreme = "smallest" if abs(told["smallest"]) > abs(told["largest"]) else "largest"
+    words = told.get("place", "")
+    if f"node of {extreme}" not in told or "node " in words:
+        return words
+    node, point = told[f"node of {extreme}"], told[f"point of {extreme}"]
+    return f"{point_words(node, point)}, {words}"
 
 
 def body_table(numbers: Mapping[str, Any]) -> TextTable:
@@ -55,7 +94,9 @@ def body_table(numbers: Mapping[str, Any]) -> TextTable:
         headed("lowest frequencies", hertz),
     )
     rows = [row for name, body in numbers["bodies"].items() for row in _body_rows(name, body, hertz)]
-    return TextTable("Bodies", heads, rows)
+    if any("damping ratios held" in body for body in numbers["bodies"].values()):
+        return TextTable("Bodies", (*heads, "their damping, %"), rows)
+    return TextTable("Bodies", heads, [row[:-1] for row in rows])
 
 
 def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[str]]:
@@ -67,10 +108,14 @@ def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[
     cells = [*cells, coordinates, "" if locks is None else f"{100 * locks['largest']:.2g} %"]
     held = {"(its frame)": body.get(headed("frequencies in the frame", hertz), ())}
     held |= body.get(headed("frequencies held", hertz), {})
+    damped = body.get("damping ratios held", {})
+    of_basis = ", basis" if body.get("frequencies of") == "the basis" else ""
     for row, (place, frequencies) in enumerate(held.items()):
         head = cells if row == 0 else [""] * len(cells)
         if len(frequencies) or row == 0:
-            yield [*head, place if len(frequencies) else "", _vector(frequencies, digits=4)]
+            ratios = _vector([100 * ratio for ratio in damped.get(place, ())], digits=3)
+            shown = place + of_basis if len(frequencies) else ""
+            yield [*head, shown, _vector(frequencies, digits=4), ratios]
 
 
 def motion_table(numbers: Mapping[str, Any]) -> TextTable:

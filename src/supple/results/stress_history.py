@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import NamedTuple, TypeAlias, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,14 +20,28 @@ from supple.fem import (
 )
 from supple.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody
-from supple.results.stress_modes import strain_modes, stress_modes
+from supple.results.stress_modes import StrainModes, StressModes, strain_modes, stress_modes
 from supple.results.tied_recovery import tied_recovery, with_virtual_freedoms
 
 Array = NDArray[np.float64]
+ElasticForm: TypeAlias = ReducedBody | FullBody | IntrinsicBody
+
+# Numbers held at a time: of the modes of some nodes (128 MiB), and of the field of some instants (32 MiB).
+_MODE_NUMBERS, _FIELD_NUMBERS = 2**24, 2**22
+_MOST_LAYERS = 3
+
+
+class TensorBlock(NamedTuple):
+    """A tensor field at some of the instants and some of the nodes that are asked for."""
+
+    times: slice
+    nodes: slice
+    field: Array
+    """(t', N', l, 6)"""
 
 
 def von_mises_history(
-    body: ReducedBody | FullBody | IntrinsicBody,
+    body: ElasticForm,
     model: FiniteElementModel,
     coordinates: Array,
     nodes: ArrayLike | None = None,
@@ -34,9 +49,9 @@ def von_mises_history(
     """Von Mises stress (t, N), Pa, the largest over the layers, of coordinates (t, r).
 
     A reduced body goes through its stress modes; the reference, a full body, is recovered one vector at a
-    time, as is a body of more columns than tensors are made for (`ReducedBody.elastic_elsewhere`).
-    Elements beside rigid interfaces have the strain that their ties leave them. A linear body has the
-    stress of its linear strain; an intrinsic one that of the static shapes that carry its section loads.
+    time, as is a body of more columns than tensors are made for (`ReducedBody.elastic_elsewhere`). Elements
+    beside rigid interfaces have the strain that their ties leave them. A linear body has the stress of its
+    linear strain; an intrinsic one that of the static shapes that carry its section loads.
 
     Parameters
     ----------
@@ -47,48 +62,90 @@ def von_mises_history(
     ------
     ModelError   as for stress_modes
     """
-    if isinstance(body, ReducedBody) and not body.elastic_elsewhere:
+    if _has_modes(body):
         return stress_modes(body, model, nodes).von_mises(coordinates)
     return _measured(body, stress_recovery(model), von_mises, coordinates, nodes)
 
 
 def von_mises_strain_history(
-    body: ReducedBody | FullBody | IntrinsicBody,
+    body: ElasticForm,
     model: FiniteElementModel,
     coordinates: Array,
     nodes: ArrayLike | None = None,
 ) -> Array:
     """Von Mises equivalent strain (t, N): as von_mises_history, with the same parameters and errors."""
-    if isinstance(body, ReducedBody):
+    if _has_modes(body):
         return strain_modes(body, model, nodes).von_mises(coordinates)
     return _measured(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
 
 
-def stress_history(
-    body: ReducedBody | FullBody | IntrinsicBody,
-    model: FiniteElementModel,
-    coordinates: Array,
-    nodes: ArrayLike,
-) -> Array:
-    """Stress (t, N, l, 6), xx yy zz yz xz xy in the body's axes, of l layers: as von_mises_history.
+def stress_blocks(
+    body: ElasticForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
+) -> Iterator[TensorBlock]:
+    """Stress at N nodes over t instants, a block that fits in memory at a time; errors as von_mises_history.
 
-    l = 1 of solids, 3 of shells: bottom, middle, top.
+    Components xx yy zz yz xz xy in the body's axes, of l layers: 1 of solids, 3 of shells (bottom, middle,
+    top). Every pair of an instant and a node is in one block.
     """
-    if isinstance(body, ReducedBody):
-        return stress_modes(body, model, nodes).at(coordinates)
-    return np.array(list(_fields(body, stress_recovery(model), coordinates, nodes)))
+    if _has_modes(body):
+        return _of_modes(body, lambda some: stress_modes(body, model, some), coordinates, nodes)
+    return _recovered(body, stress_recovery(model), coordinates, nodes)
+
+
+def strain_blocks(
+    body: ElasticForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
+) -> Iterator[TensorBlock]:
+    """Strain with engineering shears: as stress_blocks."""
+    if _has_modes(body):
+        return _of_modes(body, lambda some: strain_modes(body, model, some), coordinates, nodes)
+    return _recovered(body, strain_recovery(model), coordinates, nodes)
+
+
+def stress_history(
+    body: ElasticForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
+) -> Array:
+    """Stress (t, N, l, 6) of all blocks of `stress_blocks` at once, for few nodes or instants."""
+    return _whole(stress_blocks(body, model, coordinates, nodes), len(coordinates), np.size(nodes))
 
 
 def strain_history(
-    body: ReducedBody | FullBody | IntrinsicBody,
-    model: FiniteElementModel,
-    coordinates: Array,
-    nodes: ArrayLike,
+    body: ElasticForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
 ) -> Array:
     """Strain (t, N, l, 6) with engineering shears: as stress_history."""
-    if isinstance(body, ReducedBody):
-        return strain_modes(body, model, nodes).at(coordinates)
-    return np.array(list(_fields(body, strain_recovery(model), coordinates, nodes)))
+    return _whole(strain_blocks(body, model, coordinates, nodes), len(coordinates), np.size(nodes))
+
+
+class LargestStress(NamedTuple):
+    """The largest von Mises stress of a body over a run."""
+
+    value: float
+    instant: int
+    """Number of the output time"""
+    node: int
+
+
+def largest_stress(body: ElasticForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
+    """The largest von Mises stress over all nodes of cells, layers and instants; errors as stress_blocks."""
+    nodes = np.unique(np.concatenate([section.nodes(model.mesh).ravel() for section in model.sections]))
+    largest = LargestStress(-1.0, 0, int(nodes[0]))
+    for block in stress_blocks(body, model, coordinates, nodes):
+        values = von_mises(block.field).max(axis=2)
+        instant, node = np.unravel_index(int(values.argmax()), values.shape)
+        if values[instant, node] > largest.value:
+            number = int(nodes[block.nodes][node])
+            largest = LargestStress(
+                float(values[instant, node]), int(instant) + (block.times.start or 0), number
+            )
+    return largest
+
+
+def _whole(blocks: Iterator[TensorBlock], n_times: int, n_nodes: int) -> Array:
+    found: Array | None = None
+    for times, nodes, field in blocks:
+        if found is None:
+            found = np.zeros((n_times, n_nodes, *field.shape[2:]))
+        found[times, nodes] = field
+    return np.zeros((n_times, n_nodes, 1, 6)) if found is None else found
 
 
 def _measured(
@@ -98,31 +155,71 @@ def _measured(
     coordinates: Array,
     nodes: ArrayLike | None,
 ) -> Array:
-    return np.array([measure(field).max(axis=1) for field in _fields(body, recovery, coordinates, nodes)])
+    n_nodes = len(body.nodes) if nodes is None else np.size(nodes)
+    found = np.zeros((len(coordinates), n_nodes))
+    for block in _recovered(body, recovery, coordinates, nodes):
+        found[block.times, block.nodes] = measure(block.field).max(axis=2)
+    return found
 
 
-def _fields(
-    body: ReducedBody | FullBody | IntrinsicBody,
-    recovery: StressRecovery,
+def _of_modes(
+    body: ReducedBody,
+    modes_of: Callable[[ArrayLike], StressModes | StrainModes],
     coordinates: Array,
-    nodes: ArrayLike | None,
-) -> Iterator[Array]:
-    """(N, l, 6) at one instant after the other, for all of them would not fit in memory.
+    nodes: ArrayLike,
+) -> Iterator[TensorBlock]:
+    """Of a reduced body, by its stress modes at some nodes after the others."""
+    chosen = node_numbers(nodes, len(body.nodes))
+    per_node = 6 * _MOST_LAYERS * (body.r * (body.r + 3) // 2 + _n_condensed(body))
+    for some in _slices(len(chosen), _MODE_NUMBERS // per_node):
+        modes = modes_of(chosen[some])
+        for times in _slices(len(coordinates), _FIELD_NUMBERS // modes.modes.linear[..., 0].size):
+            yield TensorBlock(times, some, modes.at(coordinates[times]))
+
+
+def _has_modes(body: ElasticForm) -> TypeGuard[ReducedBody]:
+    return isinstance(body, ReducedBody) and not body.elastic_elsewhere
+
+
+def _n_condensed(body: ReducedBody) -> int:
+    return 0 if body.condensed is None else body.condensed.fields.shape[1]
+
+
+def _recovered(
+    body: ElasticForm, recovery: StressRecovery, coordinates: Array, nodes: ArrayLike | None
+) -> Iterator[TensorBlock]:
+    """Of a body whose cells are recovered, those at the nodes alone, some instants after the others.
 
     Of an intrinsic body: of the linear displacements of its modes, into which only strains, and so section
     loads, enter.
     """
-    chosen = slice(None) if nodes is None else node_numbers(nodes, len(body.nodes))
-    if isinstance(body, IntrinsicBody):
-        linear = recovery.linearized()
-        yield from (linear.at_nodes(body.nodal_basis @ q)[chosen] for q in np.asarray(coordinates))
-        return
-    if body.is_linear:
+    chosen = np.arange(len(body.nodes))
+    if nodes is not None:
+        chosen = node_numbers(nodes, len(body.nodes))
+        recovery = recovery.around(chosen)
+    if isinstance(body, IntrinsicBody) or body.is_linear:
         recovery = recovery.linearized()
-    d = body.dofs_per_node if isinstance(body, ReducedBody) else body.body.dofs_per_node
-    expansion = body.nodal_basis if isinstance(body, ReducedBody) else body.body.expansion
-    interfaces = body.interfaces
-    recovery = tied_recovery(recovery, body.nodes, d, interfaces)
-    for q in np.asarray(coordinates):
-        nodal = with_virtual_freedoms(expansion @ q, [i.motion @ q for i in interfaces], interfaces, d)
-        yield recovery.at_nodes(nodal)[chosen]
+    if not isinstance(body, IntrinsicBody):
+        recovery = tied_recovery(recovery, body.nodes, _dofs_per_node(body), body.interfaces)
+    size = _FIELD_NUMBERS // (recovery.numbers_per_instant + len(body.nodes))
+    for times in _slices(len(coordinates), size):
+        nodal = _displacements(body, np.asarray(coordinates)[times].T)
+        yield TensorBlock(times, slice(0, len(chosen)), recovery.over(nodal, chosen))
+
+
+def _displacements(body: ElasticForm, q: Array) -> Array:
+    """Nodal displacements (n, t) of coordinates (r, t), and behind them those of virtual nodes."""
+    if isinstance(body, IntrinsicBody):
+        return body.nodal_basis @ q
+    motions = [interface.motion @ q for interface in body.interfaces]
+    nodal = (body.body.expansion if isinstance(body, FullBody) else body.nodal_basis) @ q
+    return with_virtual_freedoms(nodal, motions, body.interfaces, _dofs_per_node(body))
+
+
+def _dofs_per_node(body: FullBody | ReducedBody) -> int:
+    return body.body.dofs_per_node if isinstance(body, FullBody) else body.dofs_per_node
+
+
+def _slices(length: int, size: int) -> Iterator[slice]:
+    for start in range(0, length, max(1, size)):
+        yield slice(start, min(start + max(1, size), length))

@@ -4,6 +4,7 @@ from supple.sensors.element_energy_sensor import ElementEnergySensor
 from supple.sensors.energy_sensor import EnergySensor
 from supple.sensors.force_sensors import JointForceSensor, SpringForceSensor
 from supple.sensors.joint_motion_sensor import JointMotionSensor
+from supple.sensors.over_nodes import Maximum, Mean, Nearest, OverNodes
 from supple.sensors.place_sensors import (
     AccelerationSensor,
     AngularVelocitySensor,
@@ -12,9 +13,9 @@ from supple.sensors.place_sensors import (
     PositionSensor,
     VelocitySensor,
 )
-from supple.sensors.reading import Reading, as_dataset, write_readings, write_readings_hdf5
+from supple.sensors.reading import Located, Reading, as_dataset, write_readings, write_readings_hdf5
 from supple.sensors.section_sensor import SectionForceSensor
-from supple.sensors.sensor import Channel, Quantity, Sensor, read_sensors
+from supple.sensors.sensor import Channel, LocatedSensor, Quantity, Sensor, read_sensors
 from supple.sensors.stress_sensor import (
     Component,
     Principal,
@@ -34,6 +35,12 @@ __all__ = [
     "EnergySensor",
     "JointForceSensor",
     "JointMotionSensor",
+    "Located",
+    "LocatedSensor",
+    "Maximum",
+    "Mean",
+    "Nearest",
+    "OverNodes",
     "Place",
     "PositionSensor",
     "Principal",

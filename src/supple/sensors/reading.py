@@ -14,13 +14,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.algebra import read_only
+from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.storage.atomic_write import replacing
 from supple.units import UNNAMED, UnitSystem, labelled
 
-__all__ = ["Channel", "Quantity", "Reading", "as_dataset", "write_readings", "write_readings_hdf5"]
+__all__ = [
+    "Channel",
+    "Located",
+    "Quantity",
+    "Reading",
+    "as_dataset",
+    "write_readings",
+    "write_readings_hdf5",
+]
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 class Quantity(Enum):
@@ -52,6 +62,21 @@ class Channel(NamedTuple):
     quantity: Quantity
     axes: str
     """What its component is along, in words; "" of a scalar"""
+    place: str = ""
+    """Where it is read, in words, such as the node or the number of nodes; "" where the sensor says it"""
+
+
+class Located(NamedTuple):
+    """What a sensor read, and at which nodes.
+
+    values : (t, c)
+    nodes : (t, c)          node ids, as the mesh file has them; None where a value is of no single node
+    points : (t, c, 3)      where these nodes lie undeformed, mesh axes
+    """
+
+    values: Array
+    nodes: IntArray | None = None
+    points: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +85,16 @@ class Reading:
 
     name : of the sensor;   channels : of its columns
     times : (t,)            values : (t, c), in the units of the model
+    nodes : (t, c)          ids of the nodes that values were read at, where the sensor knows them
+    points : (t, c, 3)      where these lie undeformed, mesh axes
     """
 
     name: str
     channels: tuple[Channel, ...]
     times: Array
     values: Array
+    nodes: IntArray | None = None
+    points: Array | None = None
 
     def __post_init__(self) -> None:
         if np.shape(self.values) != (len(self.times), len(self.channels)):
@@ -76,16 +105,18 @@ class Reading:
         object.__setattr__(self, "times", read_only(self.times))
         object.__setattr__(self, "values", read_only(self.values))
 
+    @checked_arguments
     def heads(self, units: UnitSystem = UNNAMED) -> Iterator[str]:
         """Heads of its columns, such as "tip.x (m)"."""
         for channel in self.channels:
             own = f"{self.name}.{channel.name}" if channel.name else self.name
             yield labelled(own, channel.quantity.unit(units))
 
+    @checked_arguments
     def plain(self, units: UnitSystem = UNNAMED) -> dict[str, Any]:
-        """By channel: unit, axes, smallest, largest and last value, and when they are met."""
+        """By channel: unit, axes, smallest, largest and last value, when they are met, and at which node."""
         told = {}
-        for channel, column in zip(self.channels, self.values.T, strict=True):
+        for number, (channel, column) in enumerate(zip(self.channels, self.values.T, strict=True)):
             low, high = int(np.argmin(column)), int(np.argmax(column))
             told[channel.name or self.name] = {
                 "quantity": channel.quantity.value,
@@ -96,10 +127,28 @@ class Reading:
                 "largest": float(column[high]),
                 "time of largest": float(self.times[high]),
                 "last": float(column[-1]),
+                **({"place": channel.place} if channel.place else {}),
+                **self._node(number, low, "smallest"),
+                **self._node(number, high, "largest"),
             }
         return told
 
+    @property
+    def peaks(self) -> IntArray:
+        """Numbers of the times (c,) at which the magnitude of each channel is largest."""
+        return np.abs(self.values).argmax(axis=0)
 
+    def _node(self, channel: int, time: int, extreme: str) -> dict[str, Any]:
+        """The node that an extreme was read at, if it is known."""
+        if self.nodes is None or self.points is None:
+            return {}
+        return {
+            f"node of {extreme}": int(self.nodes[time, channel]),
+            f"point of {extreme}": self.points[time, channel].tolist(),
+        }
+
+
+@checked_arguments
 def write_readings(path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Path:
     """Write readings of one run as a table, `time, SENSOR.CHANNEL (unit), ...`, with all their digits (CSV).
 
@@ -118,10 +167,14 @@ def write_readings(path: Path | str, readings: Sequence[Reading], *, units: Unit
     return Path(path)
 
 
+@checked_arguments
 def write_readings_hdf5(
     path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED
 ) -> Path:
     """Write readings of one run as HDF5: `time` (t,), and (t, c) by sensor with channels, units and axes.
+
+    Where a sensor knows at which nodes it reads, their ids (t, c) are `NAME.nodes`; its attributes
+    `nodes` (c,) and `points` (c, 3) are those where the magnitude of each channel is largest.
 
     Raises
     ------
@@ -137,9 +190,17 @@ def write_readings_hdf5(
             values.attrs["quantities"] = [channel.quantity.value for channel in each.channels]
             values.attrs["units"] = [channel.quantity.unit(units) for channel in each.channels]
             values.attrs["axes"] = [channel.axes for channel in each.channels]
+            if any(channel.place for channel in each.channels):
+                values.attrs["places"] = [channel.place for channel in each.channels]
+            if each.nodes is not None and each.points is not None:
+                channels = np.arange(len(each.channels))
+                values.attrs["nodes"] = each.nodes[each.peaks, channels]
+                values.attrs["points"] = each.points[each.peaks, channels]
+                file.create_dataset(f"{each.name}.nodes", data=each.nodes)
     return Path(path)
 
 
+@checked_arguments
 def as_dataset(readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Any:
     """Readings of one run as an `xarray.Dataset` over `time`: a variable per channel, with unit and axes.
 
@@ -152,7 +213,11 @@ def as_dataset(readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> A
     for each in readings:
         for channel, column in zip(each.channels, each.values.T, strict=True):
             name = f"{each.name}.{channel.name}" if channel.name else each.name
-            told = {"units": channel.quantity.unit(units), "axes": channel.axes}
+            told = {
+                "units": channel.quantity.unit(units),
+                "axes": channel.axes,
+                "place": channel.place,
+            }
             variables[name] = ("time", column, {key: word for key, word in told.items() if word})
     time = ("time", times, {"units": units.time} if units.time else {})
     return xarray.Dataset(variables, coords={"time": time})

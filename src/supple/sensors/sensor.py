@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.machine import System
-from supple.sensors.reading import Channel, Quantity, Reading
+from supple.sensors.reading import Channel, Located, Quantity, Reading
 
-__all__ = ["Channel", "Quantity", "Sensor", "read_sensors", "vector_channels"]
+__all__ = ["Channel", "LocatedSensor", "Quantity", "Sensor", "read_sensors", "vector_channels"]
 
 Array = NDArray[np.float64]
 
@@ -38,11 +39,21 @@ class Sensor(Protocol):
         ...
 
 
+@runtime_checkable
+class LocatedSensor(Sensor, Protocol):
+    """A sensor that knows at which nodes it reads."""
+
+    def located(self, system: System, solution: Solution, /) -> Located:
+        """Its values, with the nodes."""
+        ...
+
+
 def vector_channels(quantity: Quantity, axes: str) -> tuple[Channel, ...]:
     """Of three components along x, y and z."""
     return tuple(Channel(name, quantity, axes) for name in "xyz")
 
 
+@checked_arguments
 def read_sensors(sensors: Sequence[Sensor], system: System, solution: Solution) -> tuple[Reading, ...]:
     """The readings of some sensors over a run.
 
@@ -55,12 +66,13 @@ def read_sensors(sensors: Sequence[Sensor], system: System, solution: Solution) 
     for name in names:
         if names.count(name) > 1:
             raise ModelError(f"sensor name '{name}' is used {names.count(name)} times: names must differ")
-    return tuple(
-        Reading(
-            sensor.name,
-            tuple(sensor.channels(system)),
-            np.asarray(solution.times),
-            sensor.values(system, solution),
-        )
-        for sensor in sensors
-    )
+    return tuple(_reading(sensor, system, solution) for sensor in sensors)
+
+
+def _reading(sensor: Sensor, system: System, solution: Solution) -> Reading:
+    channels = tuple(sensor.channels(system))
+    if isinstance(sensor, LocatedSensor):
+        found = sensor.located(system, solution)
+    else:
+        found = Located(sensor.values(system, solution))
+    return Reading(sensor.name, channels, np.asarray(solution.times), *found)

@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol, TypeAlias
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.body import FullBody
+from supple.body.floating_kinematics import node_numbers
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, stress_recovery, von_mises, von_mises_strain
 from supple.integrate import Solution
 from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.reduction import ReducedBody
-from supple.results.stress_history import strain_history, stress_history
+from supple.results.point_words import point_words
+from supple.results.stress_history import ElasticForm, strain_blocks, stress_blocks
 from supple.sensors.end_motion import body_named
-from supple.sensors.reading import Channel, Quantity
+from supple.sensors.over_nodes import Maximum, MeasuredBlock, OverNodes
+from supple.sensors.reading import Channel, Located, Quantity
 
 __all__ = ["Component", "Principal", "StrainSensor", "StressSensor", "TensorMeasure", "VonMises"]
 
 Array = NDArray[np.float64]
-ElasticForm: TypeAlias = ReducedBody | FullBody | IntrinsicBody
+IntArray = NDArray[np.int64]
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 _LAYERS = ("bottom", "middle", "top")
 
@@ -104,59 +108,98 @@ class Principal:
 
 @dataclass(frozen=True, eq=False)
 class _TensorSensor(ABC):
-    """A tensor at a node of a body, averaged over its elements; of a shell at its bottom, middle and top."""
+    """A tensor at nodes of a body, averaged over the elements at each; of a shell at its three layers."""
 
     name: str
     body: str
     model: FiniteElementModel
-    node: int
+    nodes: int | Sequence[int] | NDArray[np.int64]
     measure: TensorMeasure = field(default_factory=VonMises)
+    over: OverNodes = field(default_factory=Maximum)
 
     quantity: ClassVar[Quantity]
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def channels(self, system: System) -> Sequence[Channel]:
         """One per value of the measure, and per layer of a shell."""
         _elastic(system, self.body, self.name)
         layers = _LAYERS if stress_recovery(self.model).n_layers > 1 else ("",)
-        axes = f"axes of {self.body}"
+        axes, place = f"axes of {self.body}", self._place()
         return [
-            Channel(f"{layer} {value}".strip(), self.quantity, axes)
+            Channel(f"{layer} {value}".strip(), self.quantity, axes, place)
             for layer in layers
             for value in self.measure.names
         ]
 
     def values(self, system: System, solution: Solution) -> Array:
         """(t, l k), layer by layer."""
+        return self.located(system, solution).values
+
+    def located(self, system: System, solution: Solution) -> Located:
+        """(t, l k), layer by layer, and the ids and undeformed places of the nodes that they were read at."""
         form = _elastic(system, self.body, self.name)
-        numbers = self._measured(form, solution.bodies[self.body].coordinates)
-        return numbers.reshape(len(numbers), -1)
+        mesh, given = self.model.mesh, self._numbers()
+        chosen = given[self.over.read(mesh.nodes[given])]
+        coordinates = solution.bodies[self.body].coordinates
+        blocks = (
+            MeasuredBlock(times, nodes, values.reshape(*values.shape[:2], -1))
+            for times, nodes, values in self._measured(form, coordinates, chosen)
+        )
+        n_channels = len(self.channels(system))
+        values, at = self.over.combined(blocks, (len(coordinates), len(chosen), n_channels))
+        if at is None:
+            return Located(values, None, None)
+        return Located(values, mesh.node_ids[chosen[at]], mesh.nodes[chosen[at]])
 
     @abstractmethod
-    def _measured(self, form: ElasticForm, coordinates: Array) -> Array:
-        """(t, 1, l, k)."""
+    def _measured(self, form: ElasticForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
+        """Blocks of (t, N, l, k)."""
+
+    def _numbers(self) -> IntArray:
+        try:
+            numbers = node_numbers(self.nodes, self.model.mesh.n_nodes)
+        except (ModelError, TypeError, ValueError) as error:
+            raise ModelError(f"sensor '{self.name}': nodes {self.nodes!r}: {error}") from None
+        if not numbers.size:
+            raise ModelError(f"sensor '{self.name}' has no node; give one or several")
+        return numbers
+
+    def _place(self) -> str:
+        mesh, given = self.model.mesh, self._numbers()
+        chosen = given[self.over.read(mesh.nodes[given])]
+        of_how_many = f"{self.over.words} of {len(given)} nodes" if len(given) > 1 else ""
+        if len(chosen) > 1:
+            return of_how_many
+        one = point_words(int(mesh.node_ids[chosen[0]]), mesh.nodes[chosen[0]])
+        return f"{one}, {of_how_many}" if of_how_many else one
 
 
 class StressSensor(_TensorSensor):
-    """Stress at a node of a body, averaged over its elements; of a shell at its bottom, middle and top.
+    """Stress at nodes of a body, averaged over the elements at each; of a shell at its bottom, middle, top.
 
     body : its name;   model : its elements
-    node : its number
+    nodes : the number of one, or of several
     measure : VonMises(), Component("xx"), Principal() or one of your own
+    over : of several nodes the Maximum() of magnitude, the Mean(), or the one Nearest() to their centroid
     """
 
     quantity = Quantity.STRESS
 
-    def _measured(self, form: ElasticForm, coordinates: Array) -> Array:
-        return self.measure.of_stress(stress_history(form, self.model, coordinates, [self.node]))
+    def _measured(self, form: ElasticForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
+        for times, some, tensors in stress_blocks(form, self.model, coordinates, nodes):
+            yield MeasuredBlock(times, some, self.measure.of_stress(tensors))
 
 
 class StrainSensor(_TensorSensor):
-    """Strain at a node of a body: as a `StressSensor`, such as a strain gauge reads."""
+    """Strain at nodes of a body: as a `StressSensor`, such as a strain gauge reads."""
 
     quantity = Quantity.STRAIN
 
-    def _measured(self, form: ElasticForm, coordinates: Array) -> Array:
-        return self.measure.of_strain(strain_history(form, self.model, coordinates, [self.node]))
+    def _measured(self, form: ElasticForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
+        for times, some, tensors in strain_blocks(form, self.model, coordinates, nodes):
+            yield MeasuredBlock(times, some, self.measure.of_strain(tensors))
 
 
 def _elastic(system: System, body: str, sensor: str) -> ElasticForm:

@@ -17,7 +17,7 @@ import numpy as np
 from supple.algebra.available_memory import require_memory
 from supple.algebra.jax_settings import before_compiled_code
 from supple.algebra.worker_processes import on_all_cores
-from supple.arguments import checked_arguments
+from supple.arguments import check_instance, checked_arguments
 from supple.body.full_body import FullBody
 from supple.errors import ModelError
 from supple.integrate import (
@@ -85,6 +85,7 @@ def simulate_batch(
     before_compiled_code()
     if not cases:
         raise ModelError("a batch needs at least one case")
+    _check_systems(cases)
     if cases[0].bodies_of(FullBody):
         raise ModelError("a batch takes rigid and reduced bodies: reduce the full ones first")
     sampled = [each for system in cases for each in system.controllers if isinstance(each, SampledController)]
@@ -141,6 +142,11 @@ def simulate_batch(
     in_order = [found[number] for number in range(len(cases))]
     report_output_rate(cases[0], run, in_order[0])
     return BatchSolution(tuple(in_order), dict(sorted(failures.items())), seconds, ready - began)
+
+
+def _check_systems(cases: Sequence[System]) -> None:
+    for number, system in enumerate(cases):
+        check_instance(f"simulate_batch, case {number}", system, System, "a System")
 
 
 def _briefest(cases: Sequence[System], run: Run) -> System:

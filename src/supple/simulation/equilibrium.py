@@ -2,31 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody
-from supple.errors import ModelError
+from supple.errors import BasisWarning
 from supple.integrate import Solution, Statistics
 from supple.intrinsic import IntrinsicBody
-from supple.machine import Placed, Spin, System
-from supple.machine.control import Controller, SampledController
-from supple.multibody import CompiledStatics, FullStatics
-from supple.multibody.compiled.compiled_machine import CompiledMachine
-from supple.multibody.equations.build_model import build_model
+from supple.intrinsic.line_rest import resting_lines
+from supple.intrinsic.supported_root import is_joined
+from supple.machine import Spin, System
 from supple.multibody.equations.configuration import Configuration, SystemMotion
-from supple.multibody.equations.consistent_start import consistent_start, placed_velocity
-from supple.multibody.equations.control_force import first_states, states_by_controller
+from supple.multibody.equations.consistent_start import placed_velocity
 from supple.multibody.equations.floating_solution import floating_solution
-from supple.multibody.equations.model import Model
-from supple.multibody.equations.static_search import StaticSearch, StaticState, search_equilibrium
-from supple.multibody.equations.steady_motion import Turning
-from supple.multibody.full.full_system import FullSystem
+from supple.multibody.equations.static_search import StaticSearch
+from supple.simulation.full_rest import RestError, full_rest, rest_errors
+from supple.simulation.rest_stability import is_stable
+from supple.simulation.resting_state import (
+    RestingState,
+    at_rest,
+    check_time,
+    placed_at_rest,
+    resting_state,
+)
 
-__all__ = ["Equilibrium", "RestingState", "equilibrium", "placed_at_rest", "resting_state"]
+__all__ = ["Equilibrium", "equilibrium", "fulls_by_name", "warn_of_rest"]
+
+LARGEST_ERROR = 0.01
+"""Of a displacement: what is warned of."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,11 +43,20 @@ class Equilibrium:
     system     : System     its bodies placed, moving and deformed as they are: `simulate` starts there
     solution   : Solution   the same as a motion of one instant, for what reads motions
     iterations : int        that the search took
+    errors : RestError      what its basis costs, by name of the reduced body whose full one was given
+    full : (System, Solution)   the same rest with all coordinates of the bodies whose full ones were given;
+                            None where none was given, or no such rest was found
+    stable : bool | None    whether the tangent stiffness, in axes that turn along, is positive on the motions
+                            that the joints leave free; None where it does not decide: loads that follow the
+                            bodies, controllers, gyroscopic forces that may hold two directions of fall
     """
 
     system: System
     solution: Solution
     iterations: int
+    errors: Mapping[str, RestError] = field(default_factory=dict)
+    full: tuple[System, Solution] | None = None
+    stable: bool | None = None
 
     @property
     def joint_forces(self) -> Mapping[str, np.ndarray]:
@@ -48,12 +64,14 @@ class Equilibrium:
         return {name: forces[0] for name, forces in self.solution.joint_forces.items()}
 
 
+@checked_arguments
 def equilibrium(
     system: System,
     *,
     time: float = 0.0,
     spin: Spin | None = None,
     search: StaticSearch | None = None,
+    fulls: Mapping[str, FullBody] | Sequence[FullBody] = (),
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> Equilibrium:
     """Where a machine rests, or turns steadily, under gravity, its loads and its joints' laws at one time.
@@ -70,6 +88,8 @@ def equilibrium(
     time : of the loads and laws
     spin : Spin       of the machine, or of the bodies that it names; the others stand
     search : StaticSearch       accuracy and step
+    fulls : FullBody            the bodies with all their coordinates, which reduced ones were made of: one
+        factorisation says what their bases miss (`Equilibrium.errors`); without them nothing is known of it
     progress : hears of each iteration and its largest relative residual
 
     Controllers act as in a run, and their states rest with the machine: `f(0, q, z) = 0`, from which those of
@@ -77,73 +97,69 @@ def equilibrium(
 
     Raises
     ------
-    ModelError          whatever the start of a run would find wrong with the joints; an intrinsic body; a
-        controller that is sampled
+    ModelError          whatever the start of a run would find wrong with the joints; a controller that is
+        sampled; a full body that is not the one that was reduced; intrinsic bodies that turn, or that hold
+        other bodies or each other
     ConvergenceError    no equilibrium was found, or a controller's state has none
-    Source: Kelley & Keyes (1998) for the search.
+    Warns BasisWarning where a body misses 1 % of its largest displacement or more.
+    Source: Kelley & Keyes (1998) for the search; intrinsic bodies by `line_rest`.
     """
+    if system.bodies_of(IntrinsicBody) and not is_joined(system) and spin is None:
+        return _equilibrium_of_lines(system, time)
+    search = search or StaticSearch()
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
-    return Equilibrium(placed_at_rest(found), _one_instant(found, time), found.iterations)
+    known = fulls_by_name(fulls)
+    full = full_rest(found, known, time, search)
+    errors = {} if full is None else rest_errors(found, known, full)
+    warn_of_rest(errors)
+    balanced = None if full is None or full.found is None else full.found
+    return Equilibrium(
+        placed_at_rest(found),
+        _one_instant(found, time),
+        found.iterations,
+        errors,
+        None if balanced is None else (placed_at_rest(balanced), _one_instant(balanced, time)),
+        is_stable(found, time),
+    )
 
 
-class RestingState(NamedTuple):
-    """An equilibrium as arrays."""
-
-    system: System
-    """As it was placed"""
-    model: Model
-    slices: tuple[slice, ...]
-    """Of each body's freedoms"""
-    turning: Turning
-    state: StaticState
-    iterations: int
+def _equilibrium_of_lines(system: System, time: float) -> Equilibrium:
+    """Of intrinsic bodies whose roots the ground holds."""
+    check_time(time)
+    still = replace(system, bodies=tuple(at_rest(placed) for placed in system.bodies))
+    found = resting_lines(still, time=time)
+    bodies = tuple(
+        replace(placed, coordinates=found.bodies[placed.body.name].coordinates[0]) for placed in still.bodies
+    )
+    return Equilibrium(replace(still, bodies=bodies), found, found.statistics.iterations)
 
 
-def resting_state(
-    system: System,
-    *,
-    time: float,
-    spin: Spin | None,
-    search: StaticSearch | None = None,
-    progress: Callable[[int, float], None] = lambda *_: None,
-) -> RestingState:
-    """The arrays behind an `equilibrium`, with its arguments and errors."""
-    if intrinsic := system.bodies_of(IntrinsicBody):
-        raise ModelError(
-            f"body '{next(iter(intrinsic))}' is intrinsic: find its rest with supple.intrinsic.line_rest, "
-            "where all bodies are and the ground alone holds them, or by a run with damping"
-        )
-    if not np.isfinite(time):
-        raise ModelError(f"the time of an equilibrium must be finite, got {time}")
-    _refuse_sampled(system)
-    search = StaticSearch() if search is None else search
-    turning = Turning(np.zeros((len(system.bodies), 3)), np.zeros(3))
-    if spin is not None:
-        turning = Turning(spin.angular_velocities(system), spin.point)
-    still = replace(system, bodies=tuple(_at_rest(placed) for placed in system.bodies))
-    if system.bodies_of(FullBody):
-        machine, configuration, *_ = consistent_start(FullSystem(still), time)
-        statics, model = FullStatics(machine, turning if spin else None), machine.model
-        slices = machine.slices
-        frames = tuple(np.zeros(6) for _ in machine.interiors)
-    else:
-        compiled, configuration, *_ = consistent_start(CompiledMachine(still, build_model(still)), time)
-        statics, model, frames = CompiledStatics(compiled, turning if spin else None), compiled.model, ()
-        slices = compiled.slices
-    start = StaticState(configuration, np.zeros(len(model.active)), frames, first_states(model))
-    state, iterations = search_equilibrium(statics, start, time, search, progress)
-    return RestingState(still, model, slices, turning, state, iterations)
+def fulls_by_name(fulls: Mapping[str, FullBody] | Sequence[FullBody]) -> Mapping[str, FullBody]:
+    """Full bodies by their names."""
+    return fulls if isinstance(fulls, Mapping) else {full.name: full for full in fulls}
 
 
-def _refuse_sampled(system: System) -> None:
-    for controller in system.controllers:
-        if isinstance(controller, SampledController):
-            raise ModelError(
-                f"controller '{controller.name}' is sampled: plain Python that is called between steps has "
-                "neither a rest nor eigenvalues. Write its law as a Controller, in jax.numpy, with what it "
-                "remembers as states; leave it out, replace(system, controllers=()); or let a damped run "
-                "find its rest"
+def warn_of_rest(errors: Mapping[str, RestError]) -> None:
+    """BasisWarning for each body whose basis misses a part of the rest that matters."""
+    for name, error in errors.items():
+        if not error.known:
+            seen = "no equilibrium was found with all its coordinates"
+        elif error.relative >= LARGEST_ERROR:
+            seen = (
+                f"at rest a node is off by {error.worst:.2g}, {100 * error.relative:.2g} % of the largest "
+                f"displacement, and the strain by {100 * error.strain:.2g} %"
             )
+        else:
+            continue
+        warnings.warn(
+            f"body '{name}': {seen}: its basis lacks the shape. {REMEDY}", BasisWarning, stacklevel=3
+        )
+
+
+REMEDY = (
+    "Let the reduction correct itself (accuracy = { relative = 1e-3 }; in Python "
+    "correct_at_rest), or keep more modes"
+)
 
 
 def _one_instant(found: RestingState, time: float) -> Solution:
@@ -156,37 +172,3 @@ def _one_instant(found: RestingState, time: float) -> Solution:
     )
     statistics = Statistics(steps=0, iterations=found.iterations, rejected_steps=0, seconds=0.0)
     return floating_solution(system, found.slices, found.model.active, motion, statistics)
-
-
-def _at_rest(placed: Placed) -> Placed:
-    none = np.zeros(3)
-    return replace(placed, velocity=none, angular_velocity=none, coordinate_rates=np.zeros(0))
-
-
-def placed_at_rest(found: RestingState) -> System:
-    """The system with its bodies where the state says, turning steadily."""
-    bodies, first = [], 0
-    system, (velocities, point), state = found.system, found.turning, found.state
-    for index, placed in enumerate(system.bodies):
-        after = first + placed.body.n_coordinates
-        rotation = np.asarray(state.configuration.rotations[index])
-        moved = placed.moved_to(np.asarray(state.configuration.origins[index]), rotation)
-        bodies.append(
-            replace(
-                moved,
-                velocity=np.cross(velocities[index], moved.position - point),
-                angular_velocity=velocities[index] @ moved.rotation,
-                coordinates=state.configuration.coordinates[first:after],
-            )
-        )
-        first = after
-    return replace(system, bodies=tuple(bodies), controllers=_resting(system, found))
-
-
-def _resting(system: System, found: RestingState) -> tuple[Controller | SampledController, ...]:
-    """The controllers, beginning with the states at rest."""
-    states = states_by_controller(found.model, found.state.control)
-    return tuple(
-        replace(own, initial=state) if isinstance(own, Controller) else own
-        for own, state in zip(system.controllers, states, strict=True)
-    )

@@ -13,12 +13,8 @@ from supple.errors import ResultFileError
 from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed, System
 from supple.reduction import ReducedBody
+from supple.storage.column_measures import KEY, measures, probe, same_measures
 from supple.storage.result_content import Metadata, ResultHeader
-
-KEY = "columns"
-
-# Of the largest measure: round-off moves columns by far less, another sign or order by far more.
-SAME = 1e-5
 
 _ARRAYS = (
     "nodal_basis",
@@ -33,11 +29,7 @@ _ARRAYS = (
 
 
 def columns_of(system: System) -> Metadata:
-    """Metadata that tell elastic bodies apart: products of their arrays with random vectors.
-
-    Vibrations have no sign of their own, and those of like frequency no directions: round-off decides, and
-    another number of threads is enough to change it. The motion on disk would then mean another one.
-    """
+    """Metadata that tell elastic bodies apart: products of their arrays with random vectors."""
     measured = {
         placed.body.name: {name: values.tolist() for name, values in _measures(placed)}
         for placed in system.bodies
@@ -52,14 +44,8 @@ def check_columns(header: ResultHeader, system: System, path: Path | str) -> Non
     for placed in system.bodies:
         then = recorded.get(placed.body.name, {})
         for name, now in _measures(placed):
-            if name in then and not _same(np.array(then[name]), now):
+            if name in then and not same_measures(then[name], now):
                 raise ResultFileError(_other(path, placed, name, len(then[name])))
-
-
-def _same(then: np.ndarray, now: np.ndarray) -> bool:
-    return then.shape == now.shape and bool(
-        np.abs(then - now).max(initial=0.0) <= SAME * np.abs(then).max(initial=0.0)
-    )
 
 
 def _other(path: Path | str, placed: Placed, name: str, size: int) -> str:
@@ -83,21 +69,17 @@ def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
         case ReducedBody():
             for name in _ARRAYS:
                 if (array := getattr(body, name)) is not None:
-                    yield name, array.T @ _probe(len(array))
+                    yield name, measures(array)
         case FullBody():
-            probe, other = _probe(body.n_coordinates), _probe(body.n_coordinates, seed=1)
+            one, other = probe(body.n_coordinates), probe(body.n_coordinates, seed=1)
             for name in ("stiffness", "mass"):
                 matrix = getattr(body.body, name)
-                yield name, np.array([probe @ (matrix @ probe), probe @ (matrix @ other)])
+                yield name, np.array([one @ (matrix @ one), one @ (matrix @ other)])
         case IntrinsicBody():
             for name in ("velocities", "forces"):
                 array = getattr(body.modes, name)
-                yield name, array.reshape(-1, array.shape[-1]).T @ _probe(array.shape[0] * array.shape[1])
+                yield name, measures(array.reshape(-1, array.shape[-1]))
         case _:
             return
     for name in ("coordinates", "coordinate_rates"):
-        yield f"initial_{name}", np.array([getattr(placed, name) @ _probe(body.n_coordinates)])
-
-
-def _probe(size: int, seed: int = 0) -> np.ndarray:
-    return np.random.default_rng(seed).standard_normal(size)
+        yield f"initial_{name}", np.array([getattr(placed, name) @ probe(body.n_coordinates)])

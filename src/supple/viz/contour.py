@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from supple.errors import ModelError
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.camera import Camera
-from supple.viz.mesh_plot import NodalField, check_nodes, checked_values, draw_surface
+from supple.viz.mesh_plot import N_COLUMNS, NodalField, check_nodes, checked_values, draw_surface
 from supple.viz.mesh_skin import Skin
+from supple.viz.shaded_surface import Page, is_seen
 from supple.viz.style import COLOUR_MAP, INK, save_figure, textbook_style
 
 Array = NDArray[np.float64]
@@ -42,9 +43,10 @@ def plot_contour(
     title: str = "",
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Draw a field in bands of colour on a body, deformed or not, its largest visible value marked.
+    """Draw a field in bands of colour on a body, deformed or not, the largest value on its skin marked.
 
-    The bands end at round values; bar and mark speak of the nodes of the skin only, not of those inside.
+    The bands end at round values; bar and mark speak of the nodes of the skin only, not of those inside. A
+    mark on the side that one does not see says so.
 
     Parameters
     ----------
@@ -75,8 +77,17 @@ def plot_contour(
             units=units,
             scale=_bands(float(values.min()), float(values.max()), n_bands),
         )
-        _mark(axes, camera, nodes, int(seen[values.argmax()]), field, node_ids)
+        node = int(seen[values.argmax()])
+        _mark(
+            axes, camera, nodes, node, field, node_ids, hidden=not _is_seen(axes, camera, nodes, skin, node)
+        )
         return save_figure(figure, path)
+
+
+def _is_seen(axes: Axes, camera: Camera, nodes: Array, skin: Skin, node: int) -> bool:
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    page = Page(np.array([left, bottom]), np.array([right, top]), N_COLUMNS)
+    return is_seen(nodes, skin, camera, page, node)
 
 
 def _bands(low: float, high: float, n_bands: int) -> ScalarMappable:
@@ -87,16 +98,28 @@ def _bands(low: float, high: float, n_bands: int) -> ScalarMappable:
 
 
 def _mark(
-    axes: Axes, camera: Camera, nodes: Array, node: int, field: NodalField, node_ids: IntArray | None
+    axes: Axes,
+    camera: Camera,
+    nodes: Array,
+    node: int,
+    field: NodalField,
+    node_ids: IntArray | None,
+    *,
+    hidden: bool,
 ) -> None:
-    """A ring around the node, and its value beside it, towards the middle of the picture."""
+    """A ring around the node, and its value beside it, towards the middle of the picture.
+
+    hidden : the node lies behind what is seen; the ring is dashed then, and the words say it
+    """
     x, y = camera.project(nodes[node])[0]
-    axes.plot([x], [y], "o", markersize=7.0, markerfacecolor="none", markeredgecolor=INK, zorder=4.0)
+    line = "dashed" if hidden else "solid"
+    axes.scatter([x], [y], s=49.0, facecolors="none", edgecolors=INK, linestyles=line, zorder=4.0)
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
     rightwards, upwards = x < 0.5 * (left + right), y < 0.5 * (bottom + top)
     axes.annotate(
-        f"largest {field.values[node]:.4g}, node {node if node_ids is None else node_ids[node]}",
+        f"largest {field.values[node]:.4g}, node {node if node_ids is None else node_ids[node]}"
+        + (" on the far side" if hidden else ""),
         (x, y),
         xytext=(9.0 if rightwards else -9.0, 12.0 if upwards else -12.0),
         textcoords="offset points",

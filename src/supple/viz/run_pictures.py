@@ -8,17 +8,19 @@ from types import MappingProxyType
 
 import numpy as np
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.fem import FiniteElementModel
 from supple.integrate import FloatingMotion, Solution
 from supple.intrinsic import IntrinsicBody
 from supple.machine import At, System
 from supple.mesh import Mesh
-from supple.reduction import ReducedBody, clamped_modes
+from supple.reduction import BodyModes, ReducedBody, clamped_modes
 from supple.results import (
     TrackedMotion,
     deflections,
     joint_loads,
+    largest_stress,
     node_positions,
     observer_of,
     von_mises_history,
@@ -50,6 +52,7 @@ N_INSTANTS = 200
 VISIBLE = 0.08
 
 
+@checked_arguments
 def draw_run(
     folder: Path,
     system: System,
@@ -57,6 +60,7 @@ def draw_run(
     meshes: Mapping[str, Mesh],
     *,
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
+    modes: Mapping[str, BodyModes] = MappingProxyType({}),
     elements: Elements | None = None,
     bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
@@ -68,6 +72,8 @@ def draw_run(
     folder : where the pictures go
     meshes : of the elastic bodies to draw, by name; each has faces
     tracked : motions of places, by their names
+    modes : of reduced bodies with all their coordinates, by name (`body_modes`); the lowest motions of their
+        bases, which may be no modes of the bodies and are titled so, are drawn without
     elements : of these bodies, by name, to draw their von Mises stress too; see `von_mises_history`
     bases : interfaces that deflections are seen from, by body, where it is not its own first one
     units : of the model; without names no unit is written
@@ -88,7 +94,9 @@ def draw_run(
             plot_mesh(path("mesh"), mesh.nodes, surface, title=as_written(body.name), units=units)
         )
         if body.name in reduced:
-            pictures.append(_draw_modes(path("modes"), reduced[body.name], surface, units))
+            pictures.append(
+                _draw_modes(path("modes"), reduced[body.name], modes.get(body.name), surface, units)
+            )
         if isinstance(body, IntrinsicBody):
             pictures.append(_draw_intrinsic_modes(path("modes"), body, surface, units))
         pictures.append(_draw_deformed(path("deformed"), body, (system, solution), bases, surface, units))
@@ -110,6 +118,7 @@ def draw_run(
     return pictures
 
 
+@checked_arguments
 def animate_run(
     path: Path,
     system: System,
@@ -164,6 +173,7 @@ def animate_run(
     )
 
 
+@checked_arguments
 def draw_machine(
     path: Path,
     system: System,
@@ -214,16 +224,26 @@ def _drawn(system: System, meshes: Mapping[str, Mesh]) -> list[tuple[ElasticBody
     return [(elastic[name], mesh) for name, mesh in meshes.items() if name in elastic]
 
 
-def _draw_modes(path: Path, body: ReducedBody, surface: Skin, units: UnitSystem) -> Path:
-    """Modes of the body clamped at its first interface, or in its frame when it has none."""
-    if body.interfaces:
-        modes = clamped_modes(body, body.interfaces[0].name, n_modes=N_MODES)
+def _draw_modes(
+    path: Path, body: ReducedBody, modes: BodyModes | None, surface: Skin, units: UnitSystem
+) -> Path:
+    """Modes clamped at the first interface, or in the frame; of the basis where those are not known."""
+    if modes is not None:
         titles = mode_titles(modes.frequencies / (2 * np.pi), units)
         return plot_mode_shapes(path, body.nodes, surface, _of_one_sign(modes.shapes), titles)
+    if body.interfaces:
+        modes = clamped_modes(body, body.interfaces[0].name, n_modes=N_MODES)
+        titles = _of_basis(mode_titles(modes.frequencies / (2 * np.pi), units))
+        return plot_mode_shapes(path, body.nodes, surface, _of_one_sign(modes.shapes), titles)
     values, vectors = np.linalg.eigh(body.stiffness)
-    titles = mode_titles(np.sqrt(values[:N_MODES]) / (2 * np.pi), units)
-    shapes = _of_one_sign(body.expand(vectors[:, :N_MODES].T))
+    titles = _of_basis(mode_titles(np.sqrt(values[:N_MODES]) / (2 * np.pi), units))
+    lowest = vectors[:, :N_MODES].T
+    shapes = _of_one_sign(body.expand_rates(np.zeros_like(lowest), lowest))
     return plot_mode_shapes(path, body.nodes, surface, shapes, titles)
+
+
+def _of_basis(titles: list[str]) -> list[str]:
+    return [f"basis, {title}" for title in titles]
 
 
 def _of_one_sign(shapes: np.ndarray) -> np.ndarray:
@@ -293,19 +313,20 @@ def _draw_stress(
     units: UnitSystem,
 ) -> Path:
     """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
-    instants, motion = _sampled(body, solution)
-    stress = von_mises_history(body, model, motion.coordinates)
-    worst = int(np.argmax(stress.max(axis=1)))
-    displaced = deflections(body, motion.at(np.array([worst])))[0]
+    motion = solution.bodies[body.name]
+    worst = largest_stress(body, model, motion.coordinates).instant
+    then = motion.at(np.array([worst]))
+    stress = von_mises_history(body, model, then.coordinates)[0]
+    displaced = deflections(body, then)[0]
     scale, enlarged = _enlargement(body, displaced)
     return plot_contour(
         path,
         body.nodes + scale * displaced,
         skin_of(mesh),
-        stress_field(stress[worst], units),
+        stress_field(stress, units),
         node_ids=mesh.node_ids,
         undeformed=body.nodes,
-        title=_title(body, float(solution.times[instants[worst]]), enlarged, units),
+        title=_title(body, float(solution.times[worst]), enlarged, units),
         units=units,
     )
 

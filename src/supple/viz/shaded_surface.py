@@ -96,6 +96,18 @@ def render(
     return _average(np.clip(colour, 0.0, 1.0), row // k, column // k, (page.n_rows, page.n_columns))
 
 
+def is_seen(nodes: Array, skin: Skin, camera: Camera, page: Page, node: int) -> bool:
+    """Whether the surface at a node is what one sees there, not hidden behind another part of it."""
+    plane, nearness = camera.project(nodes[skin.triangles])
+    corners = (plane - page.low) / page.pixel
+    seen = visible_triangles(corners, nearness, (page.n_rows, page.n_columns))
+    x, y = (camera.project(nodes[node])[0] - page.low) / page.pixel
+    row, column = np.divmod(seen.pixel, page.n_columns)
+    # A node on the rim of what is seen has half of its pixels beside the surface.
+    near = np.hypot(column + 0.5 - x, row + 0.5 - y) < 2.0
+    return bool((skin.triangles[seen.triangle[near]] == node).any())
+
+
 def show(axes: Axes, picture: Array, page: Page) -> None:
     """Put a picture on axes that then carry the page's coordinates, in equal scale and without a frame."""
     extent = (page.low[0], page.high[0], page.low[1], page.high[1])

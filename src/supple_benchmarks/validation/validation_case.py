@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-__all__ = ["Comparison", "ValidationCase"]
+import numpy as np
+from numpy.typing import ArrayLike
+
+__all__ = ["Comparison", "ValidationCase", "largest_difference"]
 
 
 @dataclass(frozen=True)
 class Comparison:
     """One number beside its reference: error = |value - reference| / scale, at most `allowed`.
 
-    `scale` is |reference| unless given; a reference of zero needs one, in the unit of the value. `source` names where
-    the reference is from: a closed form, a paper and its table, another code and its version.
+    `scale` is |reference| unless given; a reference of zero needs one, in the unit of the value. `source`
+    names where the reference is from: a closed form, a paper and its table, another code and its version.
     """
 
     quantity: str
@@ -32,6 +35,28 @@ class Comparison:
     def holds(self) -> bool:
         """Whether the error is at most what is allowed; never of a value that is not a number."""
         return self.error <= self.allowed
+
+
+def largest_difference(
+    quantity: str,
+    found: ArrayLike,
+    exact: ArrayLike,
+    source: str,
+    allowed: float,
+    *,
+    scale: float | None = None,
+) -> Comparison:
+    """The largest difference of two histories (t,) or (t, 3), beside zero.
+
+    scale : of the quantity; unless given, the largest of the exact one
+    """
+    size = np.atleast_1d(np.asarray(exact, dtype=float))
+    apart = np.asarray(found) - size
+    vectors = size.ndim > 1
+    largest = float(np.max(np.linalg.norm(apart, axis=-1) if vectors else np.abs(apart)))
+    if scale is None:
+        scale = float(np.max(np.linalg.norm(size, axis=-1) if vectors else np.abs(size)))
+    return Comparison(f"{quantity}, largest difference", largest, 0.0, source, allowed, scale)
 
 
 @dataclass(frozen=True)

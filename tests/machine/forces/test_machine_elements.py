@@ -203,6 +203,27 @@ def test_a_bushing_is_its_matrix_for_small_motions():
     np.testing.assert_allclose(found, -(SQUARE @ SQUARE.T @ x + rate), rtol=1e-5)
 
 
+@pytest.mark.parametrize("free", [(0,), (3,), (5,), (0, 1, 2), range(6)])
+def test_a_bushing_may_leave_some_motions_free(free):
+    """It resists the others alone, whatever the units of the rest."""
+    stiffness = np.array([1e8, 2e8, 3e8, 40.0, 50.0, 60.0])
+    stiffness[list(free)] = 0.0
+    bushing = m.Bushing(**ENDS, stiffness=stiffness, damping=1e-3 * stiffness)
+    np.testing.assert_array_equal(bushing.stiffness, np.diag(stiffness))
+    still = Pose(jnp.zeros(3), jnp.eye(3), jnp.zeros(3), jnp.zeros(3))
+    moved = still._replace(point=1e-6 * jnp.ones(3), axes=rotation_exp(1e-6 * jnp.ones(3)))
+    _, on_second = bushing.wrenches(still, moved, None, bushing.parameters)
+    found = np.concatenate([on_second.force, on_second.moment])
+    np.testing.assert_allclose(found, -1e-6 * stiffness, rtol=1e-5, atol=1e-9)
+
+
+def test_a_free_motion_of_a_bushing_is_coupled_to_no_other():
+    coupled = np.diag([1.0, 0.0, 1.0, 1.0, 1.0, 1.0])
+    coupled[0, 1] = coupled[1, 0] = 0.1
+    with pytest.raises(ModelError, match="must not be negative in any direction"):
+        m.Bushing(**ENDS, stiffness=coupled)
+
+
 def test_tables_in_one_variable_and_in_two():
     curve = m.Curve([0, 1, 3], [2, 4, 0])
     np.testing.assert_allclose([curve(x) for x in (-1, 0, 0.5, 2, 3, 9)], [2, 2, 3, 2, 0, 0])

@@ -33,7 +33,7 @@ from supple.machine import (
 from supple.mesh import strip
 from supple.multibody import band_coverage, load_spectra, warn_of_missing_modes
 from supple.multibody.checks.load_spectrum import SHARE, LoadSpectrum, _thinned
-from supple.reduction import NoDerivatives, NormalModes, ReducedBody, reduce
+from supple.reduction import NoDerivatives, NoLoads, NormalModes, ReducedBody, reduce
 
 T = 4.0
 TIMES = np.linspace(0.0, T, 801)
@@ -49,7 +49,7 @@ def beam() -> FlexibleBody:
 
 @pytest.fixture(scope="module")
 def small(beam) -> ReducedBody:
-    return reduce(beam, ROOT, NormalModes(2), derivatives=NoDerivatives())
+    return reduce(beam, ROOT, NormalModes(2), derivatives=NoDerivatives(), loads=NoLoads)
 
 
 def pushed(body, force) -> System:
@@ -137,7 +137,9 @@ def test_a_force_between_the_modes_kept_is_no_reason_to_warn(beam, small, recwar
 def test_a_force_beyond_the_modes_kept_names_those_to_ask_for(beam):
     of_body = NormalModes(4).build(beam, ROOT).frequencies / (2 * np.pi)
     assert of_body[2] < 24.0 < of_body[3]
-    tiny, enough = (reduce(beam, ROOT, NormalModes(n), derivatives=NoDerivatives()) for n in (1, 3))
+    tiny, enough = (
+        reduce(beam, ROOT, NormalModes(n), derivatives=NoDerivatives(), loads=NoLoads) for n in (1, 3)
+    )
     with pytest.warns(LoadSpectrumWarning, match=r"2 of which its reduced form lacks.*at least 3 modes"):
         coverage = warn_of_missing_modes(pushed(tiny, harmonic(24.0)), TIMES, beam, tiny)
     assert coverage is not None

@@ -14,7 +14,7 @@ from supple.integrate import FloatingMotion, Run, Solution, Statistics, Validity
 from supple.machine import GROUND, At, Ball, Fixed, Placed, System
 from supple.mesh import box_beam
 from supple.multibody.checks.validity import Peaks, watch
-from supple.reduction import CompressedDerivatives, CraigBampton, Rubin, reduce, reduction_basis
+from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, Rubin, reduce, reduction_basis
 from supple.reduction.condensed_inertia import missing_centrifugal_stiffness
 from supple.simulation import simulate
 
@@ -59,7 +59,9 @@ def test_linear_body_that_spins_near_its_lowest_frequency(linear):
 
 
 def test_nonlinear_body_may_spin(blade):
-    body = reduce(blade, MeanAxisFrame(), Rubin(n_columns=14), derivatives=CompressedDerivatives(2))
+    body = reduce(
+        blade, MeanAxisFrame(), Rubin(n_columns=14), derivatives=CompressedDerivatives(2), loads=NoLoads
+    )
     assert messages(body, still(body, spin=1e3)) == []
 
 
@@ -69,6 +71,7 @@ def test_condensed_body_without_inertia_of_what_it_condensed_may_not(floating_bl
     assert messages(floating_blade, still(floating_blade, spin=0.29 * flying_apart)) == []
     (message,) = messages(floating_blade, still(floating_blade, spin=0.4 * flying_apart))
     assert "lacks up to 16 % of its stiffness" in message
+    assert message.endswith("or add derivatives"), "it is in mean axes already"
     about_itself = replace(
         still(floating_blade).bodies["blade"], angular_velocity=np.tile([0.4 * flying_apart, 0, 0], (3, 1))
     )
@@ -102,6 +105,11 @@ def test_rotation_beyond_the_kinematics(floating_blade):
     assert message.startswith(
         "body 'blade' turns by 0.550 rad against its frame (t = 1); its kinematics hold to about 0.50 rad."
     )
+    assert "mean-axis frame" not in message, "it has one"
+    assert message.endswith("Split the body (split = { parts = 2 } in a case file, split_body in Python)")
+    on_its_root = replace(floating_blade, frame=NodalFixedFrame("root"))
+    (message,) = messages(on_its_root, too_far)
+    assert "Choose a mean-axis frame, or split the body" in message
     fine = still(floating_blade, coordinates=coordinates_that_turn(floating_blade, 0.45))
     assert messages(floating_blade, fine) == []
 
@@ -150,7 +158,7 @@ def test_a_soft_section_that_has_turned_with_its_averaging_interface():
     )
     box = flexible_body("box", model, ends)
     frame = NodalFixedFrame("root")
-    body = reduce(box, frame, CraigBampton(n_modes=2), derivatives=CompressedDerivatives(2))
+    body = reduce(box, frame, CraigBampton(n_modes=2), derivatives=CompressedDerivatives(2), loads=NoLoads)
     tip = body.interfaces[1]
     assert tip.softness[1] > 0.5
     gamma = np.zeros(body.r)

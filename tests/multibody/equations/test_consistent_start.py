@@ -52,13 +52,24 @@ def test_small_gaps_are_closed(chain):
 
 
 def test_velocities_are_made_to_fit(chain):
-    """One hinge turns: the velocity of the rod's middle follows, w x r."""
+    """A rod that spins about its end and is given its middle at rest: both give way."""
+    start = {"velocity": [0, 0, 0], "angular_velocity": [0, 0, 2.0]}
     with pytest.warns(StartWarning, match="do not allow the initial velocities"):
-        _, state = initial_state(moved(chain, 0, angular_velocity=[0, 0, 2.0]), 0.0, 1e-3)
+        _, state = initial_state(moved(chain, 0, **start), 0.0, 1e-3)
     v = np.asarray(state.velocity)
     np.testing.assert_allclose(v[:3], [0, 0.5 * v[5], 0], atol=1e-12)
-    np.testing.assert_allclose(v[6:9], [0, v[5] + 0.5 * v[11], 0], atol=1e-12)
-    assert v[5] > 0.1
+    # Of m l^2/12 w^2 with the middle held, m l^2/3 w'^2 remains: least change of middle and spin.
+    np.testing.assert_allclose(v[5], 2.0 / 4, rtol=1e-9)
+
+
+def test_what_is_not_given_follows(chain):
+    """The spin of the first rod alone is given: its middle moves at w x r, the second rod's end with it."""
+    _, state = initial_state(moved(chain, 0, angular_velocity=[0, 0, 2.0]), 0.0, 1e-3)
+    v = np.asarray(state.velocity)
+    np.testing.assert_allclose(v[:6], [0, 1.0, 0, 0, 0, 2.0], atol=1e-12)
+    np.testing.assert_allclose(v[7], 2.0 + 0.5 * v[11], atol=1e-12)
+    # A uniform rod struck at its end at speed u: its middle at u/4, its spin -3/2 u/l.
+    np.testing.assert_allclose(v[[7, 11]], [0.5, -3.0], rtol=1e-9)
 
 
 def test_consistent_velocities_are_kept(chain):

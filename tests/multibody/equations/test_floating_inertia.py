@@ -36,23 +36,6 @@ def motion(floating_blade):
     )
 
 
-def nodal_velocities(body, blade, motion):
-    """Velocities of all nodal freedoms in body components, (n_nodal,)."""
-    displacement = body.expand(motion.coordinates)
-    field = np.zeros((len(body.nodes), body.dofs_per_node))
-    field[:, :3] = FRAME_VELOCITY + np.cross(motion.angular_velocity, body.nodes + displacement)
-    field[:, 3:] = motion.angular_velocity
-    return field.ravel() + body.nodal_basis @ motion.rates
-
-
-def test_kinetic_energy_is_that_of_the_nodes(floating_blade, blade, motion):
-    velocity = nodal_velocities(floating_blade, blade, motion)
-    expected = velocity @ (blade.nodal_mass @ velocity) / 2
-    np.testing.assert_allclose(
-        kinetic_energy(floating_blade.gram, motion, FRAME_VELOCITY), expected, rtol=1e-12
-    )
-
-
 def test_mass_matrix_is_the_hessian_of_the_kinetic_energy(floating_blade, motion):
     gram = floating_blade.gram
 

@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 from scipy import linalg
 
+from supple.body import NodalFixedFrame, RigidInterface, flexible_body
 from supple.errors import ModelError
+from supple.fem import BeamSection, Isotropic, shell_model
+from supple.mesh import CellType, Mesh
 from supple.reduction import (
     AmplitudeProduct,
     CompressedDerivatives,
+    CraigBampton,
     ModalDerivatives,
+    NoLoads,
     NormalModes,
     compress,
     modal_derivatives,
     rayleigh_ritz,
+    reduce,
 )
 
 
@@ -64,6 +70,29 @@ def test_no_more_columns_than_the_derivatives_span(case):
     compressed = compress(body, basis, inside, 3, np.ones(3))
     assert compressed.vectors.shape[1] == 1
     assert compressed.labels == ("compressed derivative 1",)
+    (why,) = compressed.dropped
+    assert why.startswith("compressed derivatives 2 to 3 (all derivatives lie in 1 directions; what is left")
+    assert compress(body, basis, inside, 1, np.ones(3)).dropped == ()
+
+
+def test_a_reduced_body_says_why_it_has_fewer_than_were_asked():
+    """Ten pairs of a straight line of beams, bent in one plane, move it along its axis in a few ways."""
+    points = np.column_stack([np.linspace(0.0, 1.0, 13), np.zeros(13), np.zeros(13)])
+    cells = {CellType.LINE2: np.column_stack([np.arange(12), np.arange(1, 13)])}
+    section = BeamSection(Isotropic(2.1e11, 0.3, 7850.0), 1e-4, 1e-9, 1e-9, 2e-9, orientation=[0, 1.0, 0])
+    model = shell_model(Mesh(points, cells, {"root": np.array([0])}), section)
+    body = flexible_body("arm", model, (RigidInterface("root", "root"),))
+    reduced = reduce(
+        body, NodalFixedFrame("root"), CraigBampton(4), derivatives=CompressedDerivatives(10), loads=NoLoads
+    )
+    count = len(reduced.report.derivatives)
+    assert count < 10
+    assert repr(reduced).startswith(
+        f"<ReducedBody 'arm' in NodalFixedFrame(interface='root'): {4 + count} coord"
+    )
+    assert f"compressed derivatives {count + 1} to 10 (all derivatives lie in {count} directions" in repr(
+        reduced
+    )
 
 
 def test_more_columns_than_pairs_are_refused(case):

@@ -92,6 +92,7 @@ def built(
         Hanging(skin.part, skin.nodes, skin.corners[:, None], np.ones((len(skin.nodes), 1))) for skin in skins
     ]
     _check_hung_once(hanging, x)
+    _check_not_held(system, hanging, numbers)
     frames, frame_arrays, frame_states, frame_obstacles, penalties = {}, [], [], [], {}
     for part in system.placed:
         if isinstance(part.subdomain, ModalSubdomain):
@@ -282,6 +283,18 @@ def _check_hung_once(hanging: list[Hanging], x: FloatArray) -> None:
             f"the explicit node at {at} is tied on {on}: a node hangs on one modal part, once; tie the modal "
             "parts to each other, and leave the node out of one of the sets"
         )
+
+
+def _check_not_held(system: ExplicitSystem, hanging: list[Hanging], numbers: dict[str, IntArray]) -> None:
+    """A support of nodes that a modal part leads would have no effect."""
+    for support in system.supports:
+        held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
+        for each in hanging:
+            if min(support.axes, default=3) < 3 and np.isin(each.nodes, held).any():
+                raise ModelError(
+                    f"support of '{support.nodes}': some of its nodes are tied on '{each.part}', which leads "
+                    "them; leave these out of the support"
+                )
 
 
 def _frame(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from supple.errors import ModelError
-from supple.explicit.explicit_system import ExplicitSystem, Part, Tie
+from supple.explicit.explicit_system import ExplicitSystem, Tie
 from supple.explicit.frame_model import FrameState
 from supple.explicit.modal_frame import ModalFrame
 from supple.explicit.modal_tie import ModalTie, TiedSide, tied_rows
@@ -26,8 +26,6 @@ IntArray = NDArray[np.int64]
 
 _REDUNDANT = 1e-8
 """Of a multiplier's own mobility: what is left of it once those before it act."""
-_APART = 1e-9
-"""Of the fastest point: velocities of two tied parts that differ by more are not those of one motion."""
 
 
 def within(tie: Tie, points: FloatArray) -> float:
@@ -57,7 +55,7 @@ def modal_ties(
     """Ties of modal parts, the numbers of their frames, and the step limit of all of them together, s.
 
     states : of the frames at the start;   penalties : (6 + k, 6 + k) of the contacts of each, or None
-    Raises ModelError: another scheme than the default, parts that do not meet or do not start as one.
+    Raises ModelError: another scheme than the default, parts that do not meet.
     """
     if not system.modal_ties:
         return (), (), np.inf
@@ -105,7 +103,6 @@ def _tie(system: ExplicitSystem, tie: Tie, frames: Mapping[str, ModalFrame]) -> 
     nodes = system.node_numbers(tie.nodes)
     x = first.nodes[nodes]
     corners, shares = met_material(system, tie, x)
-    _check_start(tie, first, second, x)
     own, other = frames[first.name], frames[second.name]
     local = (x - second.position) @ second.rotation
     weights = own.weights(nodes), other.body.points.weights(local)
@@ -127,16 +124,6 @@ def _reached(frame: ModalFrame, motion: FloatArray) -> FloatArray:
     """(3 n, 6 + k): motion of points per motion of the part of unit kinetic energy (times 2)."""
     factor = np.linalg.cholesky(frame.pencil()[0])
     return linalg.solve_triangular(factor, motion.reshape(-1, motion.shape[2]).T, lower=True).T
-
-
-def _check_start(tie: Tie, first: Part, second: Part, x: FloatArray) -> None:
-    one, two = first.velocities(x), second.velocities(x)
-    fastest = max(np.linalg.norm(one, axis=1).max(), np.linalg.norm(two, axis=1).max())
-    if (apart := float(np.linalg.norm(one - two, axis=1).max())) > _APART * fastest:
-        raise ModelError(
-            f"tie of '{tie.nodes}' on '{tie.on}': at the start the two sides fly apart by {apart:.3g} m/s; "
-            "tied modal parts start as one: give both the velocity and angular velocity of one rigid motion"
-        )
 
 
 def _pencil_rows(

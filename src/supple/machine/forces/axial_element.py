@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,6 +19,10 @@ class AxialElement(ForceElement):
 
     axis: tuple[float, float, float]
     """Direction when the machine is put together, global; it stays with the first end."""
+
+    held_by: ClassVar[tuple[str, ...]] = ()
+    """Beginnings of the names of a joint's equations that leave it nothing to move; none where it may push
+    against a joint."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -102,7 +102,8 @@ def _matrix(what: str, given: Any) -> tuple[tuple[float, ...], ...]:
         raise ModelError(f"{what} must be symmetric: without a potential it would give energy for nothing")
     # By units of its own for every freedom: moments are not compared with forces.
     own = np.sqrt(np.abs(np.diag(matrix)))
-    scaled = matrix / np.where(own > 0, np.outer(own, own), max(size, 1.0))
+    scale = np.where(own > 0, own, np.sqrt(size) if size else 1.0)
+    scaled = matrix / np.outer(scale, scale)
     if np.linalg.eigvalsh(scaled).min() < -_SYMMETRIC:
         raise ModelError(f"{what} must not be negative in any direction")
     return tuple(map(tuple, matrix.tolist()))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.characteristic import Curve, Surface, curve_at, surface_at
@@ -26,6 +26,8 @@ class MotorCurve(AxialElement):
 
     torque: Curve | Surface
     command: Any = 1.0
+
+    held_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
 
     @property
     def law(self) -> TimeLaw:

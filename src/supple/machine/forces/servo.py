@@ -35,6 +35,7 @@ class AngleServo(AxialElement):
     damping: float = 0.0
     limit: float = np.inf
 
+    held_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
     value_shape: ClassVar[tuple[int, ...]] = (2,)
 
     def __post_init__(self) -> None:
@@ -73,6 +74,7 @@ class SlideServo(AxialElement):
     damping: float = 0.0
     limit: float = np.inf
 
+    held_by: ClassVar[tuple[str, ...]] = ("position",)
     value_shape: ClassVar[tuple[int, ...]] = (2,)
 
     def __post_init__(self) -> None:

@@ -136,26 +136,21 @@ def _of_full_body(full: Any, gravity: np.ndarray, motion: FloatingMotion) -> Bal
 
 
 def _at_instants(inertia: FullInertia, gravity: np.ndarray, motion: FloatingMotion) -> Balances:
-    """Of a full body, at instants whose nodal fields (N, d, t) fit in memory together."""
-    body, rotation = inertia.body, motion.rotation
-
-    def nodal(coordinates: np.ndarray) -> np.ndarray:
-        return (body.expansion @ coordinates.T).reshape(len(body.nodes), body.dofs_per_node, -1)
-
-    displacement = nodal(motion.coordinates)
+    """Of a full body, at instants whose coordinates (n, t) fit in memory together."""
+    rotation = motion.rotation
     local = inertia.momenta(
-        displacement,
-        nodal(motion.coordinate_rates),
+        motion.coordinates.T,
+        motion.coordinate_rates.T,
         motion.angular_velocity.T,
         np.einsum("tji,tj->it", rotation, motion.velocity),
     )
     centre, linear, angular = (
         np.einsum("tij,jt->ti", rotation, vectors)
-        for vectors in (inertia.first_moment(displacement), local.linear, local.angular)
+        for vectors in (inertia.first_moment(motion.coordinates.T), local.linear, local.angular)
     )
     return Balances(
         kinetic=local.kinetic,
-        strain=body.force.energies(motion.coordinates.T),
+        strain=inertia.body.force.energies(motion.coordinates.T),
         potential=-(inertia.mass * motion.position + centre) @ gravity,
         momentum=linear,
         angular_momentum=angular + np.cross(motion.position, linear),

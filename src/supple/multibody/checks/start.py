@@ -33,13 +33,29 @@ def report_start(change: StartChange, validity: Validity) -> None:
     if change.slowed:
         before, after = change.energies
         bodies = ", ".join(map(_slowed, change.slowed[:MOST_NAMES]))
-        joints = ", ".join(f"'{each.joint}' ({each.row})" for each in change.against[:MOST_NAMES])
+        percent = f" ({100 * (after / before - 1):+.3g} %)" if before else ""
         message = (
             f"the joints do not allow the initial velocities, which were changed: the kinetic energy is "
-            f"{after:.4g} instead of {before:.4g} ({100 * (after / before - 1):+.3g} %); {bodies}; "
-            f"against {joints}. Give velocities that the joints allow, or none to a body that joints drive"
+            f"{after:.4g} instead of {before:.4g}{percent}; {bodies}; "
+            f"against {_joints(change.against)}. Give velocities that the joints allow, or none to a body "
+            "that joints drive"
         )
         say(message, StartWarning, validity)
+    if change.deforming:
+        bodies = ", ".join(
+            f"body '{each.body}' deforms at a rate of kinetic energy {each.energy:.3g}"
+            for each in change.deforming[:MOST_NAMES]
+        )
+        message = (
+            f"no rigid motion of the bodies has the velocities that the joints prescribe at the start: "
+            f"{bodies}; by {_joints(change.unmet)}. Let the prescribed motion begin from rest, or prescribe "
+            "what the bodies can follow without deformation"
+        )
+        say(message, StartWarning, validity)
+
+
+def _joints(joints: Sequence[Open]) -> str:
+    return ", ".join(f"'{each.joint}' ({each.row})" for each in joints[:MOST_NAMES])
 
 
 def _others(joints: Sequence[Open]) -> str:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from supple.body import BodyForm, FullBody
+from supple.body import BodyForm, Frame, FullBody, MeanAxisFrame, smaller_rotations
 from supple.body.averaging_error import DEFLECTION_ERROR, section_softness
 from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import FloatingMotion, Solution, Validity
@@ -73,6 +73,7 @@ class _Limits:
     """(3,) what a spin about each axis of the body counts"""
     is_linear: bool
     rotation: float
+    frame: Frame | None
     rotation_basis: np.ndarray | None
     """(3 P, n) rotation vectors from coordinates"""
     averaging: Any
@@ -137,25 +138,22 @@ def _too_fast(limits: _Limits, peak: Peaks) -> str:
     return (
         f"body '{limits.name}' {spins} and lacks up to {missing:.3g} % of its stiffness, that of centrifugal "
         "force on motion which its columns leave out: its deflections are too large or diverge. Put "
-        "SteadyLoads(...) about its basis (steady = true in a case file), add derivatives, or take "
-        "MeanAxisFrame() with Rubin(...)"
+        "SteadyLoads(...) about its basis (steady = true in a case file), or add derivatives"
+        + ("" if isinstance(limits.frame, MeanAxisFrame) else ", or take MeanAxisFrame() with Rubin(...)")
     )
 
 
 def _too_wide(limits: _Limits, peak: Peaks) -> str:
     turns = f"turns by {peak.rotation:.3f} rad against its frame (t = {peak.rotation_time:.4g})"
-    split = "split the body (split = { parts = 2 } in a case file, split_body in Python)"
+    limit = f"its kinematics hold to about {limits.rotation:.2f} rad"
+    remedy = smaller_rotations(limits.frame)
     if limits.is_linear:
         return (
-            f"body '{limits.name}' is linear and {turns}; its kinematics hold to about "
-            f"{limits.rotation:.2f} rad, for they lack the shortening by bending, {peak.rotation**2 / 2:.2g} "
-            "of its length. Reduce it from a model with quadratic strains, choose a mean-axis frame, or "
-            f"{split}"
+            f"body '{limits.name}' is linear and {turns}; {limit}, for they lack the shortening by bending, "
+            f"{peak.rotation**2 / 2:.2g} of its length. Reduce it from a model with quadratic strains, or "
+            f"{remedy}"
         )
-    return (
-        f"body '{limits.name}' {turns}; its kinematics hold to about {limits.rotation:.2f} rad. Choose a "
-        f"mean-axis frame, or {split}"
-    )
+    return f"body '{limits.name}' {turns}; {limit}. {remedy[:1].upper()}{remedy[1:]}"
 
 
 def _out_of_shape(limits: _Limits, peak: Peaks) -> str:
@@ -231,6 +229,7 @@ def _limits(body: BodyForm, validity: Validity, carrying: set[At]) -> _Limits:
         axes=axes,
         is_linear=body.is_linear,
         rotation=min(limit, LINEAR_ROTATION_LIMIT) if body.is_linear else limit,
+        frame=getattr(body, "frame", None),
         rotation_basis=body.rotation_rows,
         averaging=averaging,
         softness=softness,

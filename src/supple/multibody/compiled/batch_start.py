@@ -24,6 +24,7 @@ from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.consistent_start import placed_configuration, placed_velocity
 from supple.multibody.equations.model import Model
+from supple.multibody.equations.start_velocity import given_parts
 
 __all__ = ["Axes", "BatchStart", "batch_start", "differing", "stacked"]
 
@@ -116,6 +117,7 @@ def _starts_alike(first: System, model: Model, system: System, own: Model) -> bo
     return (
         same(placed_configuration(first), placed_configuration(system))
         and np.array_equal(placed_velocity(first), placed_velocity(system))
+        and np.array_equal(given_parts(first), given_parts(system))
         and same(model.joints, own.joints)
         and same((model.length, model.mass), (own.length, own.mass))
     )

@@ -78,6 +78,11 @@ class CompiledMachine:
         mass = self.metric(configuration)
         return bordered_solve(mass, terms.jacobian, np.zeros(len(mass)), -joint_residual)[: len(mass)]
 
+    def joint_masses(self, configuration: Configuration, terms: JointTerms) -> np.ndarray:
+        """The multipliers of `least_change` for a unit of each equation."""
+        mass, m = self.metric(configuration), len(terms.residual)
+        return bordered_solve(mass, terms.jacobian, np.zeros((len(mass), m)), -np.eye(m))[len(mass) :]
+
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment."""
         return jax.tree.map(np.asarray, _moved(self.model, configuration, increment))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,11 +42,27 @@ class CompiledStatics:
     machine: CompiledMachine
     turning: Turning | None = None
     """None for machines at rest"""
+    held: np.ndarray | float = 0.0
+    """Forces (n,) that are held back"""
+
+    def at_rest(self) -> CompiledStatics:
+        """The machine without its spin."""
+        return replace(self, turning=None)
+
+    def eased(self, share: float, held: np.ndarray) -> CompiledStatics:
+        """The machine at a share of its spin's rate, with forces (n,) held back."""
+        return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
+
+    def residual(self, state: StaticState, time: float) -> np.ndarray:
+        """What is unbalanced in all freedoms, (n,)."""
+        terms, _ = self.unbalance(state, time).terms
+        return np.asarray(terms.residual)
 
     def unbalance(self, state: StaticState, time: float) -> Unbalance:
         """The residuals at rest."""
         model, motion = self.machine.model, self._motion(state, time)
         terms, control = balanced(model, motion), control_at_rest(model, motion)
+        terms = terms._replace(applied=terms.applied - self.held)
         columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
         works = self.position_scale[:, None] * np.stack(columns, axis=1)
         norms = np.sqrt(kinds_of_rows(model) @ works**2)

@@ -2,8 +2,8 @@
 
 Positions are corrected until `g(q, t_0) = 0` by the least rigid motion of the bodies in the mass norm, for a
 joint pulled shut by bending its bodies would store energy that nobody meant; they deform only where no rigid
-motion closes the joints. Velocities are corrected by the least motion of all freedoms until `dg/dt = 0`. Both
-engines start here; what differs between them is how such a least motion is found.
+motion closes the joints. Velocities are corrected likewise until `dg/dt = 0` (`start_velocity`). Both engines
+start here; what differs between them is how such a least motion is found.
 Constraint equations that repeat others are found by orthogonalising the rows of the Jacobian, and named.
 """
 
@@ -23,7 +23,8 @@ from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.joint_closure import joints_closed, row_labels
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.singular_start import check_redundant_nearby, neighbours
-from supple.multibody.equations.start_change import StartChange
+from supple.multibody.equations.start_change import StartChange, StartEnergies
+from supple.multibody.equations.start_velocity import velocity_change
 from supple.multibody.equations.starting_machine import StartingMachine
 
 __all__ = ["ConsistentStart", "consistent_start"]
@@ -76,23 +77,28 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
     if len(active) < len(left):
         _check_nearby(every, machine, time, configuration, velocity)
     terms = machine.joint_terms(time, configuration, velocity)
-    change = machine.least_change(configuration, velocity, terms, terms.rate)
+    change = velocity_change(machine, configuration, velocity, terms)
+    found = velocity + change.rigid + change.deforming
     frames = np.array([np.arange(part.start, part.start + 6) for part in machine.slices])
-    moving = velocity, velocity + change, change
+    unmet = np.zeros(len(closed.rate))
+    unmet[list(machine.model.active)] = change.fit.unmet
     return ConsistentStart(
         machine,
         configuration,
-        velocity + change,
+        found,
         StartChange.of_positions_and_velocities(
             system,
             residual=gaps,
             closed=configuration,
             rates=closed.rate,
-            velocities=(moving[0][frames], moving[1][frames]),
-            energies=(
-                machine.kinetic_energies(configuration, moving[0]),
-                machine.kinetic_energies(configuration, moving[1]),
-                machine.kinetic_energies(configuration, moving[2]),
+            unmet=unmet,
+            largest_rate=change.fit.largest,
+            velocities=(velocity[frames], found[frames]),
+            energies=StartEnergies(
+                *(
+                    machine.kinetic_energies(configuration, each)
+                    for each in (velocity, found, change.against, change.deforming)
+                )
             ),
         ),
     )
@@ -128,8 +134,8 @@ def placed_configuration(system: System) -> Configuration:
 
 
 def placed_velocity(system: System) -> np.ndarray:
-    """Initial velocities of all bodies, (n,)."""
-    parts = [(b.velocity, b.angular_velocity, b.coordinate_rates) for b in system.bodies]
+    """Initial velocities of all bodies, (n,); zero where none is given."""
+    parts = [(placed.twist, placed.coordinate_rates) for placed in system.bodies]
     return np.concatenate([item for part in parts for item in part])
 
 

@@ -1,8 +1,9 @@
-"""What the joints changed of the initial state: how far bodies were moved, and the energy that went."""
+"""What was chosen and changed of the initial state: motions, velocities, energies."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -10,15 +11,29 @@ from scipy.spatial.transform import Rotation
 from supple.machine import System
 from supple.multibody.equations.build_model import row_scales, system_length
 from supple.multibody.equations.configuration import Configuration
+from supple.multibody.equations.start_velocity import given_parts
 
-__all__ = ["Moved", "Open", "Slowed", "StartChange"]
+__all__ = [
+    "Deforming",
+    "Moved",
+    "Open",
+    "Slowed",
+    "StartChange",
+    "StartEnergies",
+    "Taken",
+    "velocities_taken",
+]
 
 OPEN = 1e-6
 """Of the machine's size, and rad: placements written with six digits pass."""
 SLOWED = 1e-5
 """Of the kinetic energy: velocities written with three digits pass."""
+UNMET = 1e-3
+"""Of the largest rate of the joints' equations: placements written with three digits pass."""
 NAMED = 0.1
 """Of the largest change: bodies and joints with less are not named."""
+ROUNDING = 1e-9
+"""Of the largest velocity."""
 
 
 @dataclass(frozen=True)
@@ -49,13 +64,44 @@ class Slowed:
 
 
 @dataclass(frozen=True)
+class Taken:
+    """A body that was given no velocity and takes one from what drives it: its speed and angular speed."""
+
+    body: str
+    speed: float
+    spin: float
+
+
+@dataclass(frozen=True)
+class Deforming:
+    """A body that starts with a deformation rate, of some kinetic energy, as no rigid motion fits."""
+
+    body: str
+    energy: float
+
+
+class StartEnergies(NamedTuple):
+    """Kinetic energies (nb,) of the bodies at the velocities of a start."""
+
+    given: np.ndarray
+    found: np.ndarray
+    against: np.ndarray
+    """Of the change of velocities that were given"""
+    deforming: np.ndarray
+    """Of what no rigid motion meets"""
+
+
+@dataclass(frozen=True)
 class StartChange:
-    """What was changed of an initial state; empty where it was nothing but rounding.
+    """What was chosen and changed of an initial state; empty where it was nothing but rounding.
 
     open, moved : joints that did not meet, the worst first; bodies moved to close them
-    against, slowed : joints that did not allow the velocities, the worst first; bodies whose velocity, given
-        and not zero, was changed. A body at rest that a joint drives is not among them
-    energies : kinetic energy of the velocities as given, and as changed
+    against, slowed : joints that did not allow the velocities, the worst first; bodies whose velocity was
+        given and was changed
+    energies : kinetic energy of the bodies that were given a velocity, as given, and as changed
+    taken : bodies that were given no velocity and start with one
+    unmet, deforming : joints whose rates no rigid motion of the bodies meets, the worst first; bodies that
+        start with a deformation rate for it
     """
 
     open: tuple[Open, ...]
@@ -63,6 +109,9 @@ class StartChange:
     against: tuple[Open, ...]
     slowed: tuple[Slowed, ...]
     energies: tuple[float, float]
+    taken: tuple[Taken, ...]
+    unmet: tuple[Open, ...]
+    deforming: tuple[Deforming, ...]
 
     @classmethod
     def of_positions_and_velocities(
@@ -72,41 +121,65 @@ class StartChange:
         residual: np.ndarray,
         closed: Configuration,
         rates: np.ndarray,
+        unmet: np.ndarray,
+        largest_rate: float,
         velocities: tuple[np.ndarray, np.ndarray],
-        energies: tuple[np.ndarray, np.ndarray, np.ndarray],
+        energies: StartEnergies,
     ) -> StartChange:
         """Compare the state given with the state found.
 
         residual, rates : (m,)      of all constraint equations before, their rates at the velocities given
         closed : Configuration      with the joints closed
+        unmet : (m,)                rates that no rigid motion meets
+        largest_rate : of an equation, over its scale
         velocities : (nb, 6) each   of the frames, given and found
-        energies : (nb,) each       kinetic energies of the bodies: as given, as found, of the difference
         """
         scales = row_scales(system)
         gaps = _open(system, np.abs(residual), np.abs(residual) / scales > OPEN)
-        given, found, lost = (np.asarray(each) for each in energies)
-        total = float(given.sum())
-        changed = np.flatnonzero((given > 0) & (lost > SLOWED * total))
-        largest = float(np.max(lost[changed], initial=0.0))
-        rate = np.abs(rates) / scales
-        against = rate > NAMED * np.max(rate, initial=0.0)
         names = [placed.body.name for placed in system.bodies]
         before, after = velocities
+        is_given = given_parts(system).any(axis=1)
+        of_given = float(energies.given[is_given].sum()), float(energies.found[is_given].sum())
+        slowed = _largest(energies.against, SLOWED * (of_given[0] or of_given[1]))
+        misfits = np.abs(unmet) / scales > UNMET * largest_rate
+        deforming = _largest(energies.deforming, 0.0) if misfits.any() else ()
         return cls(
             open=gaps,
             moved=_moved(system, closed) if gaps else (),
-            against=_open(system, np.abs(rates), against) if changed.size else (),
+            against=_open(system, np.abs(rates), _are_largest(rates / scales)) if slowed.size else (),
             slowed=tuple(
                 Slowed(
                     names[i],
                     (float(np.linalg.norm(before[i, :3])), float(np.linalg.norm(after[i, :3]))),
                     (float(np.linalg.norm(before[i, 3:])), float(np.linalg.norm(after[i, 3:]))),
                 )
-                for i in changed
-                if lost[i] >= NAMED * largest
+                for i in slowed
             ),
-            energies=(total, float(found.sum())),
+            energies=of_given,
+            taken=velocities_taken(system, after),
+            unmet=_open(system, np.abs(unmet), misfits & _are_largest(unmet / scales)),
+            deforming=tuple(Deforming(names[i], float(energies.deforming[i])) for i in deforming),
         )
+
+
+def velocities_taken(system: System, velocities: np.ndarray) -> tuple[Taken, ...]:
+    """Bodies that were given no velocity, and move with the velocities (nb, 6) of their frames."""
+    sizes = np.linalg.norm(velocities.reshape(-1, 2, 3), axis=2)
+    least = ROUNDING * np.max(sizes, axis=0, initial=0.0)
+    return tuple(
+        Taken(placed.body.name, float(speed), float(spin))
+        for placed, given, (speed, spin) in zip(system.bodies, given_parts(system), sizes, strict=True)
+        if not given.any() and (speed > least[0] or spin > least[1])
+    )
+
+
+def _largest(energies: np.ndarray, least: float) -> np.ndarray:
+    """Bodies with at least a tenth of the largest energy, where this is more than `least`."""
+    return np.flatnonzero((energies > least) & (energies >= NAMED * np.max(energies, initial=0.0)))
+
+
+def _are_largest(rates: np.ndarray) -> np.ndarray:
+    return np.abs(rates) > NAMED * np.max(np.abs(rates), initial=0.0)
 
 
 def _open(system: System, gaps: np.ndarray, which: np.ndarray) -> tuple[Open, ...]:

@@ -100,6 +100,10 @@ class StartingMachine(Protocol):
         """
         ...
 
+    def joint_masses(self, configuration: Configuration, terms: JointTerms) -> np.ndarray:
+        """`(G M^-1 G^T)^-1` (m, m): the mass that the machine has along its joints' equations."""
+        ...
+
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment (n,)."""
         ...

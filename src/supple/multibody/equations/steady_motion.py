@@ -57,6 +57,10 @@ class Turning(NamedTuple):
     point: AnyArray
     """(3,), on the axis"""
 
+    def slowed(self, share: float) -> Turning:
+        """The same at a share of its rate."""
+        return self._replace(angular_velocities=share * np.asarray(self.angular_velocities))
+
 
 class LinearEquations(NamedTuple):
     """`M p'' + C p' + K p + G^T l = H z`, `G p = 0`, in axes that turn with the bodies."""

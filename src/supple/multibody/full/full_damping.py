@@ -10,7 +10,7 @@ from scipy.sparse import csc_array
 
 from supple.algebra.low_rank_update import LowRankUpdate
 from supple.algebra.sparse_factor import SparseFactor
-from supple.body import FullBody, ModalDamping
+from supple.body import FlexibleBody, Frame, FullBody, ModalDamping, NodalFixedFrame
 
 __all__ = ["FullDamping", "full_damping"]
 
@@ -19,27 +19,29 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class FullDamping:
-    """D(q) = C + W W^T + beta K_mat(q) of one full body, in motion against its frame.
+    """D(q) = C + W S W^T + beta K_mat(q) of one full body, in motion against its frame.
 
     constant : C, sparse (n, n)
-    columns : W (n, m), of the modes that are damped; m is 0 without
+    columns : W (n, m), of the modes that are damped, or of an interface that alpha acts against
+    signs : diagonal of S, (m,), each 1 or -1
     retardation_time : beta, s; 0 without
     """
 
     full: FullBody
     constant: csc_array
     columns: Array
+    signs: Array
     retardation_time: float
 
     def force(self, rates: Array) -> Array:
-        """(C + W W^T) q_dot, (n,); what follows the strain rate comes with the elastic force."""
-        return self.constant @ rates + self.columns @ (self.columns.T @ rates)
+        """(C + W S W^T) q_dot, (n,); what follows the strain rate comes with the elastic force."""
+        return self.constant @ rates + self.columns @ (self.signs * (self.columns.T @ rates))
 
     def with_modes(self, factor: SparseFactor, by_velocity: float) -> SparseFactor | LowRankUpdate:
-        """The factor of a tangent that lacks W W^T, with it."""
+        """The factor of a tangent that lacks W S W^T, with it."""
         if not (by_velocity and self.columns.size):
             return factor
-        return LowRankUpdate(factor, self.columns, by_velocity)
+        return LowRankUpdate(factor, self.columns, by_velocity * self.signs)
 
 
 def full_damping(full: FullBody) -> FullDamping:
@@ -47,10 +49,35 @@ def full_damping(full: FullBody) -> FullDamping:
     body, damping = full.body, full.damping
     none, no_columns = csc_array(body.mass.shape), np.empty((body.n, 0))
     if damping is None:
-        return FullDamping(full, none, no_columns, 0.0)
+        return FullDamping(full, none, no_columns, np.empty(0), 0.0)
+    held: Frame = full.frame if damping.held is None else NodalFixedFrame(damping.held)
     if isinstance(damping, ModalDamping):
-        columns = damping.columns(body.stiffness, body.mass, full.frame.constraint(body))
-        return FullDamping(full, none, columns, 0.0)
+        columns = damping.columns(body.stiffness, body.mass, held.constraint(body))
+        if held != full.frame:
+            columns = columns - _interface_motion(body, held).T @ (body.rigid_modes.T @ columns)
+        return FullDamping(full, none, columns, np.ones(columns.shape[1]), 0.0)
     time = 0.0 if body.is_linear else damping.retardation_time
     constant = csc_array(damping.matrix(none if time else body.stiffness, body.mass))
-    return FullDamping(full, constant, no_columns, time)
+    if held == full.frame or not damping.alpha:
+        return FullDamping(full, constant, no_columns, np.empty(0), time)
+    columns = np.sqrt(damping.alpha) * _seen_from(body, held)
+    return FullDamping(full, constant, columns, np.repeat([1.0, -1.0], 6), time)
+
+
+def _interface_motion(body: FlexibleBody, held: Frame) -> Array:
+    """G (6, n), rigid motion of an interface: G R = I."""
+    motion = held.constraint(body)
+    return np.asarray(np.linalg.solve(motion @ body.rigid_modes, motion), dtype=np.float64)
+
+
+def _seen_from(body: FlexibleBody, held: Frame) -> Array:
+    """What P^T M P, P = I - R G, has beside M: W W^T - U U^T, (n, 12).
+
+    U = M R L^-T and W = U - G^T L, with R^T M R = L L^T.
+    """
+    R = body.rigid_modes
+    momenta = body.mass @ R
+    lower = np.linalg.cholesky(R.T @ momenta)
+    rigid = np.linalg.solve(lower, momenta.T).T
+    beside = rigid - _interface_motion(body, held).T @ lower
+    return np.asarray(np.hstack([beside, rigid]), dtype=np.float64)

@@ -1,27 +1,28 @@
-"""Inertia of a full finite-element body in a floating frame: nodal forces, frame rows, and their tangents.
+"""Inertia of a full finite-element body in a floating frame: forces, momenta, and their tangents.
 
-The same equations as `floating_inertia`, node by node instead of through a Gram matrix. With the nodal
-velocities `V = Phi_w(q) w + qdot`, `h = M V` and `hdot = M (Phi_t a + Phi_w(q) wdot + w x qdot + qddot)`:
+Lagrange's equations of the kinetic energy of `InertiaPolynomial`, in the body's coordinates q, with the
+momentum `S q'` of the rates and the first moment `s = s_0 + S q`:
 
-    node         y = hdot + w x h            (translations; no `w x` for rotations)
-    force        p = sum y
-    moment       m = sum (x + u) x y + V x h + sum_rot (hdot + w x h)
+    coordinates  e = M q'' + w'_i (P_i + B_i^T q) + w_i (B_i^T - B_i) q' - w_i w_j (k_ij + Z_ij q) + S^T a
+    force        p = P' + w x P,             P = w x s + S q',     P' = m a + w' x s + w x S q' + S q''
+    moment       m = H' + w x H + s x a,     H = P_i . q' + q B_i q' + J(q) w
 
-The velocity of the frame's origin drops out of these; `momenta` adds it to `V`.
-Arrays over nodes have the shape (N, d, ...) with d = 3 or 6 freedoms a node, translations first.
+The velocity of the frame's origin drops out of these; `momenta` takes it. These are the equations of
+`floating_inertia` with V = I, for sparse matrices.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, eye_array, kron
+from scipy.sparse import csc_array
 
-from supple.algebra.cross import cross_matrices, cross_matrix
+from supple.algebra.cross import cross_matrix
 from supple.body import FlexibleBody
+from supple.body.inertia_polynomial import SPIN_PAIRS, InertiaPolynomial
 from supple.integrate import StepFactors
 
 __all__ = [
@@ -34,11 +35,11 @@ __all__ = [
 
 
 class FullMotion(NamedTuple):
-    """Displacements, velocities, accelerations (N, d) of the nodes; motion of the frame (3,)."""
+    """Coordinates of the body, their rates and accelerations (n,); motion of the frame (3,)."""
 
-    displacement: np.ndarray
-    rate: np.ndarray
-    acceleration: np.ndarray
+    coordinates: np.ndarray
+    rates: np.ndarray
+    accelerations: np.ndarray
     angular_velocity: np.ndarray
     angular_acceleration: np.ndarray
     frame_acceleration: np.ndarray
@@ -46,9 +47,9 @@ class FullMotion(NamedTuple):
 
 
 class InertiaTerms(NamedTuple):
-    """Inertia forces: on nodes (N, d), on the frame (6,)."""
+    """Inertia forces: on the coordinates (n,), on the frame (6,)."""
 
-    nodal: np.ndarray
+    own: np.ndarray
     frame: np.ndarray
 
 
@@ -61,151 +62,170 @@ class FullMomenta(NamedTuple):
 
 
 class InertiaBorder(NamedTuple):
-    """Tangents that involve the frame: columns (n_nodal, 6), rows (6, n_nodal), corner (6, 6)."""
+    """Tangents that involve the frame: columns (n, 6), rows (6, n), corner (6, 6)."""
 
     columns: np.ndarray
     rows: np.ndarray
     corner: np.ndarray
 
 
-def _turned(fields: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """`w x field` on translations, zero on rotations; fields (N, d, ...)."""
-    result = np.zeros_like(fields)
-    result[:, :3] = np.einsum("ij,nj...->ni...", cross_matrix(w), fields[:, :3])
-    return result
+class _State(NamedTuple):
+    """What force and tangent share at one motion."""
+
+    turned: np.ndarray
+    """`B_i^T q`, (3, n)"""
+    turned_rates: np.ndarray
+    """`(B_i^T - B_i) q'`, (3, n)"""
+    rates_turned: np.ndarray
+    """`B_i q'`, (3, n)"""
+    growth: np.ndarray
+    """Derivative of `J_ij` for q, (3, 3, n)"""
+    inertia: np.ndarray
+    """J(q), (3, 3)"""
+    inertia_rate: np.ndarray
+    """(3, 3)"""
+    linear: np.ndarray
+    """P, (3,)"""
+    angular: np.ndarray
+    """H, (3,)"""
 
 
 @dataclass(frozen=True, eq=False)
 class FullInertia:
-    """The mass matrix of a body, ready for floating-frame inertia."""
+    """The mass of a body, ready for floating-frame inertia."""
 
     body: FlexibleBody
 
-    @property
-    def _d(self) -> int:
-        return self.body.dofs_per_node
+    @cached_property
+    def _energy(self) -> InertiaPolynomial:
+        return InertiaPolynomial(self.body)
 
     @cached_property
-    def _mass(self) -> csr_array:
-        return csr_array(self.body.nodal_mass)
-
-    def _times_mass(self, fields: np.ndarray) -> np.ndarray:
-        flat = fields.reshape(self.body.n_nodal, -1)
-        return (self._mass @ flat).reshape(fields.shape)
+    def _centrifugal(self) -> tuple[csc_array, ...]:
+        """`Z_ii`, `Z_ij + Z_ji` of `SPIN_PAIRS`."""
+        pairs = zip(SPIN_PAIRS, self._energy.by_spin, strict=True)
+        return tuple(csc_array(Z if i == j else Z + Z.T) for (i, j), Z in pairs)
 
     @cached_property
-    def _translations(self) -> np.ndarray:
-        """`Phi_t`, (N, d, 3)."""
-        field = np.zeros((len(self.body.nodes), self._d, 3))
-        field[:, :3] = np.eye(3)
-        return field
+    def _rigid_momenta(self) -> np.ndarray:
+        """`M R`, (n, 6): `S^T`, then `P_i`."""
+        return self.body.mass @ self.body.rigid_modes
 
-    def _rotations(self, displacement: np.ndarray) -> np.ndarray:
-        """`Phi_w(q)`, (N, d, 3): column j is `e_j x (x + u)`, and `e_j` on rotations."""
-        field = np.zeros((len(self.body.nodes), self._d, 3))
-        place = self.body.nodes + displacement[:, :3]
-        field[:, :3] = -cross_matrices(place)
-        if self._d == 6:
-            field[:, 3:] = np.eye(3)
-        return field
+    @cached_property
+    def _rigid(self) -> np.ndarray:
+        """`R^T M R`, (6, 6)."""
+        return self.body.rigid_modes.T @ self._rigid_momenta
 
-    def _momenta(self, motion: FullMotion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Nodal velocities `V`, momenta `h` and their rate `hdot` in the frame, (N, d)."""
-        rotations = self._rotations(motion.displacement)
-        velocity = rotations @ motion.angular_velocity + motion.rate
-        acceleration = (
-            self._translations @ motion.frame_acceleration
-            + rotations @ motion.angular_acceleration
-            + _turned(motion.rate, motion.angular_velocity)
-            + motion.acceleration
+    @cached_property
+    def _growth_at_rest(self) -> np.ndarray:
+        """`k_ij + k_ji`, (3, 3, n)."""
+        return self._energy.by_both + self._energy.by_both.swapaxes(0, 1)
+
+    def _of_pairs(self, fields: np.ndarray) -> np.ndarray:
+        """`(Z_ij + Z_ji) q`, (3, 3, ...)."""
+        products = self._energy.spin_products(fields)
+        return products + products.swapaxes(0, 1)
+
+    def _state(self, motion: FullMotion) -> _State:
+        q, rates, w = motion.coordinates, motion.rates, motion.angular_velocity
+        momenta = self._rigid_momenta.T
+        turned, _ = self._energy.rate_products(q)
+        rates_back, rates_turned = self._energy.rate_products(rates)
+        growth = self._growth_at_rest + self._of_pairs(q)
+        inertia = self._rigid[3:, 3:] + (self._growth_at_rest + growth) @ q / 2
+        moving = momenta[:3] @ rates
+        return _State(
+            turned=turned,
+            turned_rates=rates_back - rates_turned,
+            rates_turned=rates_turned,
+            growth=growth,
+            inertia=inertia,
+            inertia_rate=growth @ rates,
+            linear=self._rigid[:3, 3:] @ w + np.cross(w, momenta[:3] @ q) + moving,
+            angular=(momenta[3:] + turned) @ rates + inertia @ w,
         )
-        return velocity, self._times_mass(velocity), self._times_mass(acceleration)
 
     def terms(self, motion: FullMotion) -> InertiaTerms:
-        """Inertia forces on nodes and frame."""
-        velocity, momentum, rate = self._momenta(motion)
-        nodal = rate + _turned(momentum, motion.angular_velocity)
-        place = self.body.nodes + motion.displacement[:, :3]
-        moment = (np.cross(place, nodal[:, :3]) + np.cross(velocity[:, :3], momentum[:, :3])).sum(axis=0)
-        if self._d == 6:
-            moment = moment + (nodal[:, 3:] + np.cross(motion.angular_velocity, momentum[:, 3:])).sum(axis=0)
-        return InertiaTerms(nodal, np.concatenate([nodal[:, :3].sum(axis=0), moment]))
+        """Inertia forces on coordinates and frame."""
+        return self._terms(motion, self._state(motion))
+
+    def _terms(self, motion: FullMotion, state: _State) -> InertiaTerms:
+        w, dw, a = motion.angular_velocity, motion.angular_acceleration, motion.frame_acceleration
+        momenta = self._rigid_momenta.T
+        own = (
+            self.body.mass @ motion.accelerations
+            + dw @ (momenta[3:] + state.turned)
+            + w @ state.turned_rates
+            - np.einsum("i,ijn,j->n", w, state.growth, w) / 2
+            + a @ momenta[:3]
+        )
+        moved, moving = momenta[:3] @ motion.coordinates, momenta[:3] @ motion.rates
+        linear_rate = (
+            self._rigid[:3, :3] @ a
+            + self._rigid[:3, 3:] @ dw
+            + np.cross(dw, moved)
+            + np.cross(w, moving)
+            + momenta[:3] @ motion.accelerations
+        )
+        angular_rate = (
+            (momenta[3:] + state.turned) @ motion.accelerations
+            + state.rates_turned @ motion.rates
+            + state.inertia @ dw
+            + state.inertia_rate @ w
+        )
+        force = linear_rate + np.cross(w, state.linear)
+        moment = angular_rate + np.cross(w, state.angular) + self._rigid[3:, :3] @ a + np.cross(moved, a)
+        return InertiaTerms(own, np.concatenate([force, moment]))
 
     def momenta(
-        self, displacement: np.ndarray, rate: np.ndarray, angular_velocity: np.ndarray, velocity: np.ndarray
+        self, coordinates: np.ndarray, rates: np.ndarray, angular_velocity: np.ndarray, velocity: np.ndarray
     ) -> FullMomenta:
         """Kinetic energy and momenta at t instants.
 
-            V = Phi_t v + Phi_w(q) w + qdot,   h = M V,   T = V h / 2,   P = Phi_t^T h,   H = Phi_w(q)^T h
-
-        displacement, rate : (N, d, t) of the nodes
+        coordinates, rates : (n, t)
         angular_velocity, velocity : (3, t) of the frame, `w` and `v = A^T Rdot`
         """
-        place = self.body.nodes[:, :, None] + displacement[:, :3]
-        fields = rate.copy()
-        fields[:, :3] += velocity + np.cross(angular_velocity[None], place, axis=1)
-        if self._d == 6:
-            fields[:, 3:] += angular_velocity
-        momentum = self._times_mass(fields)
-        angular = np.cross(place, momentum[:, :3], axis=1).sum(axis=0)
-        if self._d == 6:
-            angular += momentum[:, 3:].sum(axis=0)
+        w, v, momenta = angular_velocity, velocity, self._rigid_momenta.T
+        moved = momenta[:3] @ coordinates
+        about_origin = self._rigid[:3, 3:] @ w + np.cross(w, moved, axis=0) + momenta[:3] @ rates
+        turned, _ = self._energy.rate_products(coordinates)
+        turning = momenta[3:] @ rates + np.einsum("int,nt->it", turned, rates)
+        growth = self._growth_at_rest[..., None] + self._of_pairs(coordinates) / 2
+        inertia = self._rigid[3:, 3:, None] + np.einsum("ijnt,nt->ijt", growth, coordinates)
+        spun = np.einsum("ijt,jt->it", inertia, w)
+        linear = self._rigid[:3, :3] @ v + about_origin
+        own = np.einsum("nt,nt->t", rates, self.body.mass @ rates)
+        kinetic = (np.sum(v * (linear + about_origin) + w * (spun + 2 * turning), axis=0) + own) / 2
         return FullMomenta(
-            np.einsum("ndt,ndt->t", fields, momentum) / 2, momentum[:, :3].sum(axis=0), angular
+            kinetic, linear, turning + spun + self._rigid[3:, :3] @ v + np.cross(moved, v, axis=0)
         )
-
-    @cached_property
-    def _mass_translations(self) -> np.ndarray:
-        """`M Phi_t`, (N, d, 3)."""
-        return self._times_mass(self._translations)
 
     @property
     def mass(self) -> float:
         """Mass of the body, kg."""
-        return float(self._mass_translations[:, 0, 0].sum())
+        return float(self._rigid[0, 0])
 
-    def first_moment(self, displacement: np.ndarray) -> np.ndarray:
-        """`sum m (x + u)` in body components, (3, t), for displacements (N, d, t).
+    def first_moment(self, coordinates: np.ndarray) -> np.ndarray:
+        """`sum m (x + u)` in body components, (3, t), for coordinates (n, t).
 
         At rest from `Phi_t^T M Phi_w(0) = -(m c)~`, in motion with `Phi_t^T M q`, whose rate is momentum.
         """
-        weights = self._mass_translations
-        at_rest = np.zeros((len(self.body.nodes), self._d))
-        turning = np.einsum("nda,ndb->ab", weights, self._rotations(at_rest))
+        turning = self._rigid[:3, 3:]
         rest = np.array([turning[1, 2], turning[2, 0], turning[0, 1]])
-        return rest[:, None] + np.einsum("nda,ndt->at", weights, displacement)
-
-    @cached_property
-    def _axis_turns(self) -> tuple[csr_array, ...]:
-        """`E_i`: the sparse matrices of `e_i x` on the translations of all nodes."""
-        per_node = []
-        for axis in np.eye(3):
-            block = np.zeros((self._d, self._d))
-            block[:3, :3] = cross_matrix(axis)
-            per_node.append(csr_array(kron(eye_array(len(self.body.nodes)), csr_array(block))))
-        return tuple(per_node)
+        return rest[:, None] + self._rigid_momenta[:, :3].T @ coordinates
 
     @cached_property
     def matrices(self) -> dict[str, list[csc_array]]:
-        """Constant matrices (n, n), in the body's coordinates, of the tangent's inertia part.
+        """Constant matrices (n, n) of the tangent's inertia part.
 
-        mass `M`; gyroscopic `M E_i + E_i M`; euler `M E_i`; centrifugal `E_i M E_j + E_j M E_i` (i < j),
-        `E_i M E_i`, in the order 11, 22, 33, 12, 13, 23.
+        mass `M`; gyroscopic `B_i^T - B_i`; euler `B_i^T`; centrifugal `-Z_ii` and `-(Z_ij + Z_ji)`, in the
+        order of `SPIN_PAIRS`.
         """
-        mass, turns, expand = self._mass, self._axis_turns, self.body.expansion
-
-        def project(matrix: Any) -> csc_array:
-            return csc_array(expand.T @ matrix @ expand)
-
-        pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
         return {
-            "mass": [project(mass)],
-            "gyroscopic": [project(mass @ e + e @ mass) for e in turns],
-            "euler": [project(mass @ e) for e in turns],
-            "centrifugal": [
-                project(turns[i] @ mass @ turns[j] + (turns[j] @ mass @ turns[i] if i != j else 0 * mass))
-                for i, j in pairs
-            ],
+            "mass": [csc_array(self.body.mass)],
+            "gyroscopic": [csc_array(matrix.T - matrix) for matrix in self._energy.by_rate],
+            "euler": [csc_array(matrix.T) for matrix in self._energy.by_rate],
+            "centrifugal": [-matrix for matrix in self._centrifugal],
         }
 
     @staticmethod
@@ -213,56 +233,50 @@ class FullInertia:
         angular_velocity: np.ndarray, angular_acceleration: np.ndarray, factors: StepFactors
     ) -> dict[str, np.ndarray]:
         """Factors of `matrices` in the tangent."""
-        x, y, z = angular_velocity
+        first, second = np.transpose(SPIN_PAIRS)
         return {
             "mass": np.ones(1),
             "gyroscopic": factors.by_velocity * angular_velocity,
             "euler": factors.by_position * angular_acceleration,
-            "centrifugal": factors.by_position * np.array([x * x, y * y, z * z, x * y, x * z, y * z]),
+            "centrifugal": factors.by_position * angular_velocity[first] * angular_velocity[second],
         }
 
     def border(self, motion: FullMotion, factors: StepFactors) -> InertiaBorder:
-        """Tangents between the nodes and the frame, for the same factors as `inertia_tangent`."""
+        """Tangents between the coordinates and the frame, for the same factors as `inertia_tangent`."""
         position, velocity = factors
-        w, dw = motion.angular_velocity, motion.angular_acceleration
-        rotations = self._rotations(motion.displacement)
-        _, momentum, rate = self._momenta(motion)
-        mass_translations = self._mass_translations
-        mass_rotations = self._times_mass(rotations)
-        axes = np.eye(3)
+        w, dw, a = motion.angular_velocity, motion.angular_acceleration, motion.frame_acceleration
+        state, momenta = self._state(motion), self._rigid_momenta.T
+        spin, change = cross_matrix(w), cross_matrix(dw)
+        turning = momenta[3:] + state.turned
+        spun = np.einsum("ijn,j->in", state.growth, w)
+        columns = np.concatenate([momenta[:3], turning + velocity * (state.turned_rates - spun)]).T
 
-        by_rotation_rate = np.stack([_turned(motion.rate, axis) for axis in axes], axis=-1)
-        turned_momentum = np.stack([_turned(momentum, axis) for axis in axes], axis=-1)
-        columns_rotation = mass_rotations + velocity * (
-            self._times_mass(by_rotation_rate) + turned_momentum + _turned(mass_rotations, w)
+        # Of H', of H, and of s x a.
+        rate_rows = 2 * state.rates_turned + state.turned_rates
+        place_rows = (
+            self._energy.rate_products(motion.accelerations)[1]
+            + np.einsum("ijn,j->in", state.growth, dw)
+            + np.einsum("ijn,j->in", self._of_pairs(motion.rates), w)
         )
-        columns = np.concatenate([mass_translations, columns_rotation], axis=-1)
+        momentum_rows = velocity * turning + position * (state.rates_turned + spun)
+        moment_rows = turning + velocity * (rate_rows + spun) + position * place_rows
+        moment_rows += spin @ momentum_rows - position * cross_matrix(a) @ momenta[:3]
+        force_rows = (np.eye(3) + 2 * velocity * spin + position * (change + spin @ spin)) @ momenta[:3]
 
-        left = np.concatenate([self._translations, rotations], axis=-1)
-        mass_left = np.concatenate([mass_translations, mass_rotations], axis=-1)
-        # (L^T w~) M: for a column l of L, (w~)^T l = -w x l
-        mass_turned_left = self._times_mass(-_turned(left, w))
-        rows = (
-            mass_left
-            - velocity * _turned(mass_left, w)
-            - position * _turned(mass_left, dw)
-            + velocity * mass_turned_left
-            - position * _turned(mass_turned_left, w)
+        moved = cross_matrix(momenta[:3] @ motion.coordinates)
+        moving = cross_matrix(momenta[:3] @ motion.rates)
+        arm = self._rigid[:3, 3:] - moved
+        corner = np.block(
+            [
+                [
+                    self._rigid[:3, :3],
+                    arm + velocity * (spin @ arm - moving - cross_matrix(state.linear)),
+                ],
+                [
+                    self._rigid[3:, :3] + moved,
+                    state.inertia
+                    + velocity * (state.inertia_rate + spin @ state.inertia - cross_matrix(state.angular)),
+                ],
+            ]
         )
-        nodal = rate + _turned(momentum, w)
-        # dX x y seen along e_j: dX . (y x e_j)
-        arm_change = np.zeros_like(rotations)
-        arm_change[:, :3] = -np.einsum("jab,nb->naj", np.array([cross_matrix(e) for e in axes]), nodal[:, :3])
-        rows[..., 3:] += position * arm_change
-        corner = np.einsum("nda,ndb->ab", left, columns)
-        if self._d == 6:
-            # e_j . (w x dh_rot) = (e_j x w) . dh_rot
-            spun = np.zeros_like(rotations)
-            spun[:, 3:] = np.cross(axes, w).T
-            mass_spun = self._times_mass(spun)
-            rows[..., 3:] += velocity * mass_spun - position * _turned(mass_spun, w)
-            total = momentum[:, 3:].sum(axis=0)
-            change = velocity * mass_rotations[:, 3:].sum(axis=0)
-            corner[3:, 3:] += cross_matrix(w) @ change - velocity * cross_matrix(total)
-        n_nodal = self.body.n_nodal
-        return InertiaBorder(columns.reshape(n_nodal, 6), rows.reshape(n_nodal, 6).T, corner)
+        return InertiaBorder(columns, np.concatenate([force_rows, moment_rows]), corner)

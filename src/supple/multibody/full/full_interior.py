@@ -108,9 +108,9 @@ class FullInterior:
 
     def _motion(self, state: InteriorState) -> FullMotion:
         return FullMotion(
-            displacement=self._nodal(state.coordinates),
-            rate=self._nodal(state.rates),
-            acceleration=self._nodal(state.accelerations),
+            coordinates=state.coordinates,
+            rates=state.rates,
+            accelerations=state.accelerations,
             angular_velocity=state.angular_velocity,
             angular_acceleration=state.angular_acceleration,
             frame_acceleration=state.rotation.T @ state.acceleration,
@@ -132,13 +132,10 @@ class FullInterior:
         """All terms of the body's own equations of motion."""
         body, rotation = self.full.body, state.rotation
         terms = self.inertia.terms(self._motion(state))
-        inertia = np.concatenate(
-            [rotation @ terms.frame[:3], terms.frame[3:], body.expansion.T @ terms.nodal.ravel()]
-        )
+        inertia = np.concatenate([rotation @ terms.frame[:3], terms.frame[3:], terms.own])
         internal = np.concatenate([np.zeros(6), self._internal_force(state.coordinates, state.rates)])
-        nodal = np.zeros_like(terms.nodal)
-        moment = np.zeros(3)
-        place = body.nodes + self._nodal(state.coordinates)[:, :3]
+        moved = self._nodal(state.coordinates)
+        nodal, moment, place = np.zeros_like(moved), np.zeros(3), body.nodes + moved[:, :3]
         for nodes, values, _ in self._load_forces(state, place):
             np.add.at(nodal[:, :3], nodes, values)
             moment += np.cross(place[nodes], values).sum(axis=0)
@@ -223,10 +220,9 @@ class FullInterior:
 
     def kinetic_energy(self, state: InteriorState, velocity: np.ndarray) -> float:
         """Kinetic energy; `velocity` (3,) is that of the frame's origin, global."""
-        motion = self._motion(state)
         momenta = self.inertia.momenta(
-            motion.displacement[..., None],
-            motion.rate[..., None],
+            state.coordinates[:, None],
+            state.rates[:, None],
             state.angular_velocity[:, None],
             (state.rotation.T @ velocity)[:, None],
         )
@@ -250,10 +246,10 @@ class FullInterior:
         corner[:, 3:] += corner[:, :3] @ swing
         corner[:3, 3:] -= cross_matrix(frame_force) @ turn
 
-        d = self.full.body.dofs_per_node
-        place = self.full.body.nodes + motion.displacement[:, :3]
-        by_node = columns.reshape(-1, d, 6)
-        row_by_node = rows.reshape(6, -1, d)
+        body = self.full.body
+        d, place = body.dofs_per_node, body.nodes + self._nodal(state.coordinates)[:, :3]
+        by_node = np.zeros((len(body.nodes), d, 6))
+        row_by_node = np.zeros((6, len(body.nodes), d))
         for nodes, values, by_rotation in self._load_forces(state, place):
             # How forces follow the displacements of their own nodes is left to Newton's iteration.
             crosses = cross_matrices(values)
@@ -262,8 +258,10 @@ class FullInterior:
             corner[:3, 3:] -= (by_rotation - crosses).sum(axis=0) @ turn
             corner[3:, 3:] -= np.einsum("kij,kjl->il", cross_matrices(place[nodes]), by_rotation) @ turn
 
-        expansion = self.full.body.expansion
-        return expansion.T @ columns, (expansion.T @ rows.T).T, corner
+        if self.loads:
+            columns += body.expansion.T @ by_node.reshape(-1, 6)
+            rows += (body.expansion.T @ row_by_node.reshape(6, -1).T).T
+        return columns, rows, corner
 
 
 def _unit_rows(rows: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ A Python loop over time steps is unavoidable here: each iteration solves with sp
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -231,6 +231,32 @@ class FullSystem:
             interiors.append(np.concatenate([own[:6], interior.interface_rows.T @ own[6:]]))
         return evaluation.left_with(-forces, tuple(interiors))
 
+    def residual_of(self, evaluation: Evaluation) -> np.ndarray:
+        """What is unbalanced in all freedoms (n,); of frames the force is global, the moment in body axes."""
+        parts = [evaluation.border.residual[part] for part in self.model.slices]
+        for interior, own in zip(self.interiors, evaluation.interior_residuals, strict=True):
+            parts[interior.index] = own
+        return np.concatenate(parts)
+
+    def norms(self, residual: np.ndarray) -> np.ndarray:
+        """Of forces, moments and deformation in a residual (n,), (3,)."""
+        return np.sqrt(np.sum([_squares_by_kind(residual[part]) for part in self.slices], axis=0))
+
+    def without(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
+        """As if forces (n,) were held back; its relative residual is left as it was."""
+        border = np.concatenate(
+            [
+                np.zeros(part.stop - part.start) if index in self.interior_of else forces[own]
+                for index, (part, own) in enumerate(zip(self.model.slices, self.slices, strict=True))
+            ]
+        )
+        interiors = tuple(
+            residual - forces[self.slices[interior.index]]
+            for interior, residual in zip(self.interiors, evaluation.interior_residuals, strict=True)
+        )
+        terms = evaluation.border._replace(applied=evaluation.border.applied - border)
+        return evaluation._replace(border=terms, interior_residuals=interiors)
+
     def _interior_state(self, interior: FullInterior, state: FullState) -> InteriorState:
         part = self.slices[interior.index]
         velocity, acceleration = state.velocity[part], state.acceleration[part]
@@ -365,18 +391,33 @@ class FullSystem:
         joint_residual: np.ndarray,
     ) -> np.ndarray:
         """`M x + G^T y + D^T z = 0`, `G x = - residual`, `D x = - D velocity` of every full body."""
-        at_rest = self.state_at(0.0, configuration, np.zeros(self.n))
-        still = self.evaluate(at_rest, 0.0)
-        balanced = still.left_with(
-            np.zeros_like(still.border.inertia), tuple(np.zeros_like(r) for r in still.interior_residuals)
-        )
         drifts = tuple(
             -interior.frame_rows @ velocity[self._coordinates(interior)] for interior in self.interiors
         )
-        change, _, _ = self.correction(
-            balanced, (-joint_residual, drifts), np.zeros(self.n), StepFactors(0.0, 0.0)
-        )
+        ((change, _),) = self._pushed(configuration, [(-joint_residual, drifts)])
         return change
+
+    def joint_masses(self, configuration: Configuration, terms: JointTerms) -> np.ndarray:
+        """The multipliers of `least_change` for a unit of each equation."""
+        none = tuple(np.zeros(6) for _ in self.interiors)
+        units = -np.eye(len(terms.residual))
+        return np.array([own for _, own in self._pushed(configuration, [(unit, none) for unit in units])])
+
+    def _pushed(
+        self, configuration: Configuration, targets: Sequence[Targets]
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Motions (n,) that joints alone give to bodies at rest, and their multipliers, for each target."""
+        still = self.evaluate(self.state_at(0.0, configuration, np.zeros(self.n)), 0.0)
+        balanced = still.left_with(
+            np.zeros_like(still.border.inertia), tuple(np.zeros_like(r) for r in still.interior_residuals)
+        )
+        none, factors = np.zeros(self.n), StepFactors(0.0, 0.0)
+        eliminations = self.eliminated(
+            balanced.interior_states, self.turns(none), factors, FullTangent.serving
+        )
+        return [
+            self.correction_behind(eliminations, balanced, target, none, factors)[:2] for target in targets
+        ]
 
     def _coordinates(self, interior: FullInterior) -> slice:
         """Where the coordinates of a full body stand in the velocities."""

@@ -14,46 +14,44 @@ from scipy.sparse import block_diag, csr_array, eye_array, hstack, vstack
 
 from supple.algebra.cross import cross_matrix
 from supple.multibody.equations.control_linearization import LinearControl
-from supple.multibody.equations.joint_force import constraint_rows
-from supple.multibody.equations.static_search import StaticState
-from supple.multibody.equations.steady_motion import Turning, linear_equations, work_of_turning
+from supple.multibody.equations.steady_motion import Turning, linear_equations
 from supple.multibody.full.full_interior import FullInterior, InteriorState
+from supple.multibody.full.full_state import Evaluation
 from supple.multibody.full.full_system import FullSystem
-from supple.multibody.full.statics import FullStatics
 
-__all__ = ["SparseEquations", "carried_state", "full_linear_equations"]
+__all__ = ["SparseEquations", "frame_conditions", "full_linear_equations", "to_border"]
 
 
 class SparseEquations(NamedTuple):
-    """`M p'' + (C + W W^T) p' + K p + A^T l = H z`, `A p = 0`, in axes that turn with the bodies."""
+    """`M p'' + (C + W S W^T) p' + K p + A^T l = H z`, `A p = 0`, in axes that turn with the bodies."""
 
     mass: Any
     """Sparse (n, n), regular on the motions that the constraints leave free"""
     damping: Any
     """Sparse (n, n), with the gyroscopic terms"""
     damping_columns: np.ndarray
-    """`W` (n, w), of damped modes"""
+    """`W` (n, w), of damped modes and of interfaces that damping by mass acts against"""
+    damping_signs: np.ndarray
+    """Diagonal of `S`, (w,), each 1 or -1"""
     stiffness: Any
     """Sparse (n, n), with the centrifugal terms and those of the forces that are carried"""
     constraint: Any
     """Sparse (m, n): of the joints, and of the frames of full bodies"""
     interior: np.ndarray
-    """Numbers of the freedoms of full bodies against their frames"""
+    """Numbers of the freedoms of full bodies against their frames, but for six that hold each body"""
     control: LinearControl
     """States z of controllers"""
 
     def damped(self, motions: np.ndarray) -> np.ndarray:
-        """`(C + W W^T) p` of motions (n, k)."""
-        return self.damping @ motions + self.damping_columns @ (self.damping_columns.T @ motions)
+        """`(C + W S W^T) p` of motions (n, k)."""
+        along = self.damping_signs[:, None] * (self.damping_columns.T @ motions)
+        return self.damping @ motions + self.damping_columns @ along
 
 
-def full_linear_equations(
-    machine: FullSystem, turning: Turning, time: float, state: StaticState
-) -> SparseEquations:
+def full_linear_equations(machine: FullSystem, turning: Turning, terms: Evaluation) -> SparseEquations:
     """The equations of motion, linearised about a state in which every body turns steadily."""
-    terms, _ = FullStatics(machine, turning).unbalance(state, time).terms
     border = linear_equations(machine.model, turning, terms.border_motion, terms.border)
-    seen = _to_border(machine)
+    seen = to_border(machine)
     states = dict(zip((each.index for each in machine.interiors), terms.interior_states, strict=True))
     inner = {each.index: _turning_parts(each, states[each.index]) for each in machine.interiors}
     mass, damping, stiffness = (
@@ -62,42 +60,17 @@ def full_linear_equations(
         for number, of_border in enumerate((border.mass, border.damping, border.stiffness))
     )
     columns = {each.index: _behind_frame(each.damping.columns.T).T for each in machine.interiors}
+    signs = {each.index: each.damping.signs for each in machine.interiors}
     return SparseEquations(
         mass=csr_array((mass + mass.T) / 2),
         damping=damping,
         damping_columns=_by_body(machine, columns, square=False).toarray(),
+        damping_signs=np.concatenate([signs[index] for index in sorted(signs)]),
         stiffness=stiffness,
-        constraint=csr_array(vstack([csr_array(border.jacobian) @ seen, _frame_conditions(machine)])),
-        interior=np.concatenate([np.arange(*_coordinates(machine, each)) for each in machine.interiors]),
+        constraint=csr_array(vstack([csr_array(border.jacobian) @ seen, frame_conditions(machine)])),
+        interior=np.concatenate([_interior(machine, each) for each in machine.interiors]),
         control=border.control.along(seen),
     )
-
-
-def carried_state(
-    machine: FullSystem, turning: Turning, time: float, state: StaticState
-) -> tuple[StaticState, float]:
-    """A configuration with multipliers that carry what is unbalanced in it; and what part they cannot."""
-    none = state._replace(
-        multipliers=np.zeros(len(machine.model.active)),
-        frame_multipliers=tuple(np.zeros(6) for _ in machine.interiors),
-    )
-    found = FullStatics(machine, turning).unbalance(none, time)
-    terms, _ = found.terms
-    parts = [terms.border.residual[part] for part in machine.model.slices]
-    for interior, own in zip(machine.interiors, terms.interior_residuals, strict=True):
-        parts[interior.index] = own
-    weights = machine.position_scale
-    unbalanced = weights * np.concatenate(parts)
-    joints: Any = csr_array(np.asarray(constraint_rows(machine.model, terms.border.linearization.joints)))
-    rows = vstack([joints @ _to_border(machine), _frame_conditions(machine)])
-    carried = weights[:, None] * rows.T.toarray()
-    multipliers = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
-    size = max(work_of_turning(machine.model, turning), float(np.linalg.norm(unbalanced))) or 1.0
-    left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / size
-    of_joints, of_frames = np.split(multipliers, [joints.shape[0]])
-    frames = tuple(of_frames.reshape(-1, 6))
-    left = max(left, *found.unrest.values(), 0.0)
-    return none._replace(multipliers=of_joints, frame_multipliers=frames), left
 
 
 def _turning_parts(interior: FullInterior, state: InteriorState) -> tuple[Any, Any, Any]:
@@ -113,7 +86,7 @@ def _turning_parts(interior: FullInterior, state: InteriorState) -> tuple[Any, A
     )
 
 
-def _to_border(machine: FullSystem) -> csr_array:
+def to_border(machine: FullSystem) -> csr_array:
     """From all freedoms to those of the border: interfaces move with the coordinates of their bodies."""
     interfaces = {
         each.index: csr_array(block_diag([eye_array(6), each.interface_rows])) for each in machine.interiors
@@ -128,7 +101,7 @@ def _to_border(machine: FullSystem) -> csr_array:
     )
 
 
-def _frame_conditions(machine: FullSystem) -> csr_array:
+def frame_conditions(machine: FullSystem) -> csr_array:
     """`D` of all full bodies, (6 b, n)."""
     rows = {each.index: _behind_frame(each.frame_rows).T for each in machine.interiors}
     return csr_array(_by_body(machine, rows, square=False).T)
@@ -146,7 +119,8 @@ def _by_body(machine: FullSystem, parts: Mapping[int, Any], *, square: bool = Tr
     return csr_array(block_diag(blocks))
 
 
-def _coordinates(machine: FullSystem, interior: FullInterior) -> tuple[int, int]:
-    """First and last of a full body's coordinates among all freedoms."""
-    part = machine.slices[interior.index]
-    return part.start + 6, part.stop
+def _interior(machine: FullSystem, interior: FullInterior) -> np.ndarray:
+    """Numbers of a full body's coordinates among all freedoms, without those that hold its rigid motion."""
+    start = machine.slices[interior.index].start + 6
+    body = interior.full.body
+    return start + np.setdiff1d(np.arange(body.n), body.grounded_stiffness.springs)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import FlexibleBody, Frame
-from supple.body.rigid_motion import nodal_rigid_modes
+from supple.body.inertia_polynomial import SPIN_PAIRS, InertiaPolynomial
 from supple.reduction.bases.interface_columns import fixed_interfaces
 from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe
 
@@ -48,7 +48,7 @@ class SteadyLoads:
         held = fixed_interfaces(body, frame) or body.interfaces
         solver = body.constrained(held[0].motion) if held else basis.static_solver
         names = NAMES if held else NAMES[6:]  # a free body only follows when it is accelerated
-        answers = solver.solve(body.expansion.T @ _loads(body)[:, -len(names) :])
+        answers = solver.solve(_loads(body)[:, -len(names) :])
         lengths = np.sqrt(np.sum(answers * (body.mass @ answers), axis=0))
         kept = np.flatnonzero(lengths > SMALLEST_ANSWER * lengths.max())
         return replace(
@@ -59,13 +59,19 @@ class SteadyLoads:
         )
 
 
+@dataclass(frozen=True)
+class NoLoads:
+    """The columns of a recipe alone, as in published work: `reduce(.., loads=NoLoads)`."""
+
+    recipe: LinearBasisRecipe
+
+    def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
+        """The recipe's columns; errors of the recipe."""
+        return self.recipe.build(body, frame)
+
+
 def _loads(body: FlexibleBody) -> NDArray[np.float64]:
-    """Inertia loads (n_nodal, 12) on the nodal freedoms, in the order of NAMES, but for their sign."""
-    spins = np.zeros((len(body.nodes), body.dofs_per_node, 6))
-    for axis in range(3):
-        across = np.flatnonzero(np.arange(3) != axis)
-        spins[:, across, axis] = body.nodes[:, across]
-    for number, (first, second) in enumerate(combinations(range(3), 2), 3):
-        spins[:, first, number], spins[:, second, number] = body.nodes[:, second], body.nodes[:, first]
-    rigid = nodal_rigid_modes(body.nodes, body.dofs_per_node)
-    return body.nodal_mass @ np.hstack([rigid, spins.reshape(-1, 6)])
+    """Inertia loads (n, 12) on the coordinates, in the order of NAMES, but for their sign."""
+    of_spin = InertiaPolynomial(body).by_both
+    of_both = of_spin + of_spin.swapaxes(0, 1)
+    return np.column_stack([body.mass @ body.rigid_modes, *(of_both[pair] for pair in SPIN_PAIRS)])

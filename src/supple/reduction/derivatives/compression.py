@@ -22,7 +22,8 @@ ROUND_OFF = 1e-10
 class CompressedDerivatives:
     """Add the n leading directions of all derivatives, each weighted by the amplitude its pair will have.
 
-    n : number of columns to add (fewer where all derivatives together span less)
+    n : number of columns to add; fewer where all derivatives together span less, as those of a straight beam
+        that bends, which move it along its axis alone: the report then says so among the dropped columns
     weights : AmplitudeProduct(UnitLoad()) or AmplitudeProduct(StaticLoad(F))
     """
 
@@ -56,6 +57,17 @@ def compress(
     return DerivativeColumns(
         directions.vectors[:, :n_kept],
         labels=tuple(f"compressed derivative {i + 1}" for i in range(n_kept)),
+        dropped=_not_there(n, n_kept),
         singular_values_kept=relative[:n_kept],
         singular_values_dropped=relative[n_kept:],
+    )
+
+
+def _not_there(n: int, n_kept: int) -> tuple[str, ...]:
+    """Why there are fewer columns than asked for, as the label of those that are not there."""
+    if n_kept == n:
+        return ()
+    return (
+        f"compressed derivatives {n_kept + 1} to {n} (all derivatives lie in {n_kept} directions; what is "
+        f"left of them is below {ROUND_OFF:.0e} of the first)",
     )

@@ -17,6 +17,8 @@ __all__ = ["kept_bases", "kept_basis"]
 
 DIFFERENT = 1e-8
 """Of the nodal motion: what cannot be a motion of the full body."""
+LIKE = 1e-6
+"""Of the reduced stiffness: what that of the full body may differ by."""
 
 
 def kept_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
@@ -28,8 +30,13 @@ def kept_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
     normal = splu(csc_array(T.T @ T))
     columns = normal.solve(np.asarray(T.T @ reduced.nodal_basis))
     left = np.abs(T @ columns - reduced.nodal_basis).max()
-    if left > DIFFERENT * np.abs(reduced.nodal_basis).max():
-        raise ModelError(f"body '{full.name}' in full is not the one that was reduced: their motions differ")
+    stiffness = columns.T @ (full.body.stiffness @ columns)
+    stiffer = np.abs(stiffness - reduced.stiffness).max() > LIKE * np.abs(reduced.stiffness).max()
+    if stiffer or left > DIFFERENT * np.abs(reduced.nodal_basis).max():
+        raise ModelError(
+            f"body '{full.name}' in full is not the one that was reduced: "
+            "their motions or their stiffness differ"
+        )
     return ReductionBasis(reduced.frame, columns, reduced.report)
 
 

@@ -1,0 +1,103 @@
+"""Motions of a body that carry no mass: found, and made to follow the others statically.
+
+Too few integration points leave a consistent mass matrix positive semidefinite: four in a ten-node
+tetrahedron see no mass in some motions of nodes that belong to one cell alone. Where the stiffness is regular
+on these motions Z (M Z = 0), their inertia-free equilibrium ties them to the rest:
+
+    Z^T K u = 0,    u_e = - (Z^T K_e)^-1 Z^T K_k u_k,    u = T u_k
+
+of as many eliminated freedoms e as there are columns in Z, and the kept ones k. T^T M T is positive definite,
+and T maps the rigid motions of the kept freedoms to those of all.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, sparse
+
+from supple.algebra import factorize_symmetric, lowest_modes
+from supple.errors import AccuracyError, ModelError
+
+__all__ = ["StaticallyTied", "massless_motions", "tie_statically"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Of the energy of freedoms that move alone: less is none.
+_REGULAR = 1e-9
+# Of the largest entry: rounding of ties that are none.
+_NO_TIE = 1e-11
+
+
+def massless_motions(mass: sparse.csc_array, tolerance: float) -> FloatArray:
+    """Motions Z (n, k) with M Z = 0, in the units of each freedom: k = 0 where M is positive definite.
+
+    tolerance : of an eigenvalue of the mass scaled to a unit diagonal, for what counts as none; mass on every
+        freedom is assumed
+
+    Raises
+    ------
+    ModelError  an eigenvalue below minus the tolerance
+    """
+    n = mass.indptr.size - 1
+    try:
+        inertia = factorize_symmetric(mass).inertia
+    except AccuracyError:
+        inertia = None
+    if inertia is not None and inertia.positive == n:
+        return np.zeros((n, 0))
+    scale = 1.0 / np.sqrt(mass.diagonal())
+    scaled = sparse.csc_array(mass.multiply(scale[:, None]).multiply(scale))
+    unit = sparse.eye_array(n, format="csc")
+    negative, none = (
+        factorize_symmetric(scaled + shift * unit).inertia.negative for shift in (tolerance, -tolerance)
+    )
+    if negative:
+        raise ModelError(f"{negative} negative and {none - negative} zero eigenvalues of {n}")
+    lifted = sparse.csc_array(scaled + tolerance * unit)
+    return scale[:, None] * lowest_modes(lifted, unit, none).vectors
+
+
+class StaticallyTied(NamedTuple):
+    """The kept freedoms (m,), and the expansion T (n, m) from them to all."""
+
+    kept: IntArray
+    expansion: sparse.csc_array
+
+
+def tie_statically(
+    stiffness: sparse.csc_array, motions: FloatArray, eligible: NDArray[np.bool_]
+) -> StaticallyTied:
+    """Eliminate as many freedoms as there are massless motions Z (n, k).
+
+    eligible : (n,)     freedoms that may be eliminated
+
+    Raises
+    ------
+    ModelError  motions that have no stiffness either, or that eligible freedoms cannot stand for
+    """
+    n, k = motions.shape
+    forces = motions.T @ stiffness
+    # Against the energy of freedoms that move alone, so that none of the motions need have stiffness.
+    alone = motions.T @ (stiffness.diagonal()[:, None] * motions)
+    soft = int((linalg.eigvalsh(forces @ motions, alone) <= _REGULAR).sum())
+    if soft:
+        raise ModelError(f"{soft} of {k} motions without mass have no stiffness either")
+    candidates = np.flatnonzero(eligible)
+    by_own_stiffness = forces[:, candidates] / np.sqrt(stiffness.diagonal()[candidates])
+    decomposed: tuple[Any, ...] = linalg.qr(by_own_stiffness, mode="r", pivoting=True)
+    factor, order = decomposed[0], decomposed[-1]
+    sizes = np.abs(np.diag(factor))
+    if len(candidates) < k or sizes[k - 1] <= _REGULAR * sizes[0]:
+        raise ModelError(f"{k} motions without mass cannot follow the freedoms beside them")
+    eliminated = np.sort(candidates[order[:k]])
+    kept = np.setdiff1d(np.arange(n), eliminated)
+    ties = -np.linalg.solve(forces[:, eliminated], forces[:, kept])
+    ties[np.abs(ties) < _NO_TIE * np.abs(ties).max()] = 0.0
+    rows, columns = np.nonzero(ties)
+    entries = np.concatenate([np.ones(len(kept)), ties[rows, columns]])
+    places = np.concatenate([kept, eliminated[rows]]), np.concatenate([np.arange(len(kept)), columns])
+    return StaticallyTied(kept, sparse.csc_array((entries, places), shape=(n, len(kept))))

@@ -1,0 +1,108 @@
+"""What the bases of reduced bodies cost in the modes of a machine: the same modes with all coordinates."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from supple.errors import BasisWarning
+from supple.linearization.linear_machine import FullMachine
+from supple.linearization.sparse_machine import SparseMachine
+from supple.simulation.equilibrium import LARGEST_ERROR, REMEDY
+
+__all__ = ["ModeError", "mode_error"]
+
+MORE = 4
+"""Modes of the full machine beyond those asked for, among which each is looked for."""
+UNLIKE = 0.5
+"""Modal assurance below which the mode of a basis is none of the machine's."""
+STILL = 1e-6
+"""Of the fastest eigenvalue compared: what is slower is a rigid motion."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModeError:
+    """Modes of a reduced machine beside those with all coordinates.
+
+    eigenvalues : complex (k,)      with all coordinates, of each mode; NaN where the machine has no such mode
+    relative : (k,)                 |s - s_full| / |s_full|; infinite where it has no such mode
+    missed : complex (m,)           eigenvalues of the machine below the fastest mode, that the bases lack
+    fields : (n, j), by body        deformation of the machine's modes, those above and those missed
+    """
+
+    eigenvalues: Any
+    relative: np.ndarray
+    missed: Any
+    fields: Mapping[str, np.ndarray]
+
+    def warn(self, values: Any) -> None:
+        """BasisWarning of what is off by 1 % or more, and of what is missed."""
+        said = [
+            f"mode {number + 1} is off by {100 * self.relative[number]:.2g} %"
+            if np.isfinite(self.relative[number])
+            else f"mode {number + 1} is none of the machine's"
+            for number in np.flatnonzero(self.relative >= LARGEST_ERROR)
+        ]
+        if len(self.missed):
+            rates = ", ".join(f"{abs(value):.4g}" for value in self.missed)
+            said.append(f"modes at {rates} rad per unit of time, below {abs(values).max():.4g}, are missing")
+        if said:
+            warnings.warn(f"the bases of the bodies: {'; '.join(said)}. {REMEDY}", BasisWarning, stacklevel=4)
+
+
+def mode_error(
+    full: FullMachine,
+    values: Any,
+    shapes: Any,
+    slowest: Callable[[SparseMachine, int], tuple[Any, Any]],
+) -> ModeError:
+    """Compare the slowest modes (k,), shapes (n, k), with those of the full machine.
+
+    slowest : eigenvalues and shapes of so many slowest modes of a machine with full bodies
+    Each is the likest one in shape (modal assurance), of those alike the nearest in frequency.
+    """
+    number = min(len(values) + MORE, max(full.machine.size // 4 - MORE, 1))
+    exact, motions = slowest(full.machine, number)
+    mass = full.machine.equations.mass
+    ours = full.expansion @ shapes
+    product = abs(ours.conj().T @ (mass @ motions)) ** 2
+    sizes = np.outer(_squares(ours, mass), _squares(motions, mass))
+    likeness = product / np.where(sizes > 0, sizes, 1.0)
+    largest = max(float(abs(exact).max(initial=0.0)), 1e-300)
+    apart = abs(values[:, None] - exact) / (abs(values)[:, None] + abs(exact) + STILL * largest)
+    rows, columns = linear_sum_assignment(apart - likeness)
+    found = np.full(len(values), np.nan, dtype=complex)
+    found[rows] = exact[columns]
+    relative = np.full(len(values), np.inf)
+    relative[rows] = abs(values[rows] - exact[columns]) / np.maximum(abs(exact[columns]), STILL * largest)
+    # Motions of machines in which one shape serves several modes are told apart by their frequencies alone.
+    near = relative < LARGEST_ERROR
+    unlike = np.ones(len(values), dtype=bool)
+    unlike[rows] = likeness[rows, columns] < UNLIKE
+    lost = unlike & ~near
+    found[lost], relative[lost] = np.nan, np.inf
+    taken = np.zeros(len(exact), dtype=bool)
+    taken[columns[~lost[rows]]] = True
+    slow = abs(exact) <= abs(values).max(initial=0.0) * (1 - LARGEST_ERROR)
+    missed = np.flatnonzero(~taken & slow)
+    wanted = np.concatenate([columns[~lost[rows]], missed])
+    return ModeError(
+        eigenvalues=found,
+        relative=relative,
+        missed=exact[missed],
+        fields={name: _columns(motions[part][:, wanted]) for name, part in full.bodies.items()},
+    )
+
+
+def _columns(shapes: Any) -> np.ndarray:
+    """Real fields that span complex ones."""
+    return np.hstack([shapes.real, shapes.imag])
+
+
+def _squares(motions: Any, mass: Any) -> np.ndarray:
+    return np.real(np.einsum("ij,ij->j", motions.conj(), mass @ motions))

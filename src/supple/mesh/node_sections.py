@@ -1,0 +1,164 @@
+"""Sections of nodes: where a mesh can be cut without passing through a cell.
+
+Parts that are tied along a surface that zigzags through a row of cells hold this whole row rigid. A section
+of nodes is flat, and every cell lies on one side of it. There are two families:
+
+    planes   across an axis, at the places of nodes, that no cell crosses
+    layers   of nodes that as many steps from cell to cell lead to from an end of the mesh, where they are
+             flat: the rows of a mesh that is drawn along a curve
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components, dijkstra
+
+from supple.mesh.cell_type import CellType
+from supple.mesh.mesh import Mesh
+
+__all__ = ["NodeSection", "flat_section", "sections_along", "shared_pieces"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Against the extent along the axis: nodes of one plane lie so near to each other.
+_SAME_PLANE = 1e-6
+# Of a section, against the extent of the cells that touch it, across it: what a rigid tie would hold besides.
+_FLAT = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class NodeSection:
+    """A way to cut a mesh in two between its cells.
+
+    position : along the axis, of the nodes on it
+    below : bool (E,) of each kind of cell    whether it lies on the lower side
+    is_plane : bool                           across the axis; otherwise its nodes may not lie in a plane
+    """
+
+    position: float
+    below: Mapping[CellType, NDArray[np.bool_]]
+    is_plane: bool
+
+    def contains(self, other: NodeSection) -> bool:
+        """Whether all that lies below another section, and some cell more, lies below this one."""
+        pairs = [(self.below[kind], other.below[kind]) for kind in self.below]
+        return all((own | ~lower).all() for own, lower in pairs) and any(
+            (own & ~lower).any() for own, lower in pairs
+        )
+
+
+def sections_along(mesh: Mesh, direction: FloatArray) -> list[NodeSection]:
+    """Planes across a direction, then layers from either end; layers may not be flat (`flat_section`)."""
+    along = mesh.nodes @ direction
+    return [
+        *_planes(mesh, along),
+        *_layers(mesh, along, from_low=True),
+        *_layers(mesh, along, from_low=False),
+    ]
+
+
+def flat_section(mesh: Mesh, section: NodeSection) -> bool:
+    """Whether the nodes on a section lie in a plane, or in one plane for each of its pieces.
+
+    They may lie beside it by a tenth of what the cells that touch them extend across it.
+    """
+    if section.is_plane:
+        return True
+    sides = [
+        {kind: np.flatnonzero(below if low else ~below) for kind, below in section.below.items()}
+        for low in (True, False)
+    ]
+    low, high = (
+        np.concatenate([mesh.cells[kind][own].ravel() for kind, own in side.items()]) for side in sides
+    )
+    pieces = list(shared_pieces(mesh, sides, np.intersect1d(low, high)))
+    return bool(pieces) and all(_is_flat(mesh, sides, nodes) for nodes in pieces)
+
+
+def shared_pieces(
+    mesh: Mesh, sides: Sequence[Mapping[CellType, IntArray]], shared: IntArray
+) -> Iterator[IntArray]:
+    """The nodes that two sides of a mesh share, apart where no cell joins them."""
+    if not len(shared):
+        return
+    rows, columns = [], []
+    for side in sides:
+        for kind, numbers in side.items():
+            corners = mesh.cells[kind][numbers]
+            on_cut = np.isin(corners, shared)
+            touching = on_cut.sum(axis=1) > 1
+            corners, on_cut = corners[touching], on_cut[touching]
+            first = np.where(on_cut, corners, -1).max(axis=1, initial=-1)[:, None]
+            rows.append(np.broadcast_to(first, corners.shape)[on_cut])
+            columns.append(corners[on_cut])
+    start, end = (np.searchsorted(shared, np.concatenate(ends)) for ends in (rows, columns))
+    graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(len(shared),) * 2)
+    n_pieces, piece = connected_components(graph, directed=False)
+    for i in range(n_pieces):
+        yield shared[piece == i]
+
+
+def _is_flat(mesh: Mesh, sides: Sequence[Mapping[CellType, IntArray]], nodes: IntArray) -> bool:
+    """Of one piece, by the plane nearest to its nodes with one side of the cells on either side."""
+    touching = [_touching(mesh, side, nodes) for side in sides]
+    low, high = (mesh.nodes[np.unique(np.concatenate([c.ravel() for c in own]))] for own in touching)
+    towards = high.mean(axis=0) - low.mean(axis=0)
+    towards /= np.linalg.norm(towards)
+    points = mesh.nodes[nodes] - mesh.nodes[nodes].mean(axis=0)
+    heights = points @ towards
+    beside = points - heights[:, None] * towards
+    slope = np.linalg.lstsq(beside, heights, rcond=1e-9)[0]
+    normal = (towards - slope) / np.hypot(1.0, np.linalg.norm(slope))
+    extents = [np.ptp(mesh.nodes[cells] @ normal, axis=1) for own in touching for cells in own]
+    return bool(np.ptp(points @ normal) <= _FLAT * np.concatenate(extents).mean())
+
+
+def _touching(mesh: Mesh, side: Mapping[CellType, IntArray], nodes: IntArray) -> list[IntArray]:
+    """The nodes of the cells of a side at some nodes, by kind."""
+    members = [mesh.cells[kind][own] for kind, own in side.items()]
+    return [cells[np.isin(cells, nodes).any(axis=1)] for cells in members]
+
+
+def _planes(mesh: Mesh, along: FloatArray) -> Iterator[NodeSection]:
+    near = _SAME_PLANE * np.ptp(along)
+    extents = [(along[cells].min(axis=1), along[cells].max(axis=1)) for cells in mesh.cells.values()]
+    low, high = (np.concatenate(ends) for ends in zip(*extents, strict=True))
+    thick = high - low > 2 * near  # the others lie in a plane across the axis, and cross none
+    low, high = np.sort(low[thick]), np.sort(high[thick])
+    levels = np.unique(along)
+    levels = levels[np.concatenate([[True], np.diff(levels) > near])]
+    levels = levels[(levels > along.min() + near) & (levels < along.max() - near)]
+    crossing = np.searchsorted(low, levels - near) - np.searchsorted(high, levels + near, side="right")
+    for level in levels[crossing == 0]:
+        below = {kind: along[cells].mean(axis=1) < level - near for kind, cells in mesh.cells.items()}
+        yield NodeSection(float(level), below, is_plane=True)
+
+
+def _layers(mesh: Mesh, along: FloatArray, *, from_low: bool) -> Iterator[NodeSection]:
+    """Steps from cell to cell by any node that they share."""
+    height = along if from_low else -along
+    ends = np.flatnonzero(height <= height.min() + _SAME_PLANE * np.ptp(height))
+    n, counts = mesh.n_nodes, [len(cells) for cells in mesh.cells.values()]
+    first = n + np.concatenate([[0], np.cumsum(counts)])
+    pairs = [
+        (np.repeat(begin + np.arange(len(cells)), cells.shape[1]), cells.ravel())
+        for begin, cells in zip(first, mesh.cells.values(), strict=False)
+    ]
+    rows, columns = (np.concatenate(each) for each in zip(*pairs, strict=True))
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(int(first[-1]),) * 2).tocsr()
+    steps = dijkstra(graph, directed=False, indices=ends, unweighted=True, min_only=True)
+    steps = np.where(np.isfinite(steps), steps, 2.0 * first[-1]).astype(int)
+    node_steps = steps[:n] // 2
+    reached = node_steps[node_steps < first[-1]].max()
+    for number in range(1, int(reached)):
+        below = {
+            kind: (steps[begin : begin + count] < 2 * number) == from_low
+            for kind, begin, count in zip(mesh.cells, first, counts, strict=False)
+        }
+        yield NodeSection(float(along[node_steps == number].mean()), below, is_plane=False)

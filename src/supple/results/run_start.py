@@ -1,0 +1,72 @@
+"""What a run's start has to do with its numbers: velocities taken from drives, and the swing from gravity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from supple.integrate import Solution
+from supple.machine import System
+from supple.multibody.equations.start_change import velocities_taken
+
+__all__ = ["first_swing", "start_lines", "start_numbers"]
+
+FALLEN = 0.7
+"""Of its largest size so far: a deformation that is smaller has begun to swing back."""
+NOTED = 0.5
+"""Of the largest deformation of the run: from this part in the first swing on it is told."""
+
+
+def start_numbers(system: System, solution: Solution) -> dict[str, Any]:
+    """Bodies that were given no velocity and start with one; those that gravity sets swinging."""
+    motions = [solution.bodies[placed.body.name] for placed in system.bodies]
+    moving = np.array([[*motion.velocity[0], *motion.angular_velocity[0]] for motion in motions])
+    swings = {}
+    for placed, motion in zip(system.bodies, motions, strict=True):
+        sizes = np.linalg.norm(motion.coordinates, axis=1)
+        if system.gravity.any() and not sizes[0] and (found := first_swing(sizes)):
+            share, row = found
+            swings[placed.body.name] = {"share of largest": share, "at time": float(solution.times[row])}
+    return {
+        "velocities taken": [
+            {"body": each.body, "speed": each.speed, "angular speed": each.spin}
+            for each in velocities_taken(system, moving)
+        ],
+        "swings from gravity": swings,
+    }
+
+
+def first_swing(sizes: np.ndarray) -> tuple[float, int] | None:
+    """The largest of sizes (t,) before they first fall back, over the largest of all, and its number.
+
+    None where they never fall back, or where the first swing is less than half of the largest.
+    """
+    largest = np.maximum.accumulate(sizes)
+    back = np.flatnonzero(sizes < FALLEN * largest)
+    if not back.size:
+        return None
+    row = int(np.argmax(sizes[: back[0]]))
+    share = float(sizes[row] / largest[-1])
+    return (share, row) if share >= NOTED else None
+
+
+def start_lines(numbers: Mapping[str, Any]) -> Iterator[str]:
+    """The same in words; numbers as of `summarize`."""
+    start, units = numbers["start"], numbers["units"]
+    time = units.get("time", "")
+    taken = ", ".join(
+        f"'{each['body']}' (speed {each['speed']:.4g}, angular speed {each['angular speed']:.4g} rad"
+        f"{f'/{time}' if time else ' per time'})"
+        for each in start["velocities taken"]
+    )
+    if taken:
+        yield f"Bodies that were given no velocity start with that of their drive: {taken}"
+    for name, swing in start["swings from gravity"].items():
+        yield (
+            f"{name}: gravity acts in full from the start, on a body that is not bent yet: its first swing, "
+            f"at time {swing['at time']:.4g}, makes {100 * swing['share of largest']:.3g} % of its largest "
+            'deformation. Unless it is meant, begin at rest: start = "equilibrium"; in Python, '
+            "simulate(equilibrium(system).system, run)"
+        )

@@ -1,0 +1,114 @@
+"""How the nodes of a set become one number of a channel: the largest, the mean, or the nearest node's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Combined", "Maximum", "Mean", "MeasuredBlock", "Nearest", "OverNodes"]
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class MeasuredBlock(NamedTuple):
+    """The channels (t', N', c) at some of the instants and some of the nodes."""
+
+    times: slice
+    nodes: slice
+    values: Array
+
+
+class Combined(NamedTuple):
+    """Channels (t, c), and at which of the nodes each was read, (t, c); None where it is at no node."""
+
+    values: Array
+    nodes: IntArray | None
+
+
+class OverNodes(Protocol):
+    """What a sensor on several nodes reads."""
+
+    @property
+    def words(self) -> str:
+        """Of N nodes this is read: "largest", ..."""
+        ...
+
+    def read(self, points: Array) -> IntArray:
+        """Which of the nodes at points (N, 3) are looked at."""
+        ...
+
+    def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
+        """The channels of blocks that hold each of (t, N, c) once."""
+        ...
+
+
+@dataclass(frozen=True)
+class Maximum:
+    """The value of largest magnitude over the nodes, with its sign, at every instant and of every channel."""
+
+    @property
+    def words(self) -> str:
+        """For tables."""
+        return "largest"
+
+    def read(self, points: Array) -> IntArray:
+        """All nodes."""
+        return np.arange(len(points))
+
+    def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
+        """By a running maximum."""
+        n_times, _, n_channels = shape
+        values = np.zeros((n_times, n_channels))
+        nodes = np.full((n_times, n_channels), -1)
+        for times, some, found in blocks:
+            own = np.abs(found).argmax(axis=1)
+            largest = np.take_along_axis(found, own[:, None], axis=1)[:, 0]
+            larger = (nodes[times] < 0) | (np.abs(largest) > np.abs(values[times]))
+            values[times] = np.where(larger, largest, values[times])
+            nodes[times] = np.where(larger, own + some.start, nodes[times])
+        return Combined(values, nodes)
+
+
+@dataclass(frozen=True)
+class Mean:
+    """The mean over the nodes, each of which counts once."""
+
+    @property
+    def words(self) -> str:
+        """For tables."""
+        return "mean"
+
+    def read(self, points: Array) -> IntArray:
+        """All nodes."""
+        return np.arange(len(points))
+
+    def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
+        """By a running sum."""
+        n_times, n_nodes, n_channels = shape
+        total = np.zeros((n_times, n_channels))
+        for times, _, found in blocks:
+            total[times] += found.sum(axis=1)
+        return Combined(total / n_nodes, None)
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The one node that lies nearest to the centroid of all."""
+
+    @property
+    def words(self) -> str:
+        """For tables."""
+        return "nearest to the centroid"
+
+    def read(self, points: Array) -> IntArray:
+        """That node."""
+        return np.array([np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1))])
+
+    def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
+        """Its own."""
+        return Maximum().combined(blocks, shape)

@@ -1,0 +1,263 @@
+"""What the bases of reduced bodies miss at an equilibrium: the machine balanced with all their coordinates.
+
+At the equilibrium of a reduced machine, expanded to all coordinates, the full equations leave a residual r,
+
+    [ K_T + M / k   G^T ] [ delta  ]       [ r ]
+    [ G              0  ] [ lambda ]  =  - [ g ],       k long against all vibrations,
+
+G of joints and frames. The factor is kept for the sweeps that follow about the corrected place: what the
+second moves over the first says whether first order is enough, and their sum is the whole error. Where a
+sweep is over a third of the one before, the full machine's equilibrium is searched from there instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from supple.algebra import read_only
+from supple.body import FullBody, MeanAxisFrame, frame_projector
+from supple.errors import AccuracyError, ConvergenceError
+from supple.machine import Placed
+from supple.multibody.equations.static_search import (
+    StaticSearch,
+    StaticState,
+    moved_state,
+    search_equilibrium,
+)
+from supple.multibody.full.full_system import FullSystem
+from supple.multibody.full.statics import FullStatics
+from supple.reduction import Condensation, ReducedBody, ReductionBasis
+from supple.simulation.kept_basis import kept_bases
+from supple.simulation.resting_state import RestingState, placed_at_rest
+
+__all__ = ["FullRest", "RestError", "full_rest", "rest_errors"]
+
+SLOWNESS = 1e3
+"""How many times slower than the lowest vibration the correction is taken to be."""
+CONTRACTS = 1 / 3
+"""What a sweep may move over the one before."""
+SETTLED = 1e-4
+"""Of the first sweep: one that moves as little is the last."""
+NOTHING = 1e-8
+"""Of the size of the machine: a sweep that moves less is the last, whatever the first."""
+MOST_SWEEPS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class RestError:
+    """What the basis of a reduced body costs at an equilibrium.
+
+    displacement : (N, 3)   of the nodes, in space: places with all coordinates less those of the reduced
+                            body; of the deformation alone where the joints leave rigid motion free
+    deformation : (n,)      of the body's coordinates against its frame: the column that its basis lacks
+    size : float            largest displacement of a node, seen from the first interface
+    strain : float          root of the strain energy of the missing deformation over that of the whole
+    second : float          what a second sweep moved over the first: above a third, first order is not enough
+    known : bool            False where no equilibrium was found with all coordinates: the errors are infinite
+    """
+
+    displacement: np.ndarray
+    deformation: np.ndarray
+    size: float
+    strain: float
+    second: float
+    known: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("displacement", "deformation"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @property
+    def rms(self) -> float:
+        """Root-mean-square over the nodes, unit of length."""
+        return float(np.sqrt(np.mean(np.sum(self.displacement**2, axis=1)))) if self.known else np.inf
+
+    @property
+    def worst(self) -> float:
+        """Of the node that is farthest off, unit of length."""
+        return float(np.linalg.norm(self.displacement, axis=1).max()) if self.known else np.inf
+
+    def plain(self) -> dict[str, float | int | None]:
+        """Its numbers, for a report; None where they are not known."""
+        numbers = {
+            "rms": self.rms,
+            "worst": self.worst,
+            "largest displacement": self.size,
+            "relative": self.relative,
+            "strain": self.strain,
+            "second sweep": self.second,
+        }
+        worst = int(np.argmax(np.linalg.norm(self.displacement, axis=1))) if self.known else None
+        return {what: value if np.isfinite(value) else None for what, value in numbers.items()} | {
+            "worst node": worst
+        }
+
+    @property
+    def relative(self) -> float:
+        """The worst node's over the largest displacement; zero where nothing is displaced."""
+        return self.worst / self.size if self.size > 0 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class FullRest:
+    """The equilibrium of a machine whose reduced bodies have all their coordinates.
+
+    found : RestingState | None     None where there is none in reach
+    bases : ReductionBasis          of the bodies that were reduced, by name
+    began : (n,), by name           their coordinates at the rest of the reduced machine
+    second : float                  what the second sweep moved over the first
+    """
+
+    found: RestingState | None
+    bases: Mapping[str, ReductionBasis]
+    began: Mapping[str, np.ndarray]
+    second: float
+
+
+def full_rest(
+    reduced: RestingState, fulls: Mapping[str, FullBody], time: float, search: StaticSearch
+) -> FullRest | None:
+    """The equilibrium with all coordinates, from that of the reduced machine; None where no body is reduced.
+
+    fulls : the bodies that were reduced, by name; others stay as they are
+    Raises ModelError for a full body that is not the one that was reduced.
+    """
+    bases = kept_bases(reduced.system, fulls)
+    if not bases:
+        return None
+    expanded = _expanded(reduced, bases, fulls)
+    bodies = tuple(
+        _in_full(placed, fulls[placed.body.name], bases[placed.body.name])
+        if placed.body.name in bases
+        else placed
+        for placed in reduced.system.bodies
+    )
+    machine = FullSystem(replace(reduced.system, bodies=bodies), reduced.model.active)
+    # Frame conditions carry no force: the frame's own six equations balance all nodal forces together.
+    start = reduced.state._replace(
+        configuration=reduced.state.configuration._replace(coordinates=np.concatenate(expanded)),
+        frame_multipliers=tuple(np.zeros(6) for _ in machine.interiors),
+    )
+    names = [placed.body.name for placed in bodies]
+    began = {name: own for name, own in zip(names, expanded, strict=True) if name in bases}
+    spins = bool(np.any(reduced.turning.angular_velocities))
+    statics = FullStatics(machine, reduced.turning if spins else None)
+    lowest = min(reduced.system.bodies_of(ReducedBody)[name].lowest_frequency() for name in bases)
+    state, second = _swept(statics, start, time, (SLOWNESS / lowest) ** 2)
+    if state is None:
+        try:
+            state, _ = search_equilibrium(statics, start, time, search)
+        except ConvergenceError:
+            return FullRest(None, bases, began, second)
+    found = reduced._replace(
+        system=machine.system, model=machine.model, slices=tuple(machine.slices), state=state
+    )
+    return FullRest(found, bases, began, second)
+
+
+def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: FullRest) -> dict[str, RestError]:
+    """What the basis of each body costs, by name."""
+    held = len(reduced.model.active) >= 6 * len(reduced.system.bodies)
+    before = placed_at_rest(reduced).bodies
+    after = before if full.found is None else placed_at_rest(full.found).bodies
+    errors = {}
+    for old, new in zip(before, after, strict=True):
+        name = old.body.name
+        if name not in full.bases:
+            continue
+        own, began = fulls[name], full.began[name]
+        if full.found is None:
+            none = np.zeros_like(began)
+            errors[name] = RestError(
+                np.zeros_like(own.nodes), none, _deflection(own, began), np.inf, full.second, known=False
+            )
+            continue
+        deformation = new.coordinates - full.bases[name].vectors @ old.coordinates
+        if held:
+            displacement = new.positions() - old.positions()
+        else:
+            displacement = own.expand(frame_projector(own.body, MeanAxisFrame())(deformation))
+        errors[name] = RestError(
+            displacement,
+            deformation,
+            _deflection(own, new.coordinates),
+            _strain(own, began, new.coordinates),
+            full.second,
+        )
+    return errors
+
+
+def _in_full(placed: Placed, full: FullBody, basis: ReductionBasis) -> Placed:
+    """The body with all its coordinates, deformed as it was."""
+    return replace(
+        placed,
+        body=full,
+        coordinates=basis.vectors @ placed.coordinates,
+        coordinate_rates=basis.vectors @ placed.coordinate_rates,
+    )
+
+
+def _expanded(
+    reduced: RestingState, bases: Mapping[str, ReductionBasis], fulls: Mapping[str, FullBody]
+) -> list[np.ndarray]:
+    """All coordinates of each body at rest, those that condensed tensors let follow among them."""
+    coordinates, first = [], 0
+    for placed in reduced.system.bodies:
+        body = placed.body
+        own = np.asarray(reduced.state.configuration.coordinates[first : first + body.n_coordinates])
+        first += body.n_coordinates
+        if isinstance(body, ReducedBody) and body.name in bases:
+            following, basis = body.condensed is not None, bases[body.name]
+            gamma, own = own[None], basis.vectors @ own
+            if following:
+                own = own + Condensation(fulls[body.name].body, basis).bilinear(gamma, gamma)[:, 0]
+        coordinates.append(own)
+    return coordinates
+
+
+def _swept(
+    statics: FullStatics, state: StaticState, time: float, k: float
+) -> tuple[StaticState | None, float]:
+    """The balanced state by sweeps with one factor, None where they do not contract; and their first rate."""
+    scale, before, first, second = statics.position_scale, np.inf, 0.0, 0.0
+    found = statics.unbalance(state, time)
+    try:
+        tangent = statics.tangent(found, k)
+    except AccuracyError:
+        return None, np.inf
+    for sweep in range(MOST_SWEEPS):
+        change = tangent.correction(found)
+        size = float(np.max(abs(change.increment) / scale))
+        rate, before = size / before, size
+        if sweep == 0:
+            first = size
+        elif sweep == 1:
+            second = rate
+        if not np.isfinite(size) or rate > CONTRACTS:
+            return None, second
+        state = moved_state(statics, state, change)
+        if size <= max(SETTLED * first, NOTHING):
+            return state, second
+        found = statics.unbalance(state, time)
+    return state, second
+
+
+def _deflection(full: FullBody, coordinates: np.ndarray) -> float:
+    """Largest displacement of a node, seen from the first interface, or in the frame."""
+    displaced = full.expand(coordinates)
+    if full.interfaces:
+        base = full.interfaces[0]
+        moved = base.motion @ coordinates
+        displaced = displaced - moved[:3] - np.cross(moved[3:], full.nodes - base.position)
+    return float(np.linalg.norm(displaced, axis=1).max())
+
+
+def _strain(full: FullBody, before: np.ndarray, after: np.ndarray) -> float:
+    """Root of the work of the missing forces on the missing deformation, over that of all on all."""
+    force = full.body.force.internal_force
+    whole = abs(after @ force(after))
+    missing = abs((after - before) @ (force(after) - force(before)))
+    return float(np.sqrt(missing / whole)) if whole else 0.0

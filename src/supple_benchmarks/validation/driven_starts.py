@@ -1,0 +1,247 @@
+"""Starts of driven bodies: they begin with the velocity of their drive, and nothing strikes them.
+
+A beam of 1 m whose root a motor turns at a constant rate, or a table shakes; a bus of which the spin alone is
+given, with panels fixed to it; a crank that a motor turns, with a flexible rod.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.body import (
+    FlexibleBody,
+    FullBody,
+    MeanAxisFrame,
+    ModalDamping,
+    NodalFixedFrame,
+    RigidBody,
+    RigidInterface,
+    flexible_body,
+)
+from supple.fem import Isotropic, shell_model
+from supple.integrate import FixedStep, GeneralizedAlpha, Run, Solution
+from supple.intrinsic import LoadPath, condense, released
+from supple.machine import (
+    GROUND,
+    At,
+    Ball,
+    Fixed,
+    Placed,
+    PrescribedRotation,
+    PrescribedTranslation,
+    Prismatic,
+    Revolute,
+    System,
+)
+from supple.reduction import CraigBampton, NoDerivatives, reduce
+from supple.simulation import simulate
+from supple_benchmarks.validation.beam_chain import line_mesh, rectangle
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+
+__all__ = ["CASES"]
+
+MATERIAL = Isotropic(2e9, 0.0, 1000.0)
+Y, Z = 0.03, 0.01
+MASS = MATERIAL.density * Y * Z
+FLEXIBILITY = np.sqrt(MATERIAL.youngs_modulus * Y * Z**3 / 12 / MASS)
+"""sqrt(E I / m) of bending along z."""
+SPIN = 2.0
+SIDE = (0.0, 1.0, 0.0)
+X, UP = np.eye(3)[[0, 2]]
+
+
+def _beam(name: str = "beam") -> FlexibleBody:
+    """Along x; a load bends it along z first."""
+    nodes = np.linspace(0, 1, 13)[:, None] * np.eye(3)[0]
+    model = shell_model(line_mesh(nodes), rectangle(MATERIAL, Y, Z, Y * Z**3 / 4))
+    return flexible_body(name, model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
+
+
+FORMS: Mapping[str, Callable[[FlexibleBody], Any]] = MappingProxyType(
+    {
+        "nodal-fixed frame": lambda body: reduce(body, NodalFixedFrame("root"), CraigBampton(4)),
+        "mean axes, linear": lambda body: reduce(
+            body.linearized(), MeanAxisFrame(), CraigBampton(4), derivatives=NoDerivatives()
+        ),
+        "all freedoms": lambda body: FullBody(body, MeanAxisFrame()),
+        "intrinsic": lambda body: released(condense(body, LoadPath("root", "tip", n_stations=13))),
+    }
+)
+"""The methods that take a driven beam."""
+
+
+def _deflection(form: Any, solution: Solution, root: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Of the tip, across the beam as its drive (`root`: turn about y, shift along z) moves it, (t,)."""
+    motion = solution.bodies["beam"]
+    tip = form.positions(motion, [len(form.nodes) - 1])[:, 0]
+    angle, shift = root(solution.times)
+    return tip[:, 0] * np.sin(angle) + (tip[:, 2] - shift) * np.cos(angle)
+
+
+def turned(*names: str) -> Sequence[Comparison]:
+    """The root turns at a constant rate about the axis across which the beam is soft."""
+    drive = PrescribedRotation(
+        name="drive", first=GROUND, second=At("beam", "root"), axis=SIDE, angle=lambda t: SPIN * t
+    )
+    comparisons = []
+    for name in names:
+        form = FORMS[name](_beam())
+        run = Run(0.5, 0.01, FixedStep(0.01), method=GeneralizedAlpha(0.8))
+        solution = simulate(System([form], [drive]), run)
+        swing = _deflection(form, solution, lambda t: np.array([SPIN * t, 0 * t]))
+        comparisons.append(
+            Comparison(
+                f"{name}: largest swing of the tip, m",
+                float(np.abs(swing).max()),
+                0.0,
+                "closed form: a beam in steady rotation is stretched along itself",
+                1e-4,
+                scale=1.0,
+            )
+        )
+    return comparisons
+
+
+def shaken(*names: str) -> Sequence[Comparison]:
+    """The root moves by a sin(w t) across the beam, from its speed at the start on.
+
+    Mode by mode, with participation g:  q'' + w_n^2 q = g a w^2 sin(w t), q = q' = 0 at the start.
+    """
+    size, rate = 0.002, 5.0
+    table = PrescribedTranslation(
+        name="table",
+        first=GROUND,
+        second=At("beam", "root"),
+        axis=(0, 0, 1),
+        displacement=lambda t: size * jnp.sin(rate * t),
+    )
+    run = Run(1.0, 0.01, FixedStep(0.005), method=GeneralizedAlpha(0.9))
+    comparisons = []
+    for name in names:
+        form = FORMS[name](_beam())
+        solution = simulate(System([form], [table]), run)
+        found = _deflection(form, solution, lambda t: np.array([0 * t, size * np.sin(rate * t)]))
+        exact = sum(_modal_responses(solution.times, size, rate))
+        comparisons.append(
+            Comparison(
+                f"{name}: largest deflection of the tip, m",
+                float(np.abs(found).max()),
+                float(np.abs(exact).max()),
+                "closed form: modes of a cantilever on a shaken base, Euler and Bernoulli",
+                0.01,
+            )
+        )
+    return comparisons
+
+
+def _modal_responses(times: np.ndarray, size: float, rate: float) -> list[np.ndarray]:
+    """Deflections of the tip in the first modes, (t,) each."""
+    responses = []
+    for number, root in enumerate((1.8751040687, 4.6940911330, 7.8547574382)):
+        ratio = (np.cosh(root) + np.cos(root)) / (np.sinh(root) + np.sin(root))
+        at_tip = 2 * (-1) ** number * 2 * ratio / root  # the mode there times its participation
+        own = root**2 * FLEXIBILITY
+        amplitude = size * rate**2 / (own**2 - rate**2)
+        responses.append(at_tip * amplitude * (np.sin(rate * times) - rate / own * np.sin(own * times)))
+    return responses
+
+
+def bus_and_panels() -> Sequence[Comparison]:
+    """The spin of the bus alone is given; both panels turn with it, on radius r = 0.2 + 0.5 m."""
+    spin, offset = 0.1, 0.2
+    bus = RigidBody("bus", 5.0, np.zeros(3), np.eye(3), {"right": offset * X, "left": -offset * X})
+    panels = [
+        reduce(_beam(name), NodalFixedFrame("root"), CraigBampton(4), damping=ModalDamping(0.2))
+        for name in ("right", "left")
+    ]
+    bodies = [
+        Placed(bus, angular_velocity=np.array([0, spin, 0])),
+        Placed(panels[0], position=offset * X),
+        Placed(panels[1], position=-offset * X, rotation=np.array([0, 0, np.pi])),
+    ]
+    joints = [
+        Fixed(name=f"{side} weld", first=At("bus", side), second=At(side, "root"))
+        for side in ("right", "left")
+    ]
+    solution = simulate(System(bodies, joints), Run(2.0, 0.01, FixedStep(0.01)))
+    force = float(np.linalg.norm(solution.joint_forces["right weld"][1:, :3].mean(axis=0)))
+    return [
+        Comparison(
+            "spin of the bus at the end, rad/s",
+            float(solution.bodies["bus"].angular_velocity[-1, 1]),
+            spin,
+            "closed form: a rigid satellite keeps its spin",
+            1e-6,
+        ),
+        Comparison(
+            "mean force of a panel on its weld, N",
+            force,
+            MASS * (offset + 0.5) * spin**2,
+            "closed form: m r w^2",
+            0.02,
+        ),
+    ]
+
+
+def slider_crank() -> Sequence[Comparison]:
+    """The crank stands upright; a motor turns it, and no velocity is given."""
+    radius = 0.2
+    pins = {"hub": np.zeros(3), "pin": radius * UP}
+    crank = RigidBody("crank", 1.0, radius / 2 * UP, 0.1 * np.eye(3), pins)
+    slider = RigidBody("slider", 0.5, np.zeros(3), 0.1 * np.eye(3), {"pin": np.zeros(3)})
+    joints = [
+        PrescribedRotation(
+            name="motor", first=GROUND, second=At("crank", "hub"), axis=SIDE, angle=lambda t: SPIN * t
+        ),
+        Ball(name="big end", first=At("crank", "pin"), second=At("beam", "root")),
+        Revolute(name="small end", first=At("slider", "pin"), second=At("beam", "tip"), axis=SIDE),
+        Prismatic(name="way", first=GROUND, second=At("slider", "pin"), axis=(1, 0, 0)),
+    ]
+    rod = reduce(_beam(), NodalFixedFrame("root"), CraigBampton(4))
+    placed = Placed(rod, position=radius * UP, rotation=np.array([0, np.arcsin(radius), 0]))
+    system = System([crank, placed, Placed(slider, position=np.sqrt(1 - radius**2) * X)], joints)
+    solution = simulate(system, Run(0.02, 0.01, FixedStep(0.01)))
+    rates, source = solution.bodies["beam"].coordinate_rates[0], "closed form: the mechanism of rigid links"
+    speed = radius * SPIN
+    return [
+        Comparison(
+            "speed of the slider at the start, m/s",
+            float(solution.bodies["slider"].velocity[0, 0]),
+            speed,
+            source,
+            1e-9,
+        ),
+        Comparison(
+            "energy of the rod's deformation rate at the start, J",
+            float(rates @ rates / 2),
+            0.0,
+            source,
+            1e-12,
+            scale=MASS * speed**2 / 2,
+        ),
+    ]
+
+
+CASES: tuple[ValidationCase, ...] = (
+    ValidationCase(
+        "beam turned at a constant rate, no velocity given", lambda: turned("nodal-fixed frame", "intrinsic")
+    ),
+    ValidationCase("beam on a shaker, no velocity given", lambda: shaken("mean axes, linear")),
+    ValidationCase(
+        "beam turned at a constant rate, other methods",
+        lambda: turned("mean axes, linear", "all freedoms"),
+        quick=False,
+    ),
+    ValidationCase(
+        "beam on a shaker, other methods",
+        lambda: shaken("nodal-fixed frame", "all freedoms", "intrinsic"),
+        quick=False,
+    ),
+    ValidationCase("bus of given spin with panels fixed to it", bus_and_panels),
+    ValidationCase("slider-crank with a flexible rod, no velocity given", slider_crank),
+)

@@ -1,0 +1,27 @@
+"""All cases of the validation, by topic."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from supple_benchmarks.validation.validation_case import ValidationCase
+
+__all__ = ["CASES", "TOPICS"]
+
+TOPICS = (
+    "driven_starts",
+    "rotors",
+    "damping",
+    "rigid_machines",
+    "rigid_rotation",
+    "beams_at_rest",
+    "vibrations",
+    "elements_at_rest",
+    "flexible_motion",
+    "machine_elements",
+)  # fmt: skip
+"""Files of this folder that end in `CASES`, in the order of the table."""
+
+CASES: tuple[ValidationCase, ...] = tuple(
+    case for topic in TOPICS for case in import_module(f"{__package__}.{topic}").CASES
+)

@@ -1,0 +1,72 @@
+"""`supple benchmark validation`: compute every case, print the table, write the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from supple.errors import AccuracyError
+from supple_benchmarks.computer import describe_computer
+from supple_benchmarks.growing_report import keep_report
+from supple_benchmarks.progress import Announce
+from supple_benchmarks.validation.report import outside, tables
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+
+__all__ = ["perform", "run_cases"]
+
+
+def perform(quick: bool, json: Path | None, folder: Path) -> None:
+    """Compute the cases, the quick ones alone or all; the report is in the folder unless a file is named.
+
+    Raises AccuracyError that names the cases outside of what they allow, and those that failed.
+    """
+    # Here, so that the functions above the topics can be used without loading these.
+    from supple_benchmarks.validation.every_case import CASES
+
+    cases = [case for case in CASES if case.quick or not quick]
+    target = json or folder / "validation.json"
+    report = keep_report(target, lambda started: run_cases(cases, quick, started), tables)
+    if rows := outside(report):
+        named = "; ".join(f"{row['name']}: {row.get('failure') or row['quantity']}" for row in rows)
+        raise AccuracyError(
+            f"{len(rows)} of {len(report['cases'])} rows are outside of what they allow: {named}"
+        )
+
+
+def run_cases(cases: Iterable[ValidationCase], quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
+    """The report, ready for JSON, after every case; the keys of its rows are a contract.
+
+    A case that raises becomes a row of its own, without numbers and with its `failure`; the others go on.
+    """
+    report: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "cases": [], "seconds": {}}
+    for case in cases:
+        done = announce(case.name)
+        done(0.0)
+        began = perf_counter()
+        report["cases"] += _rows(case)
+        report["seconds"][case.name] = perf_counter() - began
+        done(1.0)
+        yield report
+
+
+def _rows(case: ValidationCase) -> list[dict[str, Any]]:
+    try:
+        return [_row(case.name, each) for each in case.compare()]
+    except Exception as error:
+        nothing = dict.fromkeys(("value", "reference", "error", "allowed"))
+        failure = f"{type(error).__name__}: {error}"
+        return [{"name": case.name, "quantity": "", **nothing, "source": "", "failure": failure}]
+
+
+def _row(name: str, each: Comparison) -> dict[str, Any]:
+    return {
+        "name": name,
+        "quantity": each.quantity,
+        "value": float(each.value),
+        "reference": float(each.reference),
+        "source": each.source,
+        "error": float(each.error),
+        "allowed": each.allowed,
+    }

@@ -1,0 +1,62 @@
+"""The table of the validation, on the terminal and in the documentation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from supple_benchmarks.table import Table
+
+__all__ = ["markdown_table", "outside", "tables", "with_table"]
+
+Row = Mapping[str, Any]
+BEGIN, END = "<!-- table -->", "<!-- end of table -->"
+HEADS = ["case", "quantity", "value", "reference", "error", "allowed"]
+
+
+def outside(report: Mapping[str, Any]) -> list[Row]:
+    """The rows whose error is more than allowed, no number, or missing because the case failed."""
+    return [row for row in report["cases"] if not _holds(row)]
+
+
+def tables(report: Mapping[str, Any]) -> list[Table]:
+    """One table of all rows, what is outside marked; one of the cases that failed, if any did."""
+    rows: list[list[str]] = []
+    name = None
+    for row in report["cases"]:
+        if row["name"] != name:
+            name = row["name"]
+            rows.append([name, *5 * [""]])
+        _, quantity, *numbers = _cells(row)
+        rows.append([f"  {quantity}", *numbers, "" if _holds(row) else "OUTSIDE"])
+    heads = ["case", *HEADS[2:], " "]
+    found: list[Table] = [("Validation: errors relative to the reference", heads, rows)]
+    failed = [[row["name"], row["failure"]] for row in report["cases"] if "failure" in row]
+    return [*found, ("Cases that failed", ["case", "failure"], failed)] if failed else found
+
+
+def markdown_table(rows: Iterable[Row]) -> str:
+    """The rows of a report as a Markdown table, their sources last."""
+    heads = [*HEADS, "source of the reference"]
+    lines = [heads, ["---", "---", *4 * ["---:"], "---"]]
+    lines += [[*_cells(row), row["source"]] for row in rows]
+    return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
+
+
+def with_table(page: str, rows: Iterable[Row]) -> str:
+    """The text of a page, the table of the rows in the place that is marked for it."""
+    before, _, rest = page.partition(BEGIN)
+    _, _, after = rest.partition(END)
+    return f"{before}{BEGIN}\n{markdown_table(rows)}{END}{after}"
+
+
+def _holds(row: Row) -> bool:
+    return row["error"] is not None and bool(row["error"] <= row["allowed"])
+
+
+def _cells(row: Row) -> list[str]:
+    if "failure" in row:
+        return [row["name"], "failed", *4 * [""]]
+    numbers = [f"{row[key]:.6g}" if row[key] is not None else "none" for key in ("value", "reference")]
+    errors = [f"{row[key]:.1e}" if row[key] is not None else "none" for key in ("error", "allowed")]
+    return [row["name"], row["quantity"], *numbers, *errors]

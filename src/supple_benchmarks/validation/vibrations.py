@@ -1,0 +1,210 @@
+"""Frequencies of beams, plates and solids: at rest, turning, and under loads that soften or overturn them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+
+from supple.body import FlexibleBody, FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
+from supple.fem import FiniteElementModel, HomogeneousSection, Isotropic, shell_model, solid_model
+from supple.linearization import linearize, machine_modes
+from supple.machine import GROUND, At, DeadForce, Fixed, FollowerForce, Placed, Spin, System
+from supple.machine.system import Load
+from supple.mesh import CellType, block, plate
+from supple.reduction import CompressedDerivatives, CraigBampton, reduce
+from supple_benchmarks.validation.beam_chain import line_mesh, rectangle
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+
+__all__ = ["CASES"]
+
+Array = NDArray[np.float64]
+
+BENDING_ROOTS = (1.8751040687, 4.6940911330, 7.8547574382)
+"""b L of a cantilever: cos(b L) cosh(b L) = -1"""
+RAYLEIGH = "Euler-Bernoulli beam: Lord Rayleigh, Theory of Sound, chapter VIII"
+
+
+def _frequencies(system: System, n_modes: int, spin: Spin | None = None) -> Array:
+    """Angular frequencies about the machine's rest."""
+    return machine_modes(linearize(system, spin=spin), n_modes).frequencies
+
+
+def _clamped(body: FlexibleBody, *loads: Load) -> System:
+    wall = Fixed(name="wall", first=GROUND, second=At(body.name, "root"))
+    return System([Placed(FullBody(body, NodalFixedFrame("root")))], [wall], loads)
+
+
+def _beam(n: int = 64, *, y: float = 0.03, z: float = 0.01) -> FlexibleBody:
+    """A slender beam of 1 m that a load bends along its z first."""
+    nodes = np.linspace(0, 1, n + 1)[:, None] * np.eye(3)[0]
+    model = shell_model(line_mesh(nodes), rectangle(STEEL, y, z, _torsion(y, z), orientation=(0, 1, 0)))
+    return flexible_body("beam", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
+
+
+def _torsion(y: float, z: float) -> float:
+    return y * z**3 / 3 * (1 - 0.63 * z / y)
+
+
+STEEL = Isotropic(2.1e11, 0.0, 7800.0)
+WAVE = np.sqrt(STEEL.youngs_modulus / STEEL.density)
+
+
+def cantilever() -> Sequence[Comparison]:
+    """Bending in both planes, torsion and stretching of a beam of line elements."""
+    y, z = 0.03, 0.01
+    found = _frequencies(_clamped(_beam()), 24)
+    weak, strong = (WAVE * size / np.sqrt(12) * np.array(BENDING_ROOTS) ** 2 for size in (z, y))
+    twist = (
+        np.pi
+        / 2
+        * np.sqrt(STEEL.youngs_modulus / 2 * _torsion(y, z) / (STEEL.density * (y * z**3 + z * y**3) / 12))
+    )
+    waves = "closed form: waves in a bar"
+    expected = [(f"bending {k + 1}, rad/s", weak[k], RAYLEIGH, 2e-3) for k in range(3)]
+    expected += [("bending of the stiff plane, rad/s", strong[0], RAYLEIGH, 2e-3)]
+    expected += [("torsion, rad/s", twist, waves, 2e-3), ("stretching, rad/s", WAVE * np.pi / 2, waves, 2e-3)]
+    return [
+        Comparison(name, _nearest(found, value), value, source, allowed)
+        for name, value, source, allowed in expected
+    ]
+
+
+def _nearest(values: Array, target: float) -> float:
+    return float(values[np.argmin(np.abs(values - target))])
+
+
+def solid_beam() -> Sequence[Comparison]:
+    """A cantilever of quadratic bricks."""
+    length, height = 1.0, 0.02
+    body = _body("beam", solid_model(block(length, height, height, 24, 1, 1, CellType.HEXA20), STEEL), "root")
+    found = _frequencies(_clamped(body), 6)
+    exact = WAVE * height / np.sqrt(12) * np.array(BENDING_ROOTS) ** 2
+    return [Comparison(f"bending {k + 1}, rad/s", found[2 * k], exact[k], RAYLEIGH, 5e-3) for k in range(3)]
+
+
+def _body(name: str, model: FiniteElementModel, held: str) -> FlexibleBody:
+    return flexible_body(name, model, (RigidInterface("root", held),))
+
+
+ALUMINIUM = Isotropic(7e10, 0.3, 2700.0)
+
+
+def plates() -> Sequence[Comparison]:
+    """A thin square plate of shells, clamped all around, clamped along one edge, and free."""
+    side, thickness, n = 1.0, 0.005, 12
+    bending = ALUMINIUM.youngs_modulus * thickness**3 / 12 / (1 - 0.3**2)
+    unit = np.sqrt(bending / (ALUMINIUM.density * thickness)) / side**2
+    model = shell_model(plate(side, side, n, n), HomogeneousSection(ALUMINIUM, thickness))
+    around = _frequencies(_clamped(_body("plate", model, "boundary")), 1) / unit
+    along = _frequencies(_clamped(_body("plate", model, "x_min")), 3) / unit
+    free = _frequencies(System([FullBody(flexible_body("plate", model, ()), MeanAxisFrame())]), 9) / unit
+    leissa = "A. W. Leissa, J. Sound Vib. 31 (1973) 257-293, Poisson's ratio 0.3"
+    free = free[free > 1]
+    return (
+        Comparison("clamped all around, w a^2 sqrt(rho h / D)", around[0], 35.985, leissa, 0.01),
+        Comparison("clamped along an edge, first", along[0], 3.471, leissa, 0.01),
+        Comparison("clamped along an edge, second", along[1], 8.508, leissa, 0.01),
+        Comparison("free, first", free[0], 13.468, leissa, 0.01),
+        Comparison("free, second", free[1], 19.596, leissa, 0.01),
+        Comparison("free, third", free[2], 24.270, leissa, 0.01),
+    )
+
+
+def spinning_beam() -> Sequence[Comparison]:
+    """A slender cantilever that turns about its root at 6 times sqrt(E I / m L^4), full and reduced."""
+    y = z = 0.01
+    unit = WAVE * z / np.sqrt(12)
+    body = _beam(y=y, z=z)
+    full = _clamped(body)
+    reduced = reduce(
+        body, NodalFixedFrame("root"), CraigBampton(n_modes=8), derivatives=CompressedDerivatives(12)
+    )
+    spin = Spin(6 * unit, axis=np.array([0.0, 0.0, 1.0]))
+    turned = {
+        "full": _frequencies(full, 6, spin) / unit,
+        "reduced": _frequencies(replace(full, bodies=[Placed(reduced)]), 6, spin) / unit,
+    }
+    source = "A. D. Wright et al., J. Appl. Mech. 49 (1982) 197-202, table 1"
+    lag = [np.sqrt(each**2 - 36) for each in (7.3604, 26.8091)]
+    rows = []
+    for name, found in turned.items():
+        rows += [
+            Comparison(f"flap 1, {name}", _nearest(found, 7.3604), 7.3604, source, 3e-3),
+            Comparison(f"flap 2, {name}", _nearest(found, 26.8091), 26.8091, source, 3e-3),
+            Comparison(f"lag 1, {name}", _nearest(found, lag[0]), lag[0], f"{source}: flap^2 - spin^2", 3e-3),
+        ]
+    return rows
+
+
+def pressed_beam() -> Sequence[Comparison]:
+    """The first frequency of a column under half of Euler's load."""
+    z = 0.01
+    bending = STEEL.youngs_modulus * 0.03 * z**3 / 12
+    load = np.pi**2 / 8 * bending
+    found = _frequencies(_clamped(_beam(), DeadForce(body="beam", at="tip", force=(-load, 0, 0))), 1)[0]
+    unit = WAVE * z / np.sqrt(12)
+
+    def determinant(w: float) -> float:
+        """Of u'''' + p u'' - w^2 u = 0: clamped; at the tip u'' = 0 and u''' + p u' = 0."""
+        p = load / bending
+        a, b = (np.sqrt(np.sqrt(p**2 / 4 + w**2) + sign * p / 2) for sign in (1, -1))
+        moments = b**2 * np.cosh(b) + a**2 * np.cos(a), b**2 * np.sinh(b) + a * b * np.sin(a)
+        forces = a * b * (a * np.sinh(b) - b * np.sin(a)), b * (a**2 * np.cosh(b) + b**2 * np.cos(a))
+        return moments[0] * forces[1] - moments[1] * forces[0]
+
+    exact = brentq(determinant, 1.0, 3.5)
+    return (
+        Comparison(
+            "first frequency under half of Euler's load, rad/s",
+            found,
+            float(exact) * unit,  # pyright: ignore[reportArgumentType]
+            "S. P. Timoshenko, D. H. Young, Vibration Problems in Engineering: beam under axial load",
+            2e-3,
+        ),
+    )
+
+
+def beck() -> Sequence[Comparison]:
+    """Beck's column: a compressive force that stays along its tip makes it flutter.
+
+    The two lowest squared frequencies meet; the square of their difference is smooth in the force and passes
+    through zero there.
+    """
+    y, z = 0.1, 0.01
+    body = reduce(
+        _beam(y=y, z=z),
+        NodalFixedFrame("root"),
+        CraigBampton(n_modes=10),
+        derivatives=CompressedDerivatives(20),
+    )
+    unit = STEEL.youngs_modulus * y * z**3 / 12
+    wall = Fixed(name="wall", first=GROUND, second=At("beam", "root"))
+    loads = np.array([14.0, 16.0, 18.0, 19.5])
+    squares = []
+    for load in loads:
+        push = FollowerForce(first=At("beam", "tip"), force=(-load * unit, 0, 0))
+        squares.append(_frequencies(System([Placed(body)], [wall], [push]), 2) ** 2)
+    apart, mean = np.diff(squares).ravel() ** 2, np.mean(squares, axis=1)
+    critical = CubicSpline(loads, apart).roots()
+    critical = float(critical[critical > loads[-1]][0])
+    flutter = float(np.sqrt(CubicSpline(loads, mean)(critical))) / (WAVE * z / np.sqrt(12))
+    source = "M. Beck, Z. angew. Math. Phys. 3 (1952) 225-228: 20.05 E I / L^2, w L^2 sqrt(m / E I) = 11.02"
+    return (
+        Comparison("critical force, P L^2 / E I", critical, 20.051, source, 5e-3),
+        Comparison("frequency of the flutter, w L^2 sqrt(m / E I)", flutter, 11.016, source, 5e-3),
+    )
+
+
+CASES = (
+    ValidationCase("spinning beam", spinning_beam),
+    ValidationCase("cantilever of beam elements", cantilever),
+    ValidationCase("cantilever of quadratic bricks", solid_beam),
+    ValidationCase("square plates", plates),
+    ValidationCase("column under half of Euler's load", pressed_beam, quick=False),
+    ValidationCase("Beck's column", beck, quick=False),
+)

@@ -1,0 +1,93 @@
+"""Whirl of rotors whose nodes have rotary inertia: in every frame and engine as closed forms say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from supple.body import MeanAxisFrame, NodalFixedFrame
+from supple.integrate import FixedStep, Newmark, Run, Tolerances
+from supple.machine import Placed, System
+from supple.multibody import balances
+from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
+from supple.simulation import simulate
+from supple_benchmarks.validation.rotors import (
+    LALANNE,
+    OVERHUNG,
+    disc_on_massless_shaft,
+    in_fixed_axes,
+    lalanne_frequencies,
+    rotor_body,
+    turning_frequencies,
+    whirl_of_timoshenko_shaft,
+    whirls,
+)
+
+FRAMES = {"nodal-fixed": NodalFixedFrame("hub"), "mean-axis": MeanAxisFrame()}
+
+
+@pytest.fixture(params=FRAMES)
+def frame(request):
+    return FRAMES[request.param]
+
+
+@pytest.mark.parametrize("full", [False, True], ids=["reduced", "full"])
+def test_a_disc_on_a_massless_shaft_whirls_as_its_formula(frame, full):
+    """J_t w^2 - J_p W w - k = 0: in space 141.267 forward and 32.176 backward, turning 81.267 and 92.176."""
+    found = turning_frequencies(disc_on_massless_shaft(), frame, 60.0, {"hub": None}, full=full)
+    roots = np.roots([1.1, -2.0 * 60.0, -5000.0])
+    np.testing.assert_allclose(found[1:3], sorted(abs(roots - 60.0)), rtol=1e-6)
+    np.testing.assert_allclose(sorted(roots), [-32.176, 141.267], atol=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("full", [False, True], ids=["reduced", "full"])
+def test_a_disc_of_beam_elements_whirls_as_a_timoshenko_shaft(frame, full):
+    """The consistent rotary mass of the elements, of which a disc has one: the error falls with h^2."""
+    expected = whirl_of_timoshenko_shaft(OVERHUNG, 600.0, [(-400.0, -50.0), (50.0, 900.0)])
+    body = rotor_body(OVERHUNG, 0.05, {"hub": 0.0})
+    found = whirls(turning_frequencies(body, frame, 600.0, {"hub": None}, full=full), expected, 600.0)
+    np.testing.assert_allclose(found, expected, rtol=2e-4)
+
+
+def test_a_free_rotor_has_its_stiffness_at_rest_and_a_skew_gyroscopic_matrix(frame):
+    """In axes that stand: K, and for every node -W J_p (theta_y theta_z' - theta_z theta_y')."""
+    body, rate = disc_on_massless_shaft(), 60.0
+    mass, gyroscopic, stiffness = in_fixed_axes(body, frame, rate)
+    np.testing.assert_allclose(mass, body.mass.toarray(), atol=1e-9)
+    np.testing.assert_allclose(stiffness, body.stiffness.toarray(), atol=1e-9 * abs(stiffness).max())
+    polar = body.mass.diagonal().reshape(-1, 6)[:, 3]
+    expected = np.zeros_like(mass)
+    for node, inertia in enumerate(polar):
+        y, z = 6 * node + 4, 6 * node + 5
+        expected[y, z], expected[z, y] = rate * inertia, -rate * inertia
+    np.testing.assert_allclose(gyroscopic, expected, atol=1e-9 * rate * polar.max())
+
+
+@pytest.mark.slow
+def test_lalannes_rotor_of_three_discs():
+    """On bearings that are not alike in all directions, 25 000 rpm."""
+    for frame in (NodalFixedFrame("left"), MeanAxisFrame()):
+        np.testing.assert_allclose(lalanne_frequencies(frame)[: len(LALANNE)], LALANNE, rtol=3e-3)
+
+
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")
+def test_a_free_gyroscopic_body_keeps_energy_and_angular_momentum():
+    """The overhung disc, thrown while it spins about its shaft: what drifts is of the integrator's order."""
+    body = rotor_body(OVERHUNG, 0.1, {"hub": 0.0})
+    reduced = reduce(body, MeanAxisFrame(), NormalModes(6), derivatives=NoDerivatives(), loads=NoLoads)
+    rates = np.zeros(reduced.r)
+    rates[:2] = 0.05 * reduced.frequencies[:2]
+    system = System((Placed(reduced, angular_velocity=[300.0, 30.0, 10.0], coordinate_rates=rates),))
+
+    def drift(step):
+        run = Run(0.01, 0.002, step=FixedStep(step), method=Newmark(), tolerances=Tolerances(residual=1e-11))
+        kept = balances(system, simulate(system, run))
+        return [
+            np.abs(values - values[0]).max() / np.abs(values[0]).max()
+            for values in (kept.total, kept.angular_momentum)
+        ]
+
+    coarse, fine = np.array(drift(4e-5)), np.array(drift(2e-5))
+    assert (fine < 1e-4).all()
+    assert (coarse / fine > 3.5).all()

@@ -1,0 +1,52 @@
+"""What a report says of the start: velocities that come from drives, and the swing from gravity."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from supple.integrate import FixedStep, Run
+from supple.machine import GROUND, At, Fixed, Placed, PrescribedRotation, System
+from supple.results import summarize
+from supple.results.run_start import first_swing, start_lines
+from supple.simulation import equilibrium, simulate
+
+pytestmark = pytest.mark.filterwarnings("ignore::supple.errors.ResolutionWarning")
+
+
+def test_the_first_swing_of_closed_forms():
+    t = np.linspace(0, 20, 401)
+    share, row = first_swing(1 - np.cos(t))
+    assert (share, t[row]) == (pytest.approx(1.0, abs=1e-3), pytest.approx(np.pi, abs=0.03))
+    assert first_swing(1 - np.exp(-t)) is None  # without a swing
+    assert first_swing(np.abs(np.sin(t)) * t) is None  # it grows later
+    assert first_swing(0.1 * (1 - np.cos(t)) + t**2 / 400) is None
+    assert first_swing(0 * t) is None
+
+
+def test_a_strip_that_begins_to_hang_swings_and_one_at_rest_does_not(clamped_blade):
+    clamp = Fixed(name="clamp", first=GROUND, second=At("blade", "root"))
+    system = System([clamped_blade], [clamp], gravity=(0, 0, -0.01))
+    run = Run(4.0, 0.02, FixedStep(0.02))
+    numbers = summarize(system, simulate(system, run))
+    swing = numbers["start"]["swings from gravity"]["blade"]
+    assert swing["share of largest"] > 0.9
+    # Half a period of the lowest mode of a cantilever: 1.875^2 sqrt(E I / m) / L^2 = 2.03 rad/s.
+    assert swing["at time"] == pytest.approx(np.pi / 2.03, abs=0.1)
+    (line,) = start_lines(numbers)
+    assert 'begin at rest: start = "equilibrium"' in line
+    found = equilibrium(system).system
+    assert list(start_lines(summarize(found, simulate(found, run)))) == []
+
+
+def test_bodies_that_take_the_velocity_of_their_drive_are_named(rod):
+    drive = PrescribedRotation(
+        name="drive", first=GROUND, second=At("bar", "left"), axis=(0, 0, 1), angle=lambda t: 2.0 * t
+    )
+    bar = Placed(rod("bar", 1.0), position=[0.5, 0, 0])
+    system = System([bar, rod("stone", 1.0)], [drive])
+    numbers = summarize(system, simulate(system, Run(0.02, 0.01)))
+    (taken,) = numbers["start"]["velocities taken"]
+    assert taken == {"body": "bar", "speed": pytest.approx(1.0), "angular speed": pytest.approx(2.0)}
+    (line,) = start_lines(numbers)
+    assert line.endswith("'bar' (speed 1, angular speed 2 rad per time)")

@@ -1,0 +1,133 @@
+"""What a basis costs at rest and in steady rotation, beside closed forms; stability of what is found."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
+from supple.errors import BasisWarning, ModelError
+from supple.fem import Isotropic, solid_model
+from supple.linearization import linearize, machine_modes
+from supple.machine import GROUND, At, Fixed, Placed, PrescribedRotation, Revolute, Spin, System
+from supple.mesh import CellType, block
+from supple.reduction import (
+    CraigBampton,
+    NoDerivatives,
+    NoLoads,
+    NormalModes,
+    Rubin,
+    reduce,
+)
+from supple.simulation import equilibrium
+
+LENGTH, E, DENSITY, RATE = 1.0, 1e9, 1000.0, 20.0
+STRETCH = DENSITY * RATE**2 * LENGTH**3 / (3 * E)
+"""Elongation of a bar that spins about its end."""
+SPIN = Spin(RATE, (0, 0, 1))
+ROOT = NodalFixedFrame("root")
+
+
+@pytest.fixture(scope="module")
+def bar():
+    """Slender, with an interface at its root alone; its six lowest modes are bending and torsion."""
+    model = solid_model(block(LENGTH, 0.02, 0.01, 8, 1, 1, CellType.HEXA20), Isotropic(E, 0.0, DENSITY))
+    return flexible_body("bar", model, (RigidInterface("root", "root"),)).linearized()
+
+
+def turned(form):
+    hub = PrescribedRotation(name="hub", first=GROUND, second=At("bar", "root"), axis=(0, 0, 1), angle=0.0)
+    return System((Placed(form),), (hub,))
+
+
+def of_the_end(bar, displacement):
+    return displacement[np.isclose(bar.nodes[:, 0], LENGTH)].mean(axis=0)
+
+
+def test_a_basis_without_axial_modes_says_what_it_misses_of_a_stretch(bar):
+    reduced = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives(), loads=NoLoads)
+    with pytest.warns(BasisWarning, match=r"body 'bar': at rest a node is off by .* % of the largest"):
+        found = equilibrium(turned(reduced), spin=SPIN, fulls=[FullBody(bar, ROOT)])
+    error = found.errors["bar"]
+    (placed,) = found.system.bodies
+    short = of_the_end(bar, placed.body.expand(placed.coordinates))[0]
+    # (w / w_axial)^2 / 2.5 of the stretch grows with it: 2e-4.
+    assert short + of_the_end(bar, error.displacement)[0] == pytest.approx(STRETCH, rel=5e-4)
+    assert error.relative > 0.5
+    assert error.strain > 0.5
+    assert error.second < 0.01
+    system, solution = found.full
+    assert np.allclose(
+        system.bodies[0].positions() - placed.positions(), error.displacement, atol=1e-6 * STRETCH
+    )
+    assert solution.bodies["bar"].coordinates.shape == (1, bar.n)
+
+
+def test_a_reduction_as_it_comes_holds_steady_loads(bar):
+    reduced = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives())
+    error = equilibrium(turned(reduced), spin=SPIN, fulls=[FullBody(bar, ROOT)]).errors["bar"]
+    assert error.relative < 1e-3
+
+
+def test_a_full_body_other_than_the_one_reduced_is_refused(bar):
+    model = solid_model(block(LENGTH, 0.02, 0.02, 8, 1, 1, CellType.HEXA20), Isotropic(E, 0.0, DENSITY))
+    other = flexible_body("bar", model, (RigidInterface("root", "root"),)).linearized()
+    reduced = reduce(bar, ROOT, Rubin(2), derivatives=NoDerivatives(), loads=NoLoads)
+    with pytest.raises(ModelError, match="is not the one that was reduced"):
+        equilibrium(turned(reduced), spin=SPIN, fulls=[FullBody(other, ROOT)])
+
+
+def test_a_machine_that_turns_faster_than_it_vibrates_is_found_in_mean_axes(bar):
+    """Its frame moves as it stretches, and the centrifugal force of the whole body with it."""
+    fast = Spin(60.0, (0, 0, 1))  # its first frequency is 10 rad/s
+    stretched = {}
+    for frame in (ROOT, MeanAxisFrame()):
+        (placed,) = equilibrium(turned(FullBody(bar, frame)), spin=fast).system.bodies
+        stretched[frame] = of_the_end(bar, placed.positions() - bar.nodes)[0]
+    assert stretched[MeanAxisFrame()] == pytest.approx(stretched[ROOT], rel=1e-7)
+
+
+def test_modes_of_a_reduced_machine_carry_their_error():
+    """Without the axial shape that a spin stretches nothing stiffens: 12 % of the first frequency."""
+    model = solid_model(block(LENGTH, 0.02, 0.01, 4, 1, 1, CellType.HEXA20), Isotropic(E, 0.0, DENSITY))
+    bar = flexible_body("bar", model, (RigidInterface("root", "root"),))
+    reduced = reduce(bar, MeanAxisFrame(), CraigBampton(4), derivatives=NoDerivatives(), loads=NoLoads)
+    full = FullBody(bar, MeanAxisFrame())
+    with pytest.warns(BasisWarning, match="at rest a node is off by"):
+        machine = linearize(turned(reduced), spin=SPIN, fulls=[full])
+    with pytest.warns(BasisWarning, match=r"mode 1 is off by .* %"):
+        modes = machine_modes(machine, 3)
+    exact = machine_modes(linearize(turned(full), spin=SPIN), 3)
+    assert modes.error.eigenvalues == pytest.approx(exact.eigenvalues, rel=1e-6)
+    apart = abs(modes.eigenvalues - exact.eigenvalues) / abs(exact.eigenvalues)
+    assert modes.error.relative == pytest.approx(apart, rel=1e-6)
+    assert apart.max() > 0.05
+
+
+def test_modes_that_a_basis_lacks_are_named(bar):
+    """Six vibrations of the free body, held at its root, lack some of its modes."""
+    clamp = Fixed(name="clamp", first=GROUND, second=At("bar", "root"))
+    reduced = reduce(bar, MeanAxisFrame(), NormalModes(8), derivatives=NoDerivatives(), loads=NoLoads)
+    full = FullBody(bar, MeanAxisFrame())
+    machine = linearize(System((reduced,), (clamp,)), fulls=[full])
+    with pytest.warns(BasisWarning, match="mode .* is (none of the machine's|off by)"):
+        modes = machine_modes(machine, 6)
+    exact = machine_modes(linearize(System((full,), (clamp,))), 12)
+    assert (modes.error.relative >= 0.01).any()
+    told = np.append(modes.error.eigenvalues[~np.isnan(modes.error.eigenvalues)], modes.error.missed)
+    for value in exact.eigenvalues[abs(exact.eigenvalues) < 0.98 * abs(modes.eigenvalues).max()]:
+        assert abs(told - value).min() < 1e-6 * abs(value)
+
+
+@pytest.mark.parametrize(("up", "stable"), [(1.0, False), (-1.0, True)])
+def test_a_rod_that_stands_on_its_hinge_is_not_stable(up, stable):
+    rod = RigidBody("rod", 1.0, (0, 0, 0.5 * up), np.eye(3) / 12, {"hinge": (0, 0, 0)})
+    hinge = Revolute(first=GROUND, second=At("rod", "hinge"), axis=(0, 1, 0))
+    assert equilibrium(System((rod,), (hinge,), gravity=(0, 0, -9.81))).stable is stable
+
+
+@pytest.mark.parametrize(("up", "stable"), [(1.0, False), (-1.0, True)])
+def test_nor_is_a_full_body(bar, up, stable):
+    hinge = Revolute(first=GROUND, second=At("bar", "root"), axis=(0, 1, 0))
+    standing = Placed(FullBody(bar, ROOT), rotation=(0, -up * np.pi / 2, 0))
+    assert equilibrium(System((standing,), (hinge,), gravity=(0, 0, -0.01))).stable is stable
