@@ -99,7 +99,7 @@ def _tips_sideways() -> list[Comparison]:
 
 def _jumps() -> list[Comparison]:
     """A slider of 2 kg on which 3 N act from 0.1 s on: x = F (t - 0.1)^2 / 2 m."""
-    block = RigidBody("block", 2.0, [0, 0, 0], np.eye(3), {"end": [0, 0, 0]})
+    block = RigidBody("block", 2.0, np.zeros(3), np.eye(3), {"end": np.zeros(3)})
     guide = Prismatic(name="guide", first=GROUND, second=At("block", "end"), axis=(1, 0, 0))
     push = ForceBetween(
         first=GROUND,

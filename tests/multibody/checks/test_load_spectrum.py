@@ -206,7 +206,7 @@ def test_times_must_be_evenly_spaced(small):
 
 def test_a_run_of_one_output_interval_is_looked_at(beam):
     """Its steps see the load all the same, and so does the check."""
-    tiny = reduce(beam, ROOT, NormalModes(1), derivatives=NoDerivatives())
+    tiny = reduce(beam, ROOT, NormalModes(1), derivatives=NoDerivatives(), loads=NoLoads)
     with pytest.warns(LoadSpectrumWarning, match="at least 3 modes"):
         warn_of_missing_modes(pushed(tiny, harmonic(24.0)), np.array([0.0, TIMES[-1]]), beam, tiny)
 
