@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from supple.explicit.elements import SolidPoints
 from supple.explicit.explicit_shell import ShellElements
 from supple.explicit.modal_stress import modal_von_mises, stress_of_modes
 
-__all__ = ["element_means", "nodal_von_mises"]
+__all__ = ["LargestStress", "element_means", "largest_stress", "nodal_von_mises"]
 
 FloatArray = NDArray[np.float64]
 
@@ -40,6 +41,38 @@ def element_means(
 
 def _elements(subdomain: ExplicitSubdomain | ExplicitShell) -> Sequence[SolidPoints | ShellElements]:
     return subdomain.elements if isinstance(subdomain, ExplicitShell) else subdomain.points
+
+
+class LargestStress(NamedTuple):
+    """Von Mises', Pa, when, and where: the id of a node of a modal part, or of a cell of an explicit one."""
+
+    value: float
+    time: float
+    place: int
+
+
+def largest_stress(
+    subdomain: ModalSubdomain | ExplicitSubdomain | ExplicitShell,
+    times: FloatArray,
+    motion: FourPointMotion | NodalMotion,
+) -> LargestStress | None:
+    """Of all output times (t,); None of a modal part that has matrices alone."""
+    if isinstance(motion, NodalMotion):
+        assert not isinstance(subdomain, ModalSubdomain)
+        mesh = subdomain.model.mesh
+        ids = np.concatenate([mesh.cell_ids[own.cell_type][own.cells] for own in subdomain.model.sections])
+        row, cell = np.unravel_index(motion.von_mises.argmax(), motion.von_mises.shape)
+        return LargestStress(float(motion.von_mises[row, cell]), float(times[row]), int(ids[cell]))
+    assert isinstance(subdomain, ModalSubdomain)
+    model = subdomain.body.model
+    if model is None or not subdomain.n_modes:
+        return None
+    of_modes, found = stress_of_modes(subdomain), []
+    for time, coordinates in zip(times, motion.coordinates, strict=True):
+        (stress,) = modal_von_mises(of_modes, coordinates[None])
+        node = int(stress.argmax())
+        found.append(LargestStress(float(stress[node]), float(time), int(model.mesh.node_ids[node])))
+    return max(found, key=lambda each: each.value)
 
 
 def nodal_von_mises(

@@ -20,6 +20,7 @@ from supple.explicit import (
 from supple.explicit.series_motion import series_of
 from supple.integrate import Solution
 from supple.machine import At
+from supple.results.explicit_fields import largest_stress
 from supple.results.run_summary import cost_numbers, unit_names
 from supple.units import UNNAMED, UnitSystem
 
@@ -94,6 +95,17 @@ def summarize_explicit(
 
 def _part_numbers(subdomain: Any, solution: Solution) -> dict[str, Any]:
     motion: Any = solution.bodies[subdomain.name]
+    where = "node" if isinstance(subdomain, ModalSubdomain) else "cell"
+    stress = largest_stress(subdomain, solution.times, motion)
+    found = (
+        {}
+        if stress is None
+        else {"largest stress": {"value": stress.value, "time": stress.time, where: stress.place}}
+    )
+    return _kind_numbers(subdomain, motion) | found
+
+
+def _kind_numbers(subdomain: Any, motion: Any) -> dict[str, Any]:
     if not isinstance(subdomain, ModalSubdomain):
         return {
             "kind": "explicit",

@@ -27,13 +27,22 @@ def _parts(numbers: Mapping[str, Any]) -> TextTable:
             lost = f", {part['deleted']} deleted" if part["deleted"] else ""
             size, yielded = f"{part['elements']} elements{lost}", f"{part['largest plastic strain']:.3g}"
         row = [name, part["kind"], f"{part['mass']:.5g}", str(part["nodes"]), size]
-        rows.append([*row, f"{part['step limit']:.4g}", yielded])
+        rows.append([*row, f"{part['step limit']:.4g}", _stress(part.get("largest stress")), yielded])
     heads = (
         *("part", "kind", headed("mass", units.get("mass", "")), "nodes", "size"),
         headed("longest step at rest", units.get("time", "")),
+        headed("largest von Mises stress", units.get("stress", "")),
         "largest plastic strain",
     )
     return TextTable("Parts", heads, rows)
+
+
+def _stress(found: Mapping[str, Any] | None) -> str:
+    """The value and the node or the cell that has it."""
+    if found is None:
+        return ""
+    place = "node" if "node" in found else "cell"
+    return f"{found['value']:.4g} ({place} {found[place]})"
 
 
 def _energies(numbers: Mapping[str, Any]) -> TextTable:
