@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, csr_array
 
 from supple.errors import ModelError
 from supple.fem.beam_section import BeamSection
@@ -145,15 +145,18 @@ class StressRecovery:
             total += averaging @ section.at_points(displacement).reshape(-1, 6)
         return total.reshape(self.n_nodes, self.n_layers, 6)
 
-    def over(self, displacements: FloatArray, nodes: NDArray[np.int64]) -> FloatArray:
-        """`at_nodes` of t displacements (n, t) at k nodes: (t, k, l, 6)."""
-        n_layers, t = self.n_layers, displacements.shape[1]
-        rows = (nodes[:, None] * n_layers + np.arange(n_layers)).ravel()
-        total = np.zeros((len(rows), 6 * t))
-        for section, averaging in zip(self.sections, self.averaging, strict=True):
-            points = section.at_points_over(displacements)
-            total += averaging.tocsr()[rows] @ points.reshape(-1, 6 * t)
-        return np.moveaxis(total.reshape(len(nodes), n_layers, 6, t), -1, 0)
+    def averaging_at(self, nodes: NDArray[np.int64]) -> tuple[csr_array, ...]:
+        """The rows (k l, E g) of the matrices of `averaging` at k nodes."""
+        rows = (nodes[:, None] * self.n_layers + np.arange(self.n_layers)).ravel()
+        return tuple(averaging.tocsr()[rows] for averaging in self.averaging)
+
+    def over(self, displacements: FloatArray, averaging: tuple[csr_array, ...]) -> FloatArray:
+        """`at_nodes` of t displacements (n, t) at the k nodes of an averaging: (t, k, l, 6)."""
+        t = displacements.shape[1]
+        total = np.zeros((averaging[0].indptr.size - 1, 6 * t))
+        for section, own in zip(self.sections, averaging, strict=True):
+            total += own @ section.at_points_over(displacements).reshape(-1, 6 * t)
+        return np.moveaxis(total.reshape(-1, self.n_layers, 6, t), -1, 0)
 
     @property
     def numbers_per_instant(self) -> int:

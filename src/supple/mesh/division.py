@@ -59,15 +59,13 @@ class AlongAxis:
             near = [each for each in sections if abs(each.position - wanted) < 0.5 * (ends[1] - ends[0])]
             # Planes stand first, so that of two sections as near as each other a plane is taken.
             near.sort(key=lambda each: abs(round((each.position - wanted) / np.ptp(along), 6)))
-            beyond = [each for each in near if not chosen or each.contains(chosen[-1])]
+            beyond = (each for each in near if not chosen or each.contains(chosen[-1]))
             found = next((each for each in beyond if flat_section(mesh, each)), None)
             if found is None:
                 raise MeshError(self._no_section(number, float(wanted), direction, sections))
             chosen.append(found)
-        part = {
-            kind: self.count - 1 - sum(section.below[kind].astype(int) for section in chosen)
-            for kind in mesh.cells
-        }
+        below = [section.below() for section in chosen]
+        part = {kind: self.count - 1 - sum(each[kind].astype(int) for each in below) for kind in mesh.cells}
         return [{kind: np.flatnonzero(own == i) for kind, own in part.items()} for i in range(self.count)]
 
     def _no_section(

@@ -10,8 +10,9 @@ of nodes is flat, and every cell lies on one side of it. There are two families:
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,17 +38,18 @@ class NodeSection:
     """A way to cut a mesh in two between its cells.
 
     position : along the axis, of the nodes on it
-    below : bool (E,) of each kind of cell    whether it lies on the lower side
-    is_plane : bool                           across the axis; otherwise its nodes may not lie in a plane
+    below : gives bool (E,) of each kind of cell, whether it lies on the lower side; asked of few sections
+    is_plane : whether it is across the axis; otherwise its nodes may not lie in a plane
     """
 
     position: float
-    below: Mapping[CellType, NDArray[np.bool_]]
+    below: Callable[[], Mapping[CellType, NDArray[np.bool_]]]
     is_plane: bool
 
     def contains(self, other: NodeSection) -> bool:
         """Whether all that lies below another section, and some cell more, lies below this one."""
-        pairs = [(self.below[kind], other.below[kind]) for kind in self.below]
+        mine, others = self.below(), other.below()
+        pairs = [(mine[kind], others[kind]) for kind in mine]
         return all((own | ~lower).all() for own, lower in pairs) and any(
             (own & ~lower).any() for own, lower in pairs
         )
@@ -70,8 +72,9 @@ def flat_section(mesh: Mesh, section: NodeSection) -> bool:
     """
     if section.is_plane:
         return True
+    low_side = section.below()
     sides = [
-        {kind: np.flatnonzero(below if low else ~below) for kind, below in section.below.items()}
+        {kind: np.flatnonzero(below if low else ~below) for kind, below in low_side.items()}
         for low in (True, False)
     ]
     low, high = (
@@ -135,9 +138,12 @@ def _planes(mesh: Mesh, along: FloatArray) -> Iterator[NodeSection]:
     levels = levels[np.concatenate([[True], np.diff(levels) > near])]
     levels = levels[(levels > along.min() + near) & (levels < along.max() - near)]
     crossing = np.searchsorted(low, levels - near) - np.searchsorted(high, levels + near, side="right")
-    for level in levels[crossing == 0]:
-        below = {kind: along[cells].mean(axis=1) < level - near for kind, cells in mesh.cells.items()}
-        yield NodeSection(float(level), below, is_plane=True)
+
+    def below(level: float) -> Mapping[CellType, NDArray[np.bool_]]:
+        return {kind: along[cells].mean(axis=1) < level - near for kind, cells in mesh.cells.items()}
+
+    for level in levels[crossing == 0].tolist():
+        yield NodeSection(level, partial(below, level), is_plane=True)
 
 
 def _layers(mesh: Mesh, along: FloatArray, *, from_low: bool) -> Iterator[NodeSection]:
@@ -156,9 +162,13 @@ def _layers(mesh: Mesh, along: FloatArray, *, from_low: bool) -> Iterator[NodeSe
     steps = np.where(np.isfinite(steps), steps, 2.0 * first[-1]).astype(int)
     node_steps = steps[:n] // 2
     reached = node_steps[node_steps < first[-1]].max()
-    for number in range(1, int(reached)):
-        below = {
+
+    def below(number: int) -> Mapping[CellType, NDArray[np.bool_]]:
+        return {
             kind: (steps[begin : begin + count] < 2 * number) == from_low
             for kind, begin, count in zip(mesh.cells, first, counts, strict=False)
         }
-        yield NodeSection(float(along[node_steps == number].mean()), below, is_plane=False)
+
+    for number in range(1, int(reached)):
+        position = float(along[node_steps == number].mean())
+        yield NodeSection(position, partial(below, number), is_plane=False)
