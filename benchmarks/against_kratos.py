@@ -31,6 +31,7 @@ from measure import keep
 from peer_process import PeerProcess
 
 from supple.explicit import (
+    BulkViscosity,
     ExplicitEngine,
     ExplicitOptions,
     ExplicitSystem,
@@ -77,7 +78,10 @@ class InSupple:
     """The march in supple."""
 
     def __init__(self, mesh: Mesh, n_steps: int) -> None:
-        part = explicit_subdomain(solid_model(mesh, STEEL), StVenantKirchhoff(STEEL), name="block")
+        # Kratos' solids have no bulk viscosity.
+        none = BulkViscosity(0.0, 0.0)
+        model = solid_model(mesh, STEEL)
+        part = explicit_subdomain(model, StVenantKirchhoff(STEEL), name="block", bulk_viscosity=none)
         self.step = 0.5 * part.step_limit
         span = Run(n_steps * self.step, n_steps * self.step)
         moving = Part(part, velocity=np.cross(SPIN, -CENTRE), angular_velocity=SPIN)

@@ -29,6 +29,7 @@ from supple.reduction import (
     CraigBampton,
     ErrorControlled,
     NoDerivatives,
+    NoLoads,
     ReducedBody,
     reduce,
 )
@@ -45,7 +46,7 @@ machine = SliderCrank(
 
 def reduced(basis) -> ReducedBody:
     """The rod in its mean axes."""
-    return reduce(machine.body, machine.frame, basis, derivatives=NoDerivatives())
+    return reduce(machine.body, machine.frame, basis, derivatives=NoDerivatives(), loads=NoLoads)
 
 
 def run(rod: ReducedBody) -> Solution:

@@ -114,7 +114,7 @@ class UnlockedWarning(SuppleWarning):
 
 
 class StepCutWarning(SuppleWarning):
-    """Time steps that had to be cut before Newton's method converged."""
+    """Time steps that are cut: for Newton's method to converge, or to keep to an error."""
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:

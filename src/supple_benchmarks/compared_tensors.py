@@ -10,6 +10,7 @@ from supple.reduction import (
     CondensedQuartic,
     DerivativeChoice,
     LinearBasisRecipe,
+    NoLoads,
     PlainQuartic,
     QuarticChoice,
     ReducedBody,
@@ -35,4 +36,6 @@ def reduce_to_compare(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LockingWarning)
         quartic = TENSORS[tensors]
-        return reduce(body, frame, recipe, derivatives=derivatives, damping=damping, quartic=quartic)
+        return reduce(
+            body, frame, recipe, derivatives=derivatives, damping=damping, quartic=quartic, loads=NoLoads
+        )

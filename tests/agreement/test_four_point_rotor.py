@@ -14,7 +14,7 @@ from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Newmark, Run, Tolerances
 from supple.machine import At, DeadForce, Placed, Ramp, Scaled, System
 from supple.mesh import CellType, block
-from supple.reduction import NoDerivatives, NormalModes, reduce
+from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
 from supple.simulation import simulate
 
 SPIN = np.array([0.5, 0.0, 0.02])
@@ -30,7 +30,7 @@ def body():
 
 def _floating(body, n):
     """Positions (t, N, 3) by the trapezoidal rule in a mean-axis frame."""
-    reduced = reduce(body, MeanAxisFrame(), NormalModes(8), derivatives=NoDerivatives())
+    reduced = reduce(body, MeanAxisFrame(), NormalModes(8), derivatives=NoDerivatives(), loads=NoLoads)
     run = Run(
         SPAN, SPAN / 4, step=FixedStep(SPAN / n), method=Newmark(), tolerances=Tolerances(residual=1e-11)
     )

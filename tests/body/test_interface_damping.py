@@ -19,7 +19,7 @@ from supple.body import (
 )
 from supple.errors import ModelError
 from supple.multibody.full.full_damping import full_damping
-from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, clamped_modes, reduce
+from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, NoLoads, clamped_modes, reduce
 
 FRAMES = {
     "held": NodalFixedFrame("root"),
@@ -51,7 +51,7 @@ def dense(damping):
 
 
 def reduced_to_all(body, frame, damping):
-    return reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives(), damping=damping)
+    return reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives(), damping=damping, loads=NoLoads)
 
 
 @pytest.mark.parametrize("kind", ["rayleigh", "linear", "modal"])
@@ -61,7 +61,9 @@ def test_the_held_modes_have_the_ratio_that_is_asked_for(body, frame, kind):
         "linear": lambda: fitted(body).linearized(),
         "modal": lambda: ModalDamping(RATIO, held="root"),
     }[kind]()
-    reduced = reduce(body, frame, CraigBampton(8), derivatives=NoDerivatives(), damping=damping)
+    reduced = reduce(
+        body, frame, CraigBampton(8), derivatives=NoDerivatives(), damping=damping, loads=NoLoads
+    )
     found = clamped_modes(reduced, "root", n_modes=3).damping_ratios
     wanted = [RATIO] * 3 if kind == "modal" else [RATIO, found[1], RATIO]
     np.testing.assert_allclose(found, wanted, rtol=1e-4)

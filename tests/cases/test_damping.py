@@ -11,7 +11,7 @@ from fixtures.beam_bodies import beam_body
 from supple.body import MeanAxisFrame
 from supple.cases.damping import Modal, Rayleigh, RayleighRatio, warn_of_ratios
 from supple.errors import SuppleWarning
-from supple.reduction import CraigBampton, NoDerivatives, NormalModes, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, NormalModes, reduce
 from supple.results.run_summary import body_numbers
 from supple.results.run_tables import body_table
 
@@ -26,7 +26,12 @@ def body():
 def reduced(body, given, recipe):
     frame = MeanAxisFrame()
     return reduce(
-        body.linearized(), frame, recipe, derivatives=NoDerivatives(), damping=given.build(body, frame)
+        body.linearized(),
+        frame,
+        recipe,
+        derivatives=NoDerivatives(),
+        damping=given.build(body, frame),
+        loads=NoLoads,
     )
 
 
@@ -65,7 +70,9 @@ def test_a_run_shows_the_ratios_of_held_modes_beside_their_frequencies(body):
     assert table.heads[-1] == "their damping, %"
     assert [row[-1].split()[:1] for row in table.rows] == [[], ["2"]]
     undamped = body_numbers(
-        reduce(body.linearized(), MeanAxisFrame(), CraigBampton(6), derivatives=NoDerivatives())
+        reduce(
+            body.linearized(), MeanAxisFrame(), CraigBampton(6), derivatives=NoDerivatives(), loads=NoLoads
+        )
     )
     assert "damping ratios held" not in undamped
     assert "their damping, %" not in body_table({"units": {}, "bodies": {"beams": undamped}}).heads

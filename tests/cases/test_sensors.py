@@ -81,6 +81,56 @@ def test_a_run_writes_what_its_sensors_read(case, tmp_path):
     assert (out / "sensors.png").stat().st_size > 5_000
 
 
+def line_of(path, text):
+    return 1 + path.read_text()[: path.read_text().index(text)].count("\n")
+
+
+def test_a_stress_that_is_none_is_found_while_reading(case):
+    """An interface is no node set, and a rigid body has no elements: with the line of the key."""
+    case.write_text(case.read_text().replace('at = "strip.ROOT"', 'at = "strip.root"'))
+    line = line_of(case, 'at = "strip.root"')
+    with pytest.raises(CaseError, match=rf"line {line}, sensor\[3\].at: 'root' is an interface"):
+        read_case(case)
+    inertia = "[[1,0,0],[0,1,0],[0,0,1]]"
+    rigid = f'[[body]]\nname = "hub"\nrigid = {{ mass = 1.0, centre = [0,0,0], inertia = {inertia} }}\n'
+    text = case.read_text().replace('at = "strip.root"', 'at = "hub.eye"')
+    case.write_text(text.replace("[[joint]]", rigid + "[[joint]]"))
+    with pytest.raises(CaseError, match=r"sensor\[3\].at: body 'hub' has no elements, whose stress"):
+        read_case(case)
+
+
+def test_a_sensor_that_its_body_cannot_serve_is_found_before_the_run(case):
+    """The velocity of an intrinsic body: said with its line, not when the run is over."""
+    text = case.read_text()
+    keys = 'frame = { kind = "mean-axis" }\n', "reduction = "
+    text = text.replace(keys[0], 'condense = { root = "root", tip = "tip", stations = 5 }\n')
+    text = "\n".join(line for line in text.splitlines() if not line.startswith(keys[1]))
+    text = text.replace("\n[[joint]]", '\n[[body.interface]]\nname = "tip"\nnodes = "TIP"\n\n[[joint]]', 1)
+    text = text[: text.index("[[sensor]]")]
+    case.write_text(text + '\n[[sensor]]\nname = "v"\nkind = "velocity"\nat = "strip.tip"\n')
+    line = line_of(case, "[[sensor]]")
+    with pytest.raises(
+        CaseError, match=rf"line {line}, sensor\[1\]: sensor 'v': body 'strip' has no floating"
+    ):
+        _ = read_case(case).sensors
+
+
+@pytest.mark.parametrize(
+    ("element", "cause"),
+    [
+        ('kind = "angle-stop"\naxis = [0, 1, 0]\nlower = 1.0\nupper = 0.0\nstiffness = 1.0', "lower"),
+        ('kind = "gear"\naxis = [0, 1, 0]\nteeth = [20, 40]\nstiffness = 1.0', "needs an anchor"),
+        ('kind = "bushing"\nstiffness = [1, 1, -1, 1, 1, 1]', "must not be negative"),
+    ],
+)
+def test_a_mistake_of_an_element_is_found_while_reading_with_its_line(case, element, cause):
+    given = f'\n[[element]]\nfirst = "ground"\nsecond = "strip.root"\n{element}\n'
+    case.write_text(case.read_text() + given)
+    line = line_of(case, "[[element]]")
+    with pytest.raises(CaseError, match=rf"line {line}, element\[1\]: .*{cause}"):
+        read_case(case)
+
+
 @pytest.mark.parametrize(
     ("given", "component", "over"),
     [

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from supple.cases import read_case, read_explicit_case, run_explicit_case
 from supple.cli.main import app
 from supple.errors import CaseError
-from supple.explicit import EveryNode, MeanMotion, Mortar
+from supple.explicit import BulkViscosity, EveryNode, MeanMotion, Mortar
 from supple.mesh import CellType, block
 from supple.storage import read_solution
 
@@ -163,6 +163,17 @@ def test_a_modal_part_stiffens_with_its_spin_where_the_file_says_so(bar):
     assert body.spin_stiffness.shape == (6, body.n_modes, body.n_modes)
 
 
+def test_a_part_has_the_yield_stress_and_the_viscosity_that_the_file_says(bar):
+    system = read_explicit_case(bar()).system
+    assert system.part("rest").subdomain.yield_stress is None
+    assert system.part("nose").subdomain.bulk_viscosity == BulkViscosity()
+    said = ('interfaces = ["JOINT"]', 'interfaces = ["JOINT"], yield_stress = 90e6')
+    none = ("modulus = 300e6 }", "modulus = 300e6 }, bulk_viscosity = { linear = 0, quadratic = 0 }")
+    system = read_explicit_case(bar(said, none)).system
+    assert system.part("rest").subdomain.yield_stress == 90e6
+    assert not system.part("nose").subdomain.bulk_viscosity.acts
+
+
 def test_two_modal_parts_are_tied_as_the_file_says(bar):
     explicit = 'explicit = { law = { kind = "j2", yield_stress = 100e6, modulus = 300e6 } }'
     modal = (explicit, 'modal = { modes = 3, interfaces = ["JOINT"] }')
@@ -216,6 +227,7 @@ def test_a_shell_yields_by_its_law_and_has_no_key_without_effect(bar, tmp_path):
         ('law = { kind = "j2", yield_stress = 100e6 }, ', "", "an elastic shell has no deletion"),
         ('kind = "j2", yield_stress = 100e6', 'kind = "neo-hookean"', "the law of a shell"),
         ("layers = 7", "hourglass = 0.1", "hourglass modes are of hexahedra"),
+        ("layers = 7", "bulk_viscosity = {}", "bulk viscosity is of solids"),
     ):
         path.write_text(PLATE.replace(old, new))
         with pytest.raises(CaseError, match=told):

@@ -28,6 +28,15 @@ def call(*arguments, code=0):
     return re.sub(r"\s+", " ", result.output)
 
 
+@pytest.mark.parametrize("command", ["run", "reduce", "static", "modes", "export", "info", "check"])
+def test_help_is_plain(command):
+    """Flags stand alone, without a type that one would have to give; no markup takes words away."""
+    found = call(command, "--help")
+    assert "--debug Show the whole traceback" in found
+    for styled in ("bool", "BOOLEAN", "case's ,", "has a ."):
+        assert styled not in found
+
+
 def test_run_writes_results_and_prints_tables(case_folder):
     output = call("run", case_folder / "strip.toml", "-o", case_folder / "out")
     for part in (

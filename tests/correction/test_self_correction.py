@@ -16,7 +16,7 @@ from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.mesh import strip
 from supple.multibody.compiled.programs import COMPILED_MARCH, QUICK_MARCH
-from supple.reduction import CompressedDerivatives, CraigBampton, reduce
+from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
 from supple.simulation import simulate
 from supple.simulation.watched_run import watched_run
 
@@ -184,7 +184,7 @@ def test_a_run_that_breaks_off_at_once_is_an_error(beam, breaking_off):
 
 
 def test_a_body_to_reduce_stands_in_the_system_in_full(beam):
-    small = reduce(beam, FRAMES["nodal-fixed"], CraigBampton(n_modes=4))
+    small = reduce(beam, FRAMES["nodal-fixed"], CraigBampton(n_modes=4), loads=NoLoads)
     with pytest.raises(ModelError, match="body 'beam' is in the system as a ReducedBody; place it as a Full"):
         self_correct(turned(spin_up)(small), RUN, {"beam": ReductionStart()})
     with pytest.raises(ModelError, match="name at least one body"):

@@ -25,6 +25,7 @@ from supple.reduction import (
     CompressedDerivatives,
     CraigBampton,
     NoDerivatives,
+    NoLoads,
     project,
     reduce,
     reduction_basis,
@@ -149,7 +150,11 @@ def test_refuses_bodies_that_it_cannot_reduce(two_strips):
         self_correct(two_strips, RUN, {})
     with pytest.raises(ModelError, match="there is no body 'middle'"):
         self_correct(two_strips, RUN, {"middle": ReductionStart()})
-    small = {"upper": reduce(two_strips.bodies[0].body.body, MeanAxisFrame(), CraigBampton(n_modes=2))}
+    small = {
+        "upper": reduce(
+            two_strips.bodies[0].body.body, MeanAxisFrame(), CraigBampton(n_modes=2), loads=NoLoads
+        )
+    }
     system = replace(two_strips, bodies=(Placed(small["upper"]), two_strips.bodies[1]))
     with pytest.raises(ModelError, match="body 'upper' is in the system as a ReducedBody; place it as a"):
         self_correct(system, RUN, {"upper": ReductionStart()})

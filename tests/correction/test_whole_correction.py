@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -29,8 +30,10 @@ from supple.correction import (
 from supple.correction.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
 from supple.correction.judged_quantity import quantity_distance
 from supple.correction.model_error import model_errors_by_limit
-from supple.correction.whole_correction import _needed
-from supple.errors import LockingWarning, ModelError
+from supple.correction.round_archive import InMemoryArchive
+from supple.correction.system_correction import Problem
+from supple.correction.whole_correction import _announce_steps, _needed
+from supple.errors import LockingWarning, StepCutWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import ErrorPart, ErrorStatement, FixedStep, Run, Tolerances
 from supple.machine import (
@@ -52,8 +55,12 @@ from supple.reduction import (
     CondensedQuartic,
     CraigBampton,
     NoDerivatives,
+    NoLoads,
+    NormalModes,
     PlainQuartic,
+    project,
     reduce,
+    reduction_basis,
 )
 from supple.results.judged_stress import JudgedStress
 from supple.simulation import simulate
@@ -94,6 +101,7 @@ def plain(beam, request):
             derivatives=CompressedDerivatives(10),
             damping=DAMPING,
             quartic=request.param,
+            loads=NoLoads,
         )
     system = pushed(small, 0.5)
     run = Run(0.6, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-9))
@@ -255,6 +263,23 @@ def test_a_pass_is_not_made_twice(beam, monkeypatch):
     assert len(passes) == 1
 
 
+def test_many_more_steps_are_announced_before_they_are_taken(beam):
+    """In words of the progress whenever steps change, and by a warning from ten times those asked for."""
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    system, run = pushed(full), Run(0.6, 0.02, step=FixedStep(0.02))
+    words = []
+    problem = Problem(
+        system, {"beam": full}, {}, run, None, lambda step, _: words.append(step), InMemoryArchive()
+    )
+    eight, eleven = (replace(problem, run=with_shorter_steps(run, 1 / n)) for n in (8, 11))
+    _announce_steps(run, problem, eight)
+    assert words == ["the step costs too much: 240 steps of at most 0.0025 instead of 30"]
+    with pytest.warns(StepCutWarning, match="takes 330 steps .* where 30 were asked for"):
+        _announce_steps(run, eight, eleven)
+    _announce_steps(run, eleven, eleven)
+    assert len(words) == 2
+
+
 def test_a_part_that_is_unknown_is_mended_as_far_as_goes_at_once():
     assert needed(basis=0.1, step=np.inf, newton=0.01, model=0.0).step == 1 / 8
 
@@ -318,6 +343,7 @@ def test_the_model_costs_the_same_in_a_basis_that_locks(beam):
             derivatives=CompressedDerivatives(derivatives),
             damping=DAMPING,
             quartic=PlainQuartic(),
+            loads=NoLoads,
         )
         system = pushed(body, 4.0, 0.8)
         told = state_errors(system, run, simulate(system, run), study, fulls=[full])
@@ -326,25 +352,27 @@ def test_the_model_costs_the_same_in_a_basis_that_locks(beam):
 
 
 @pytest.mark.slow
-def test_beside_controllers_the_model_is_told_by_its_limit_and_no_basis_is(beam):
-    """Both are answers of the equations at an instant, of which controllers are no part."""
+def test_beside_controllers_the_basis_is_compared_with_a_richer_one(beam):
+    """Controllers have no part in equations at an instant: the model is told by its limit."""
     full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LockingWarning)
-        body = reduce(beam, full.frame, CraigBampton(1), derivatives=NoDerivatives(), damping=DAMPING)
+        body = reduce(
+            beam, full.frame, NormalModes(1), derivatives=NoDerivatives(), damping=DAMPING, loads=NoLoads
+        )
     hinge = Revolute(name="hinge", first=GROUND, second=At("beam", "root"), axis=(0, 1, 0))
     motor = TorqueBetween(first=GROUND, second=At("beam", "root"), axis=(0, 1, 0), torque=0.0)
     controller = Controller(
         reads={"hinge": JointReading("hinge")},
         drives={"motor": motor},
-        outputs=lambda _time, reads, _states: {"motor": 0.5 * (0.2 - reads["hinge"].angle)},
+        outputs=lambda time, reads, _states: {"motor": 4 * time * (0.2 - reads["hinge"].angle)},
     )
     system = System((Placed(body),), (hinge,), controllers=[controller])
-    run = Run(0.1, 0.05, step=FixedStep(0.01))
+    run = Run(0.2, 0.01, step=FixedStep(0.005))
     solution = simulate(system, run)
-    told = state_errors(
-        system, run, solution, ErrorStudy(basis=False, integration=False), fulls=[full]
-    ).errors["beam"]
+    told = state_errors(system, run, solution, ErrorStudy(integration=False), fulls=[full]).errors["beam"]
     assert told.model.value == model_errors_by_limit(system, solution)["beam"]
-    with pytest.raises(ModelError, match="not told beside controllers"):
-        state_errors(system, run, solution, ErrorStudy(integration=False, model=False), fulls=[full])
+    basis = reduction_basis(beam, full.frame, CraigBampton(4), derivatives=CompressedDerivatives(6))
+    fine = replace(system, bodies=(Placed(project(beam, basis, damping=DAMPING)),))
+    true = quantity_distance(WholeBody("beam"), system, solution, fine, simulate(fine, run))
+    assert 0.7 < told.basis.value / true < 1.4

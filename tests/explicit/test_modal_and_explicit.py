@@ -137,7 +137,7 @@ def test_the_balance_is_closed_while_a_ball_hits_a_spinning_modal_part():
     solution = run(ExplicitEngine(own, span, ExplicitOptions(largest_ratio=1)), span.times)
     e = solution.bodies[ENERGIES].values
     total = e[:, :7].sum(axis=1) - e[:, 7]
-    assert np.abs(e[:, 4]).max() > 5e-4 * total[0]  # contact, at the output times
+    assert np.abs(e[:, 4]).max() > 4e-4 * total[0]  # contact, at the output times
     assert np.abs(total / total[0] - 1).max() < 1e-10
     assert 1e-9 * total[0] < np.abs(e[:, 6]).max() < 1e-3 * total[0]  # interface, with the turn
 

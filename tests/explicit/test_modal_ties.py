@@ -300,6 +300,7 @@ def test_an_explicit_node_hangs_on_one_modal_part():
     """A pin through the joint of two halves, tied on both: its mass would count twice."""
     pin = explicit_subdomain(_model(4, 2, (2, 2, 2)), name="pin")
     ties = [Tie(At("pin", "root"), name) for name in ("left", "right")]
-    system = pair(half(*LEFT), half(*RIGHT), parts=[pin], ties=ties)
+    flying = Part(pin, angular_velocity=SPIN, velocity=(0.1, 0, 0))
+    system = pair(half(*LEFT), half(*RIGHT), parts=[flying], ties=ties)
     with pytest.raises(ModelError, match="is tied on 'left' and 'right'"):
         marched(system, 1.0)

@@ -27,7 +27,7 @@ from supple.integrate import Run, run
 from supple.linearization import linearize, machine_modes
 from supple.machine import At, Placed, Spin, System
 from supple.mesh import CellType, block
-from supple.reduction import CompressedDerivatives, NormalModes, reduce
+from supple.reduction import CompressedDerivatives, NoLoads, NormalModes, reduce
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +108,9 @@ def flapping(rotor):
 @pytest.mark.filterwarnings("ignore::supple.errors.SuppleWarning")
 def test_the_frequency_of_flapping_is_that_of_the_floating_frame(body, rotor, flapping):
     rate, _, solution = flapping
-    reduced = reduce(body, MeanAxisFrame(), NormalModes(8), derivatives=CompressedDerivatives(20))
+    reduced = reduce(
+        body, MeanAxisFrame(), NormalModes(8), derivatives=CompressedDerivatives(20), loads=NoLoads
+    )
     machine = System((Placed(reduced, velocity=(0, -4 * rate, 0), angular_velocity=(0, 0, rate)),))
     poles = machine_modes(linearize(machine, spin=Spin(rate, (0, 0, 1), point=(4, 0, 0)))).eigenvalues
     # Bending in the plane and out of it: the former is softened by the spin.

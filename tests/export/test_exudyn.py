@@ -10,7 +10,7 @@ from supple.errors import ModelError
 from supple.export import exudyn_arrays, interface_nodes, write_exudyn
 from supple.fem import HomogeneousSection, Isotropic, shell_model, stress_recovery
 from supple.mesh import strip
-from supple.reduction import CompleteBasis, NoDerivatives, NormalModes, reduce
+from supple.reduction import CompleteBasis, NoDerivatives, NoLoads, NormalModes, reduce
 from supple.results import stress_modes
 from supple_benchmarks.validation.rotors import disc_on_massless_shaft
 
@@ -26,7 +26,9 @@ def cross(vectors):
 def of_points(model):
     """A body none of whose nodes is tied: its inertia is that of points."""
     body = flexible_body("points", model, [AveragingInterface(name, name) for name in ("root", "tip")])
-    return reduce(body.linearized(), MeanAxisFrame(), NormalModes(5), derivatives=NoDerivatives())
+    return reduce(
+        body.linearized(), MeanAxisFrame(), NormalModes(5), derivatives=NoDerivatives(), loads=NoLoads
+    )
 
 
 def test_inertia_integrals_are_those_of_the_mesh(model, of_points):
@@ -128,7 +130,11 @@ def test_kinetic_energy_by_exudyns_formula_is_that_of_the_nodes(model, of_points
 def test_gyroscopic_and_centrifugal_forces_of_nodes_that_turn_are_exported():
     """By Exudyn's formula on modes at a steady spin, 2 w . mPsiTildePsi rate and what is quadratic in w."""
     linear = reduce(
-        disc_on_massless_shaft(), NodalFixedFrame("hub"), CompleteBasis(), derivatives=NoDerivatives()
+        disc_on_massless_shaft(),
+        NodalFixedFrame("hub"),
+        CompleteBasis(),
+        derivatives=NoDerivatives(),
+        loads=NoLoads,
     )
     a, r, rate = exudyn_arrays(linear), linear.r, 60.0
     w = rate * np.eye(3)[0]
@@ -164,6 +170,7 @@ def test_a_shell_goes_without_stress():
         MeanAxisFrame(),
         NormalModes(3),
         derivatives=NoDerivatives(),
+        loads=NoLoads,
     )
     assert exudyn_arrays(body)["modeBasis"].shape == (3 * shell.mesh.n_nodes, 3)
     with pytest.raises(ModelError, match="is a shell with 3 layers of stress"):

@@ -80,7 +80,9 @@ def reduced_beam():
         sp.block(1.0, 0.1, 0.1, 2, 1, 1, sp.CellType.TETRA4), sp.Isotropic(2e11, 0.3, 7800.0)
     )
     body = sp.flexible_body("beam", model, [sp.RigidInterface("root", "root")])
-    return sp.reduce(body, sp.MeanAxisFrame(), sp.CraigBampton(n_modes=1), derivatives=sp.NoDerivatives())
+    return sp.reduce(
+        body, sp.MeanAxisFrame(), sp.CraigBampton(n_modes=1), derivatives=sp.NoDerivatives(), loads=sp.NoLoads
+    )
 
 
 LONG = "a" * 300

@@ -94,26 +94,32 @@ TYPOS = {
     ),
     "half an iteration": (lambda: sp.Tolerances(max_iterations=2.5), "expected a whole number, got 2.5"),
     "frame as word": (
-        lambda: sp.reduce(FLEXIBLE, "mean-axis", BASIS),
+        lambda: sp.reduce(FLEXIBLE, "mean-axis", BASIS, loads=sp.NoLoads),
         r"reduce, frame: .*Frame, got 'mean-axis'",
     ),
     "frame as class": (
-        lambda: sp.reduce(FLEXIBLE, sp.MeanAxisFrame, BASIS),
+        lambda: sp.reduce(FLEXIBLE, sp.MeanAxisFrame, BASIS, loads=sp.NoLoads),
         "the class MeanAxisFrame itself",
     ),
-    "basis as word": (lambda: sp.reduce(FLEXIBLE, FRAME, "rubin"), "reduce, basis: .*got 'rubin'"),
-    "basis as number": (lambda: sp.reduce(FLEXIBLE, FRAME, 10), "reduce, basis: .*got 10"),
-    "frame and basis": (lambda: sp.reduce(FLEXIBLE, BASIS, FRAME), "reduce, frame: .*got a CraigBampton"),
+    "basis as word": (
+        lambda: sp.reduce(FLEXIBLE, FRAME, "rubin", loads=sp.NoLoads),
+        "reduce, basis: .*got 'rubin'",
+    ),
+    "basis as number": (lambda: sp.reduce(FLEXIBLE, FRAME, 10, loads=sp.NoLoads), "reduce, basis: .*got 10"),
+    "frame and basis": (
+        lambda: sp.reduce(FLEXIBLE, BASIS, FRAME, loads=sp.NoLoads),
+        "reduce, frame: .*got a CraigBampton",
+    ),
     "model as body": (
-        lambda: sp.reduce(MODEL, FRAME, BASIS),
+        lambda: sp.reduce(MODEL, FRAME, BASIS, loads=sp.NoLoads),
         "reduce, body: .*FlexibleBody, got a FiniteElementModel",
     ),
     "derivatives as number": (
-        lambda: sp.reduce(FLEXIBLE, FRAME, BASIS, derivatives=3),
+        lambda: sp.reduce(FLEXIBLE, FRAME, BASIS, derivatives=3, loads=sp.NoLoads),
         "reduce, derivatives: ",
     ),
     "damping as number": (
-        lambda: sp.reduce(FLEXIBLE, FRAME, BASIS, damping=0.02),
+        lambda: sp.reduce(FLEXIBLE, FRAME, BASIS, damping=0.02, loads=sp.NoLoads),
         "reduce, damping: .*got 0.02",
     ),
     "frame of an object": (

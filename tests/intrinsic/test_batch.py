@@ -37,7 +37,7 @@ CLAMPED_BEAM, FREE_BEAM = beam(CLAMPED), beam(FREE)
 
 def held(force, *, body=CLAMPED_BEAM, gravity=9.81):
     """Clamped: a follower, a dead load of a table, gravity, a first velocity, as the number says."""
-    rates = np.zeros(8)
+    rates = np.zeros(body.n_coordinates)
     rates[0] = 0.1 * force
     table = Table(np.array([0.0, 0.2]), np.array([[0, 0, 0], [0, force, 0]]))
     loads = [

@@ -136,8 +136,10 @@ def still(body, coordinates, rotation=None):
 def test_small_amplitudes_move_the_nodes_by_the_linear_modes(solid_bar):
     body = condense(solid_bar, LoadPath("root", "tip", 9), n_modes=6)
     errors = []
+    amplitudes = np.zeros(body.n_coordinates)
+    amplitudes[:6] = [1.0, 0.5, -0.5, 0.2, 0.1, 0.1]
     for size in (1e-3, 1e-4):
-        coordinates = size * np.array([1.0, 0.5, -0.5, 0.2, 0.1, 0.1])
+        coordinates = size * amplitudes
         moved = body.positions(still(body, coordinates))[0] - body.nodes
         errors.append(np.abs(moved - body.expand(coordinates)).max() / np.abs(moved).max())
     assert errors[1] < 5e-3
@@ -147,7 +149,8 @@ def test_small_amplitudes_move_the_nodes_by_the_linear_modes(solid_bar):
 def test_nodes_turn_with_the_root():
     body = condense(beam_frame(), FRAME_PATHS, n_modes=6)
     turn = np.array([[0, -1.0, 0], [1, 0, 0], [0, 0, 1]])
-    coordinates = [0.02, 0.01, 0, 0, 0, 0.005]
+    coordinates = np.zeros(body.n_coordinates)
+    coordinates[[0, 1, 5]] = [0.02, 0.01, 0.005]
     straight, turned = (body.positions(still(body, coordinates, each)) for each in (None, turn))
     assert turned == pytest.approx(straight @ turn.T, abs=1e-14)
     assert body.positions(still(body, coordinates), [3, 13]) == pytest.approx(straight[:, [3, 13]])

@@ -1,5 +1,7 @@
 """Machines of intrinsic bodies: orders of rules, conservation, supports, loads, damping, what is refused."""
 
+from dataclasses import replace
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -26,6 +28,8 @@ from supple.intrinsic import (
     line_rest,
     sliding,
 )
+from supple.intrinsic.expansion import expansion_of_stations
+from supple.linearization import linearize
 from supple.machine import (
     Ball,
     DeadForce,
@@ -51,6 +55,14 @@ def beam(support, *, n=8, n_modes=12, damping=None, **section):
     return intrinsic_body(beam_line(straight(1.0, n), **(SOFT | section)), support, n_modes, damping=damping)
 
 
+def lowest_alone(support, n_modes):
+    """Without second-order modes, whose high frequencies hide the order of a rule at steps of a usual size."""
+    whole = beam(support, n_modes=None)
+    modes = whole.modes.truncated(n_modes + whole.modes.n_rigid)
+    expansion = expansion_of_stations(whole.line.tree, modes.velocities[..., modes.n_rigid :])
+    return replace(whole, modes=modes, expansion=expansion)
+
+
 def plucked(body, size=0.3):
     """Placed with velocities in its lowest modes."""
     rates = np.zeros(body.n_coordinates)
@@ -73,7 +85,7 @@ def tip_after(method, step, body, duration=0.4, **system):
     ("method", "step", "order"), [(RungeKutta4(), 4e-3, 4), (GeneralizedAlpha(1.0), 4e-3, 2)]
 )
 def test_the_order_of_each_rule_is_measured(method, step, order):
-    body = beam(CLAMPED, n_modes=6)
+    body = lowest_alone(CLAMPED, 6)
     reference = tip_after(RungeKutta4(), step / 16, body)
     errors = [np.linalg.norm(tip_after(method, step / k, body) - reference) for k in (1, 2)]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.35)
@@ -88,7 +100,7 @@ def test_implicit_midpoint_keeps_the_energy_of_a_truncated_body_that_flies():
 
 
 def test_runge_kutta_loses_energy_with_the_fifth_power_of_its_step():
-    body = beam(FREE, n_modes=8)
+    body = lowest_alone(FREE, 8)
     losses = []
     for step in (4e-3, 2e-3):
         run = Run(0.8, 0.8, step=FixedStep(step), method=RungeKutta4())
@@ -129,7 +141,7 @@ def test_a_stiff_hinged_beam_is_the_pendulum():
     system = System(
         [body], [Revolute(first="ground", second="beam.root", axis=(0, 1, 0), name="hinge")], gravity=GRAVITY
     )
-    solution = simulate(system, Run(1.0, 0.05, step=FixedStep(2e-3), method=GeneralizedAlpha(1.0)))
+    solution = simulate(system, Run(1.0, 0.05, step=FixedStep(2e-3), method=GeneralizedAlpha(0.9)))
     tip = body.positions(solution.bodies["beam"], [n])[:, 0]
     inertia = body.line.mass
     twist = body.line.twists[:, 4]
@@ -228,7 +240,7 @@ def test_a_damped_body_comes_to_the_equilibrium_of_statics():
     body = beam(CLAMPED, n_modes=10, damping=ModalDamping(0.9))
     system = System([body], [CLAMP], [DeadForce(at="beam.tip", force=(0, 0, 2.0))], gravity=GRAVITY / 10)
     rest = body.positions(line_rest(system)["beam"])[0]
-    run = Run(6.0, 2.0, step=FixedStep(0.02), method=GeneralizedAlpha(0.8))
+    run = Run(8.0, 2.0, step=FixedStep(0.02), method=GeneralizedAlpha(0.8))
     solution = simulate(system, run)
     assert body.positions(solution.bodies["beam"])[-1] == pytest.approx(rest, abs=1e-5)
     # At rest the clamp carries the load and the weight.
@@ -251,7 +263,7 @@ def test_a_run_in_two_parts_is_the_run_in_one():
     body = beam(CLAMPED, n_modes=6)
     system = System([plucked(body)], [CLAMP], gravity=GRAVITY)
     for method in (RungeKutta4(), GeneralizedAlpha(0.9)):
-        run = Run(0.2, 0.02, step=FixedStep(4e-3), method=method)
+        run = Run(0.2, 0.02, step=FixedStep(2e-3), method=method)
         parts = []
         whole = simulate(system, run, record=parts.append)
         resumed = simulate(system, run, resume=parts[5])
@@ -261,7 +273,7 @@ def test_a_run_in_two_parts_is_the_run_in_one():
 def test_a_result_file_gives_the_motion_back(tmp_path):
     body = beam(CLAMPED, n_modes=6)
     system = System([plucked(body)], [CLAMP])
-    run = Run(0.1, 0.02, step=FixedStep(4e-3), method=RungeKutta4())
+    run = Run(0.1, 0.02, step=FixedStep(2e-3), method=RungeKutta4())
     first = simulate(system, run, file=tmp_path / "beam.h5").bodies["beam"]
     again = simulate(system, run, file=tmp_path / "beam.h5").bodies["beam"]
     assert np.array_equal(first.rates, again.rates)
@@ -330,6 +342,8 @@ def test_equilibrium_names_what_intrinsic_bodies_have_instead():
     system = System([beam(CLAMPED, n_modes=6)], [CLAMP])
     with pytest.raises(ModelError, match=r"find its rest with supple\.intrinsic\.line_rest"):
         equilibrium(system)
+    with pytest.raises(ModelError, match=r"is intrinsic: such a machine is not linearised"):
+        linearize(system)
 
 
 def test_supports_say_what_is_wrong_with_them():

@@ -12,7 +12,7 @@ from supple.fem import shell_model
 from supple.linearization import linearize, machine_modes
 from supple.machine import GROUND, At, Placed, Revolute, System, TorsionSpringDamper
 from supple.mesh import CellType, Mesh
-from supple.reduction import CraigBampton, NoDerivatives, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 
 N = 10
 PIVOT, CRANK_PIN, ROCKER_PIN, FOOT = np.array(
@@ -40,7 +40,7 @@ def linkage(coupler, form):
     middle = (
         FullBody(body, frame)
         if form == "full"
-        else reduce(body.linearized(), frame, CraigBampton(form), derivatives=NoDerivatives())
+        else reduce(body.linearized(), frame, CraigBampton(form), derivatives=NoDerivatives(), loads=NoLoads)
     )
     rigid = []
     for name, (mass, held, pin) in LINKS.items():

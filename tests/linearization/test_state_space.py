@@ -36,7 +36,7 @@ from supple.machine import (
     System,
 )
 from supple.mesh import strip
-from supple.reduction import CraigBampton, reduce
+from supple.reduction import CraigBampton, NoLoads, reduce
 from supple.results import tracked_motion
 from supple.simulation import equilibrium, simulate
 
@@ -91,7 +91,9 @@ def crane(force=0.0):
         HomogeneousSection(Isotropic(2.1e11, 0.0, 7850.0), 3e-3),
     )
     body = flexible_body("boom", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
-    boom = reduce(body, NodalFixedFrame("root"), CraigBampton(4), damping=RayleighDamping(0.0, 2e-4))
+    boom = reduce(
+        body, NodalFixedFrame("root"), CraigBampton(4), damping=RayleighDamping(0.0, 2e-4), loads=NoLoads
+    )
     pedestal = RigidBody(
         name="pedestal",
         mass=5.0,

@@ -22,7 +22,7 @@ from supple.machine import (
     System,
 )
 from supple.mesh import CellType, block
-from supple.reduction import CraigBampton, NoDerivatives, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.results import node_positions
 from supple.simulation import simulate
 
@@ -73,7 +73,9 @@ def test_both_engines_agree_under_pressure(bar):
     """A turning bar pressed on one side: reduced by a rich basis and in full."""
     body, faces = bar
     frame = MeanAxisFrame()
-    small = reduce(body.linearized(), frame, CraigBampton(n_modes=40), derivatives=NoDerivatives())
+    small = reduce(
+        body.linearized(), frame, CraigBampton(n_modes=40), derivatives=NoDerivatives(), loads=NoLoads
+    )
     load = FollowerPressure(body="bar", faces=faces, pressure=Sine(3e3, 5.0))
     run = Run(0.1, 0.02, step=FixedStep(2e-3), tolerances=TIGHT)
     tips = []
@@ -92,7 +94,7 @@ def test_an_accelerating_base_is_gravity_the_other_way(bar, form):
     body, frame = body.linearized(), MeanAxisFrame()
     own = FullBody(body, frame)
     if form == "reduced":
-        own = reduce(body, frame, CraigBampton(n_modes=5), derivatives=NoDerivatives())
+        own = reduce(body, frame, CraigBampton(n_modes=5), derivatives=NoDerivatives(), loads=NoLoads)
     clamp = Fixed(first=GROUND, second=At("bar", "root"))
     run = Run(0.02, 0.01, step=FixedStep(1e-3), tolerances=TIGHT)
     acceleration = np.array([1.0, -3.0, 20.0])

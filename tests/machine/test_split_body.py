@@ -19,7 +19,7 @@ from supple.integrate import FixedStep, Run
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, Scaled, Sine, System, split_body
 from supple.machine.split_body import frequency_changes
 from supple.mesh import AlongAxis, ByCellSets, CellType, Mesh, block, divided, strip
-from supple.reduction import NoDerivatives, Rubin, reduce
+from supple.reduction import NoDerivatives, NoLoads, Rubin, reduce
 from supple.simulation import simulate
 
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)
@@ -89,7 +89,11 @@ def test_a_split_cantilever_vibrates_as_the_whole_one_where_both_are_right():
 
     def tip(parts, joints=()):
         bodies = [
-            Placed(reduce(part.linearized(), MeanAxisFrame(), Rubin(12), derivatives=NoDerivatives()))
+            Placed(
+                reduce(
+                    part.linearized(), MeanAxisFrame(), Rubin(12), derivatives=NoDerivatives(), loads=NoLoads
+                )
+            )
             for part in parts
         ]
         last = parts[-1].name

@@ -12,7 +12,7 @@ from supple.integrate import FixedStep, Newmark, Run, Tolerances
 from supple.machine import GROUND, At, Placed, Revolute, System
 from supple.mesh import CellType, block
 from supple.multibody import balances, joint_residuals
-from supple.reduction import CraigBampton, NoDerivatives, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import simulate
 
 OPEN_BY = 5e-4
@@ -36,7 +36,7 @@ def open_by_a_little(request, body, rod):
     if request.param == "full":
         second = FullBody(body, frame)
     else:
-        second = reduce(body, frame, CraigBampton(n_modes=4), derivatives=NoDerivatives())
+        second = reduce(body, frame, CraigBampton(n_modes=4), derivatives=NoDerivatives(), loads=NoLoads)
     first = Placed(rod("crank", 1.0), position=[0.5, 0, 0])
     joints = (
         Revolute(first=GROUND, second=At("crank", "left"), axis=(0, 1, 0), name="shoulder"),

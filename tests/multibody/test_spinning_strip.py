@@ -16,7 +16,7 @@ from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.machine.laws.spin_up import SpinUp
 from supple.mesh import strip
 from supple.multibody import balances
-from supple.reduction import CraigBampton, NoDerivatives, Rubin, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, Rubin, reduce
 from supple.results import displacement_from_axes, node_positions
 from supple.simulation import simulate
 from supple_benchmarks.beam_motion import spin_up_beam
@@ -44,7 +44,7 @@ def beam(mesh):
 def bending_alone(beam, frame, recipe):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LockingWarning)
-        return reduce(beam, frame, recipe, derivatives=NoDerivatives())
+        return reduce(beam, frame, recipe, derivatives=NoDerivatives(), loads=NoLoads)
 
 
 @pytest.fixture(scope="module")

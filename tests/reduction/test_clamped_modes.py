@@ -10,7 +10,7 @@ from supple.body import MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible
 from supple.errors import ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.mesh import strip
-from supple.reduction import NoDerivatives, Rubin, clamped_modes, reduce
+from supple.reduction import NoDerivatives, NoLoads, Rubin, clamped_modes, reduce
 
 LENGTH, THICKNESS = 2.0, 0.01
 STEEL = Isotropic(2.1e11, 0.0, 7850.0)
@@ -26,7 +26,7 @@ def body():
     "frame", [MeanAxisFrame(), NodalFixedFrame("root")], ids=["mean-axis", "nodal-fixed"]
 )
 def test_both_frames_give_the_frequencies_of_the_clamped_mesh(body, frame):
-    reduced = reduce(body, frame, Rubin(n_modes=12), derivatives=NoDerivatives())
+    reduced = reduce(body, frame, Rubin(n_modes=12), derivatives=NoDerivatives(), loads=NoLoads)
     clamped = lowest_modes(body.stiffness, body.mass, 4, constraint=body.interface("root").motion.toarray())
     found = clamped_modes(reduced, "root", n_modes=4).frequencies
     # A thin shell's stiffness fixes its lowest frequencies to about six digits.
@@ -34,20 +34,20 @@ def test_both_frames_give_the_frequencies_of_the_clamped_mesh(body, frame):
 
 
 def test_lowest_frequency_is_that_of_a_cantilever(body):
-    reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives())
+    reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives(), loads=NoLoads)
     stiffness_over_mass = STEEL.youngs_modulus * THICKNESS**2 / (12 * STEEL.density)
     cantilever = 1.875104**2 / LENGTH**2 * np.sqrt(stiffness_over_mass)
     assert clamped_modes(reduced, "root").frequencies[0] == pytest.approx(cantilever, rel=5e-3)
 
 
 def test_a_symmetric_strip_has_the_same_frequencies_held_at_either_end(body):
-    reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives())
+    reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives(), loads=NoLoads)
     ends = [clamped_modes(reduced, end, n_modes=4).frequencies for end in ("root", "tip")]
     np.testing.assert_allclose(*ends, rtol=1e-5)
 
 
 def test_shapes_leave_the_held_nodes_in_place_and_bend_as_a_cantilever(body):
-    reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives())
+    reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives(), loads=NoLoads)
     (shape,) = clamped_modes(reduced, "root", n_modes=1).shapes
     mesh = body.model.mesh
     tip = shape[mesh.nodes_of("tip"), 2].mean()
@@ -62,6 +62,6 @@ def test_shapes_leave_the_held_nodes_in_place_and_bend_as_a_cantilever(body):
 
 
 def test_an_unknown_interface_is_named(body):
-    reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=2), derivatives=NoDerivatives())
+    reduced = reduce(body, MeanAxisFrame(), Rubin(n_modes=2), derivatives=NoDerivatives(), loads=NoLoads)
     with pytest.raises(ModelError, match="'strip' has no interface 'middle'"):
         clamped_modes(reduced, "middle")

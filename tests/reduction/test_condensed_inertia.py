@@ -12,7 +12,7 @@ from supple.body import MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.mesh import strip
 from supple.multibody.equations.floating_inertia import floating_mass
-from supple.reduction import CraigBampton, NoDerivatives, NormalModes, Rubin, SteadyLoads, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, NormalModes, Rubin, SteadyLoads, reduce
 from supple.reduction.condensed_inertia import condensed_gram, missing_centrifugal_stiffness
 
 pytestmark = pytest.mark.filterwarnings("ignore::supple.errors.LockingWarning")
@@ -34,7 +34,7 @@ def beam():
 
 
 def without_derivatives(beam, frame, recipe):
-    return reduce(beam, frame, recipe, derivatives=NoDerivatives())
+    return reduce(beam, frame, recipe, derivatives=NoDerivatives(), loads=NoLoads)
 
 
 @pytest.fixture(scope="module")

@@ -15,6 +15,7 @@ from supple.reduction import (
     CompressedDerivatives,
     CraigBampton,
     InternalForceTensors,
+    NoLoads,
     PlainQuartic,
     filled_up,
     reduce,
@@ -34,6 +35,7 @@ def reduced(averaging_body):
             derivatives=CompressedDerivatives(3),
             quartic=PlainQuartic(),
             damping=damping,
+            loads=NoLoads,
         )
         for n in (2, 3)
     }

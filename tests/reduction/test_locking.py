@@ -16,6 +16,7 @@ from supple.reduction import (
     CraigBampton,
     Locking,
     NoDerivatives,
+    NoLoads,
     NormalModes,
     PlainQuartic,
     Rubin,
@@ -172,9 +173,14 @@ def link():
 def test_plain_tensors_earn_a_warning_with_the_remedy(link):
     with pytest.warns(LockingWarning, match=r"body 'strip' locks: under .* too little; .*CondensedQuartic"):
         locked = reduce(
-            link, MEAN_AXIS, Rubin(n_modes=4), derivatives=NoDerivatives(), quartic=PlainQuartic()
+            link,
+            MEAN_AXIS,
+            Rubin(n_modes=4),
+            derivatives=NoDerivatives(),
+            quartic=PlainQuartic(),
+            loads=NoLoads,
         )
-    free = reduce(link, MEAN_AXIS, Rubin(n_modes=4), derivatives=NoDerivatives())
+    free = reduce(link, MEAN_AXIS, Rubin(n_modes=4), derivatives=NoDerivatives(), loads=NoLoads)
     assert locking_of(locked).largest_remaining > 0.2
     np.testing.assert_allclose(locking_of(locked).plain, locking_of(free).plain, rtol=1e-12)
     np.testing.assert_array_equal(locking_of(locked).plain, locking_of(locked).remaining)
@@ -184,13 +190,15 @@ def test_plain_tensors_earn_a_warning_with_the_remedy(link):
 def test_a_basis_without_its_interfaces_static_shapes_still_locks_and_says_so(link):
     """Vibrations of the free strip: nothing condensed moves the tip towards the root, which joints see."""
     with pytest.warns(LockingWarning, match="lacks the static shapes of its interfaces"):
-        small = reduce(link, MEAN_AXIS, NormalModes(6), derivatives=NoDerivatives())
+        small = reduce(link, MEAN_AXIS, NormalModes(6), derivatives=NoDerivatives(), loads=NoLoads)
     found = locking_of(small)
     assert 0.2 < found.largest_remaining <= found.largest_plain
 
 
 def test_a_body_without_interfaces_is_pushed_along_its_shapes():
-    small = reduce(strip_of(n_length=6), MEAN_AXIS, NormalModes(6), derivatives=NoDerivatives())
+    small = reduce(
+        strip_of(n_length=6), MEAN_AXIS, NormalModes(6), derivatives=NoDerivatives(), loads=NoLoads
+    )
     found = locking_of(small)
     assert found.loads[0] == "push along shape 1"
     assert found.largest_plain > 0.2

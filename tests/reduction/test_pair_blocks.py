@@ -8,7 +8,7 @@ import pytest
 
 from supple.body import MeanAxisFrame
 from supple.multibody.equations.polynomial_force import polynomial_energy, polynomial_force
-from supple.reduction import CompressedDerivatives, Rubin, reduce
+from supple.reduction import CompressedDerivatives, NoLoads, Rubin, reduce
 from supple.reduction.pair_blocks import PairBlocks, pair_blocks
 
 R = 16
@@ -66,7 +66,9 @@ def test_a_matrix_of_zeros_has_no_blocks():
 
 @pytest.fixture(scope="module")
 def symmetric(strip_body):
-    return reduce(strip_body, MeanAxisFrame(), Rubin(n_columns=12), derivatives=CompressedDerivatives(8))
+    return reduce(
+        strip_body, MeanAxisFrame(), Rubin(n_columns=12), derivatives=CompressedDerivatives(8), loads=NoLoads
+    )
 
 
 def test_two_planes_of_symmetry_leave_a_quarter(symmetric):

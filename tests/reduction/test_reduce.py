@@ -25,6 +25,7 @@ from supple.reduction import (
     CraigBampton,
     ModalVirtualWork,
     NoDerivatives,
+    NoLoads,
     NormalModes,
     PickedDerivatives,
     PlainQuartic,
@@ -44,7 +45,7 @@ def tiny_body():
 @pytest.mark.parametrize("derivatives", [PickedDerivatives(5), CompressedDerivatives(5)])
 def test_columns_are_orthonormal_and_at_rest_in_the_frame(solid_body, frame, recipe, derivatives):
     """V^T M V = I in nodal space, D V = 0."""
-    reduced = reduce(solid_body, frame, recipe, derivatives=derivatives)
+    reduced = reduce(solid_body, frame, recipe, derivatives=derivatives, loads=NoLoads)
     V = reduced.nodal_basis
     np.testing.assert_allclose(V.T @ (solid_body.nodal_mass @ V), np.eye(reduced.r), atol=1e-9)
     D, columns = frame.constraint(solid_body), _coordinates(solid_body, reduced)
@@ -57,14 +58,18 @@ STEPS = {"linear basis", "derivatives", "inertia", "tensors", "condensation", "l
 
 def test_mean_axis_columns_carry_no_momentum(solid_body, mean_axis):
     """S V = 0 with S = R^T M: the blocks of the Gram matrix that couple rigid motion and V vanish."""
-    reduced = reduce(solid_body, mean_axis, Rubin(n_modes=4), derivatives=CompressedDerivatives(5))
+    reduced = reduce(
+        solid_body, mean_axis, Rubin(n_modes=4), derivatives=CompressedDerivatives(5), loads=NoLoads
+    )
     mass = reduced.gram[0, 0]
     coupling = reduced.gram[:6, -reduced.r :]
     assert np.abs(coupling).max() < 1e-9 * np.sqrt(mass)
 
 
 def test_held_interface_does_not_move(solid_body, root_frame):
-    reduced = reduce(solid_body, root_frame, Rubin(n_modes=4), derivatives=CompressedDerivatives(5))
+    reduced = reduce(
+        solid_body, root_frame, Rubin(n_modes=4), derivatives=CompressedDerivatives(5), loads=NoLoads
+    )
     assert np.abs(reduced.interface("root").motion).max() < 1e-12 * np.abs(reduced.nodal_basis).max()
     tip = solid_body.interface("tip").node_ids
     mean = reduced.displacement_basis[tip].mean(axis=0)
@@ -73,7 +78,7 @@ def test_held_interface_does_not_move(solid_body, root_frame):
 
 def test_complete_basis_is_the_full_body(tiny_body, frame):
     """Energy, force and inertia of any motion in the frame, in other coordinates."""
-    reduced = reduce(tiny_body, frame, CompleteBasis(), derivatives=NoDerivatives())
+    reduced = reduce(tiny_body, frame, CompleteBasis(), derivatives=NoDerivatives(), loads=NoLoads)
     assert reduced.r == tiny_body.n - 6
     gamma = 1e-1 * np.random.default_rng(0).standard_normal(reduced.r)
     q = np.linalg.lstsq(tiny_body.expansion.toarray(), reduced.nodal_basis @ gamma, rcond=None)[0]
@@ -127,7 +132,7 @@ def _tip_load(body, frame, nonlinear_static, share):
     full = body.expansion @ nonlinear_static(body, frame.constraint(body), body.expansion.T @ nodal_load)
 
     def deflection(derivatives, quartic):
-        reduced = reduce(body, frame, NormalModes(6), derivatives=derivatives, quartic=quartic)
+        reduced = reduce(body, frame, NormalModes(6), derivatives=derivatives, quartic=quartic, loads=NoLoads)
         gamma = np.zeros(reduced.r)
         for _ in range(40):
             residual = reduced.tensors.internal_force(gamma) - reduced.nodal_basis.T @ nodal_load
@@ -138,12 +143,12 @@ def _tip_load(body, frame, nonlinear_static, share):
 
 
 def test_frequencies_are_those_of_the_reduced_pair(solid_body, frame):
-    reduced = reduce(solid_body, frame, Rubin(n_modes=3), derivatives=CompressedDerivatives(4))
+    reduced = reduce(solid_body, frame, Rubin(n_modes=3), derivatives=CompressedDerivatives(4), loads=NoLoads)
     np.testing.assert_allclose(reduced.frequencies**2, np.linalg.eigvalsh(reduced.stiffness), rtol=1e-12)
 
 
 def test_inertia_is_the_bodys_gram_matrix(solid_body, mean_axis):
-    reduced = reduce(solid_body, mean_axis, NormalModes(3), derivatives=NoDerivatives())
+    reduced = reduce(solid_body, mean_axis, NormalModes(3), derivatives=NoDerivatives(), loads=NoLoads)
     V = _coordinates(solid_body, reduced)
     np.testing.assert_allclose(
         reduced.gram, inertia_gram(solid_body, V), atol=1e-10 * np.abs(reduced.gram).max()
@@ -153,7 +158,12 @@ def test_inertia_is_the_bodys_gram_matrix(solid_body, mean_axis):
 def test_rayleigh_damping_acts_on_reduced_matrices(solid_body, root_frame):
     damping = RayleighDamping(alpha=0.3, beta=1e-4)
     reduced = reduce(
-        solid_body, root_frame, NormalModes(3), derivatives=CompressedDerivatives(2), damping=damping
+        solid_body,
+        root_frame,
+        NormalModes(3),
+        derivatives=CompressedDerivatives(2),
+        damping=damping,
+        loads=NoLoads,
     )
     np.testing.assert_allclose(reduced.damping, 0.3 * np.eye(5) + 1e-4 * reduced.stiffness, rtol=1e-12)
 
@@ -165,6 +175,7 @@ def test_modal_damping_gives_each_reduced_mode_its_ratio(solid_body, root_frame)
         NormalModes(3),
         derivatives=CompressedDerivatives(2),
         damping=ModalDamping(0.02),
+        loads=NoLoads,
     )
     squares, modes = np.linalg.eigh(reduced.stiffness)
     np.testing.assert_allclose(
@@ -175,7 +186,9 @@ def test_modal_damping_gives_each_reduced_mode_its_ratio(solid_body, root_frame)
 
 
 def test_report_tells_what_was_kept_dropped_and_what_it_cost(solid_body, root_frame):
-    reduced = reduce(solid_body, root_frame, Rubin(n_modes=3), derivatives=CompressedDerivatives(4))
+    reduced = reduce(
+        solid_body, root_frame, Rubin(n_modes=3), derivatives=CompressedDerivatives(4), loads=NoLoads
+    )
     report = reduced.report
     assert len(report.linear) == 6 + 3
     assert len(report.derivatives) == 4
@@ -190,24 +203,32 @@ def test_report_tells_what_was_kept_dropped_and_what_it_cost(solid_body, root_fr
 def test_size_is_linear_plus_derivative_columns(cantilever, frame):
     """[Wu2019] Table 1: 10 + 10."""
     picked = PickedDerivatives(10, criterion=ModalVirtualWork())
-    assert reduce(cantilever, frame, Rubin(n_columns=10), derivatives=picked).r == 20
+    assert reduce(cantilever, frame, Rubin(n_columns=10), derivatives=picked, loads=NoLoads).r == 20
 
 
 def test_superelement_has_no_tensors(solid_body, frame):
-    reduced = reduce(solid_body.linearized(), frame, Rubin(n_modes=3), derivatives=NoDerivatives())
+    reduced = reduce(
+        solid_body.linearized(), frame, Rubin(n_modes=3), derivatives=NoDerivatives(), loads=NoLoads
+    )
     assert reduced.is_linear
     assert reduced.cubic is None
 
 
 def test_superelement_asked_for_derivatives_is_refused(solid_body, frame):
     with pytest.raises(ModelError, match="body 'block' has no quadratic strains"):
-        reduce(solid_body.linearized(), frame, Rubin(n_modes=3), derivatives=CompressedDerivatives(4))
+        reduce(
+            solid_body.linearized(),
+            frame,
+            Rubin(n_modes=3),
+            derivatives=CompressedDerivatives(4),
+            loads=NoLoads,
+        )
 
 
 def test_basis_that_leaves_its_frame_is_caught(solid_body, root_frame, monkeypatch):
     monkeypatch.setattr(linear_basis, "frame_projector", lambda body, frame: lambda x: x)
     with pytest.raises(AccuracyError, match="the basis of body 'block' moves against its frame by"):
-        reduce(solid_body, root_frame, _MeanAxisModes(), derivatives=NoDerivatives())
+        reduce(solid_body, root_frame, _MeanAxisModes(), derivatives=NoDerivatives(), loads=NoLoads)
 
 
 class _MeanAxisModes:
@@ -222,4 +243,4 @@ def test_mass_that_disagrees_with_the_nodal_mass_is_caught(solid_body, root_fram
     with pytest.raises(
         AccuracyError, match=r"the inertia Gram matrix of body 'block' misses V\^T M V = I by"
     ):
-        reduce(doubled, root_frame, NormalModes(2), derivatives=NoDerivatives())
+        reduce(doubled, root_frame, NormalModes(2), derivatives=NoDerivatives(), loads=NoLoads)

@@ -9,12 +9,12 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from supple.errors import ModelError
-from supple.reduction import CompressedDerivatives, NoDerivatives, NormalModes, reduce
+from supple.reduction import CompressedDerivatives, NoDerivatives, NoLoads, NormalModes, reduce
 
 
 @pytest.fixture(scope="module")
 def reduced(strip_body, root_frame):
-    return reduce(strip_body, root_frame, NormalModes(3), derivatives=CompressedDerivatives(2))
+    return reduce(strip_body, root_frame, NormalModes(3), derivatives=CompressedDerivatives(2), loads=NoLoads)
 
 
 def test_expand_gives_nodal_displacements_of_one_or_many_states(reduced):
@@ -42,7 +42,7 @@ def test_what_follows_the_columns_is_in_the_displacements(cantilever, root_frame
 
     Bent by w(x), the tip comes nearer by the integral of w'^2 / 2 over the length.
     """
-    reduced = reduce(cantilever, root_frame, NormalModes(1), derivatives=NoDerivatives())
+    reduced = reduce(cantilever, root_frame, NormalModes(1), derivatives=NoDerivatives(), loads=NoLoads)
     assert reduced.condensed is not None
     middle = np.flatnonzero(np.isclose(reduced.nodes[:, 1], np.median(reduced.nodes[:, 1])))
     middle = middle[np.argsort(reduced.nodes[middle, 0])]

@@ -9,7 +9,7 @@ import pytest
 from supple.algebra import available_memory as memory
 from supple.body import MeanAxisFrame
 from supple.errors import MemoryShortageError
-from supple.reduction import NoDerivatives, Rubin, project, reduce, reduction_basis
+from supple.reduction import NoDerivatives, NoLoads, Rubin, project, reduce, reduction_basis
 from supple.reduction.tensor_memory import largest_fitting, tensor_memory
 from supple.reduction.tensors import CHUNK_BYTES
 
@@ -73,14 +73,14 @@ def test_tensors_that_would_not_fit_are_refused_with_the_size_that_does(strip_bo
         match=r"building the tensors of body 'strip' with 20 coordinates would take about 5\.6 MB of memory, "
         r"and 2 MB are left: take at most 15 columns, or the body without its nonlinear strains",
     ):
-        reduce(strip_body, MeanAxisFrame(), Rubin(n_columns=20), derivatives=NoDerivatives())
+        reduce(strip_body, MeanAxisFrame(), Rubin(n_columns=20), derivatives=NoDerivatives(), loads=NoLoads)
 
 
 def test_a_linear_body_builds_no_tensors(strip_body, left):
     left(0)
     columns = {"basis": Rubin(n_columns=40), "derivatives": NoDerivatives()}
     tracemalloc.start()
-    body = reduce(strip_body.linearized(), MeanAxisFrame(), **columns)
+    body = reduce(strip_body.linearized(), MeanAxisFrame(), **columns, loads=NoLoads)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert body.is_linear

@@ -9,7 +9,7 @@ from supple.body import FullBody, MeanAxisFrame, flexible_body
 from supple.errors import ModelError
 from supple.fem import Isotropic, solid_model, stress_recovery, von_mises
 from supple.mesh import CellType, block
-from supple.reduction import NoDerivatives, NormalModes, reduce
+from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
 from supple.results import von_mises_history, von_mises_strain_history
 
 
@@ -25,7 +25,9 @@ def bodies(request, model):
     if request.param == "linear":
         body = body.linearized()
     frame = MeanAxisFrame()
-    return FullBody(body, frame), reduce(body, frame, NormalModes(5), derivatives=NoDerivatives())
+    return FullBody(body, frame), reduce(
+        body, frame, NormalModes(5), derivatives=NoDerivatives(), loads=NoLoads
+    )
 
 
 @pytest.mark.parametrize("history", [von_mises_history, von_mises_strain_history])

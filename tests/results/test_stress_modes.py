@@ -25,6 +25,7 @@ from supple.reduction import (
     CompressedDerivatives,
     Guyan,
     NoDerivatives,
+    NoLoads,
     NormalModes,
     Rubin,
     reduce,
@@ -64,7 +65,11 @@ MODELS = {"solid": solid, "shell": shell, "von-karman": flat, "two walls": two_w
 def reduced(model, derivatives=3):
     body = flexible_body("beam", model, [RigidInterface("root", "root")])
     return reduce(
-        body, NodalFixedFrame("root"), Rubin(n_modes=4), derivatives=CompressedDerivatives(derivatives)
+        body,
+        NodalFixedFrame("root"),
+        Rubin(n_modes=4),
+        derivatives=CompressedDerivatives(derivatives),
+        loads=NoLoads,
     )
 
 
@@ -101,7 +106,7 @@ def test_modes_give_what_the_whole_body_gives(model, modes_of, recovery_of, meas
 
 def test_a_linear_body_has_the_stress_of_its_linear_strain(model):
     body = flexible_body("beam", model, [RigidInterface("root", "root")]).linearized()
-    body = reduce(body, MeanAxisFrame(), NormalModes(4), derivatives=NoDerivatives())
+    body = reduce(body, MeanAxisFrame(), NormalModes(4), derivatives=NoDerivatives(), loads=NoLoads)
     modes = stress_modes(body, model)
     assert modes.modes.quadratic is None
     tiny = 1e-7 * large_motion(body)
@@ -122,7 +127,7 @@ def test_chosen_nodes_are_those_of_the_whole(model):
 def affine(model):
     """A body whose nine coordinates are the gradients H of u = H x, among which is every rigid rotation."""
     body = flexible_body("beam", model)
-    body = reduce(body, MeanAxisFrame(), NormalModes(9), derivatives=NoDerivatives())
+    body = reduce(body, MeanAxisFrame(), NormalModes(9), derivatives=NoDerivatives(), loads=NoLoads)
     u = np.zeros((model.mesh.n_nodes, model.dofs_per_node, 9))
     for i in range(3):
         u[:, i, 3 * i : 3 * i + 3] = model.mesh.nodes
@@ -200,7 +205,7 @@ def bending_error(cell_type, n_thick):
     model = solid_model(block(L, h, h, 10 * n_thick, n_thick, n_thick, cell_type), STEEL)
     ends = [RigidInterface("root", "root"), RigidInterface("tip", "tip")]
     body = flexible_body("beam", model, ends).linearized()
-    body = reduce(body, NodalFixedFrame("root"), Guyan(), derivatives=NoDerivatives())
+    body = reduce(body, NodalFixedFrame("root"), Guyan(), derivatives=NoDerivatives(), loads=NoLoads)
     gamma = np.linalg.solve(body.stiffness, F * body.interface("tip").motion[2])
     x, _, z = model.mesh.nodes.T
     top = np.flatnonzero((np.abs(x - L / 2) < 0.2) & (z > z.max() - 1e-9))

@@ -17,7 +17,7 @@ from supple.integrate import Solution, Statistics
 from supple.intrinsic import CLAMPED, intrinsic_body, line_rest
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System
 from supple.mesh import CellType, Mesh, block, strip
-from supple.reduction import CraigBampton, reduce
+from supple.reduction import CraigBampton, NoLoads, reduce
 from supple.sensors import Place, SectionForceSensor, read_sensors, write_readings, write_readings_hdf5
 from supple.simulation import equilibrium
 from supple.units import UnitSystem
@@ -48,7 +48,7 @@ def clamped(form, kind, load=None, gravity=(0.0, 0.0, 0.0)):
     forms = {
         "full": lambda: FullBody(body, NodalFixedFrame("root")),
         "linear": lambda: FullBody(body.linearized(), MeanAxisFrame()),
-        "reduced": lambda: reduce(body, NodalFixedFrame("root"), CraigBampton(6)),
+        "reduced": lambda: reduce(body, NodalFixedFrame("root"), CraigBampton(6), loads=NoLoads),
     }
     loads = () if load is None else (DeadForce(body="beam", at="tip", force=load),)
     clamp = Fixed(name="clamp", first=GROUND, second=At("beam", "root"))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from supple.body import FullBody, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
-from supple.errors import ModelError
+from supple.errors import ArgumentError, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run
 from supple.machine import (
@@ -272,6 +272,38 @@ def test_readings_as_a_data_set(spun):
 def test_what_is_not_there_is_named(spun, sensor, cause):
     with pytest.raises(ModelError, match=cause):
         read_sensors([sensor], *spun)
+
+
+def test_places_and_ends_are_read_as_joints_read_them(spun):
+    place = Place("blade", "tip")
+    assert PositionSensor("p", "blade.tip").place == place
+    assert VelocitySensor("v", At("blade", "tip")).place == place
+    assert DeflectionSensor("d", "blade.tip", "blade.root").seen_from == At("blade", "root")
+    assert AngularVelocitySensor("w", "blade.tip").at == At("blade", "tip")
+    assert AccelerationSensor("a", Place("blade", np.array([3, 5]))).place.at == (3, 5)
+
+
+@pytest.mark.parametrize(
+    ("make", "cause"),
+    [
+        (lambda _: PositionSensor("p", "blade"), r"PositionSensor 'p', place: expected Place\(body, at\)"),
+        (lambda _: PositionSensor("p", 7), r"expected Place\(body, at\) .* got 7"),
+        (lambda _: VelocitySensor("", Place("blade", "tip")), "the name of the sensor, got ''"),
+        (lambda _: Place("blade", 3), "the name of an interface, or node numbers, got 3"),
+        (lambda spun: JointForceSensor("j", spun[0].joints[0]), "JointForceSensor, joint: expected a word"),
+        (lambda _: JointMotionSensor("j", 1), "JointMotionSensor, joint: expected a word"),
+        (lambda _: SpringForceSensor("s", "spring"), "SpringForceSensor, element: expected"),
+        (lambda _: StressSensor("s", "blade", "mesh", 3), "StressSensor, model: expected"),
+        (lambda spun: read_sensors(EnergySensor("e"), *spun), "read_sensors, sensors: expected a list"),
+        (
+            lambda spun: write_readings("x.csv", read_sensors([EnergySensor("e")], *spun), units="SI"),
+            "write_readings, units: expected an object of the kind UnitSystem, got 'SI'",
+        ),
+    ],
+)
+def test_mistakes_are_named_where_they_are_made(spun, make, cause):
+    with pytest.raises(ArgumentError, match=cause):
+        make(spun)
 
 
 def test_a_rigid_body_has_no_stress(rod, bent):

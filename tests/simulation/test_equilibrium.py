@@ -26,7 +26,7 @@ from supple.machine import (
 )
 from supple.mesh import CellType, block, strip
 from supple.multibody import StaticSearch
-from supple.reduction import CraigBampton, NoDerivatives, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import equilibrium, simulate
 
 E, LENGTH, WIDTH, THICKNESS = 2.1e11, 1.0, 0.1, 5e-3
@@ -41,7 +41,7 @@ def cantilever(tip_force, frame, reduced=False):
     body = flexible_body("strip", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
     form = FullBody(body, frame)
     if reduced:
-        form = reduce(body.linearized(), frame, CraigBampton(2), derivatives=NoDerivatives())
+        form = reduce(body.linearized(), frame, CraigBampton(2), derivatives=NoDerivatives(), loads=NoLoads)
     clamp = Fixed(first=GROUND, second=At("strip", "root"))
     force = DeadForce(body="strip", at="tip", force=Scaled((0.0, 0.0, tip_force), Ramp(1.0, 1.0)))
     return System((Placed(form),), (clamp,), (force,))
@@ -123,7 +123,7 @@ def test_a_bar_that_turns_is_stretched(form):
     body = (
         FullBody(bar, frame)
         if form == "full"
-        else reduce(bar, frame, CraigBampton(bar.n - 12), derivatives=NoDerivatives())
+        else reduce(bar, frame, CraigBampton(bar.n - 12), derivatives=NoDerivatives(), loads=NoLoads)
     )
     clamp = PrescribedRotation(name="hub", first=GROUND, second=At("bar", "root"), axis=(0, 0, 1), angle=0.0)
     spin = Spin(rate, (0, 0, 1))

@@ -14,9 +14,9 @@ from supple.mesh import CellType, block
 from supple.reduction import (
     CraigBampton,
     NoDerivatives,
+    NoLoads,
     NormalModes,
     Rubin,
-    SteadyLoads,
     reduce,
 )
 from supple.simulation import equilibrium
@@ -45,7 +45,7 @@ def of_the_end(bar, displacement):
 
 
 def test_a_basis_without_axial_modes_says_what_it_misses_of_a_stretch(bar):
-    reduced = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives())
+    reduced = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives(), loads=NoLoads)
     with pytest.warns(BasisWarning, match=r"body 'bar': at rest a node is off by .* % of the largest"):
         found = equilibrium(turned(reduced), spin=SPIN, fulls=[FullBody(bar, ROOT)])
     error = found.errors["bar"]
@@ -63,8 +63,8 @@ def test_a_basis_without_axial_modes_says_what_it_misses_of_a_stretch(bar):
     assert solution.bodies["bar"].coordinates.shape == (1, bar.n)
 
 
-def test_shapes_of_steady_loads_leave_no_error(bar):
-    reduced = reduce(bar, ROOT, SteadyLoads(Rubin(6)), derivatives=NoDerivatives())
+def test_a_reduction_as_it_comes_holds_steady_loads(bar):
+    reduced = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives())
     error = equilibrium(turned(reduced), spin=SPIN, fulls=[FullBody(bar, ROOT)]).errors["bar"]
     assert error.relative < 1e-3
 
@@ -72,7 +72,7 @@ def test_shapes_of_steady_loads_leave_no_error(bar):
 def test_a_full_body_other_than_the_one_reduced_is_refused(bar):
     model = solid_model(block(LENGTH, 0.02, 0.02, 8, 1, 1, CellType.HEXA20), Isotropic(E, 0.0, DENSITY))
     other = flexible_body("bar", model, (RigidInterface("root", "root"),)).linearized()
-    reduced = reduce(bar, ROOT, Rubin(2), derivatives=NoDerivatives())
+    reduced = reduce(bar, ROOT, Rubin(2), derivatives=NoDerivatives(), loads=NoLoads)
     with pytest.raises(ModelError, match="is not the one that was reduced"):
         equilibrium(turned(reduced), spin=SPIN, fulls=[FullBody(other, ROOT)])
 
@@ -91,7 +91,7 @@ def test_modes_of_a_reduced_machine_carry_their_error():
     """Without the axial shape that a spin stretches nothing stiffens: 12 % of the first frequency."""
     model = solid_model(block(LENGTH, 0.02, 0.01, 4, 1, 1, CellType.HEXA20), Isotropic(E, 0.0, DENSITY))
     bar = flexible_body("bar", model, (RigidInterface("root", "root"),))
-    reduced = reduce(bar, MeanAxisFrame(), CraigBampton(4), derivatives=NoDerivatives())
+    reduced = reduce(bar, MeanAxisFrame(), CraigBampton(4), derivatives=NoDerivatives(), loads=NoLoads)
     full = FullBody(bar, MeanAxisFrame())
     with pytest.warns(BasisWarning, match="at rest a node is off by"):
         machine = linearize(turned(reduced), spin=SPIN, fulls=[full])
@@ -107,7 +107,7 @@ def test_modes_of_a_reduced_machine_carry_their_error():
 def test_modes_that_a_basis_lacks_are_named(bar):
     """Six vibrations of the free body, held at its root, lack some of its modes."""
     clamp = Fixed(name="clamp", first=GROUND, second=At("bar", "root"))
-    reduced = reduce(bar, MeanAxisFrame(), NormalModes(8), derivatives=NoDerivatives())
+    reduced = reduce(bar, MeanAxisFrame(), NormalModes(8), derivatives=NoDerivatives(), loads=NoLoads)
     full = FullBody(bar, MeanAxisFrame())
     machine = linearize(System((reduced,), (clamp,)), fulls=[full])
     with pytest.warns(BasisWarning, match="mode .* is (none of the machine's|off by)"):

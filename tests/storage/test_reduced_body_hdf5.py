@@ -10,7 +10,7 @@ from supple.body import Frame, MeanAxisFrame, RayleighDamping, flexible_body
 from supple.errors import ModelError, ResultFileError
 from supple.integrate import Run
 from supple.machine import Placed, System
-from supple.reduction import AttachmentModes, NoDerivatives, NormalModes, ReductionReport, reduce
+from supple.reduction import AttachmentModes, NoDerivatives, NoLoads, NormalModes, ReductionReport, reduce
 from supple.simulation import simulate
 from supple.storage import (
     holds_reduced_body,
@@ -24,11 +24,13 @@ from supple.storage import (
 def body(request, flexible, model):
     if request.param == "loose":
         free = flexible_body("loose", model).linearized()
-        return reduce(free, MeanAxisFrame(), NormalModes(2), derivatives=NoDerivatives())
+        return reduce(free, MeanAxisFrame(), NormalModes(2), derivatives=NoDerivatives(), loads=NoLoads)
     if request.param == "damped":
         damping = RayleighDamping(0.3, 1e-4)
         basis = AttachmentModes(NormalModes(2))
-        return reduce(flexible, MeanAxisFrame(), basis, derivatives=NoDerivatives(), damping=damping)
+        return reduce(
+            flexible, MeanAxisFrame(), basis, derivatives=NoDerivatives(), damping=damping, loads=NoLoads
+        )
     return request.getfixturevalue(request.param)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body.flexible_body import FlexibleBody
-from supple.body.inertia_polynomial import SPIN_PAIRS, InertiaPolynomial
+from supple.body.inertia_polynomial import InertiaPolynomial
 from supple.body.rigid_motion import cross_of_axes
 from supple.errors import ModelError
 
@@ -41,11 +41,10 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
     turned = np.zeros((6, r, 3))
     turned[:3] = np.moveaxis(cross_of_axes(by_basis[:3].T), 0, 1)
     turned[3:] = (energy.by_both @ V).swapaxes(1, 2)
-    among = np.zeros((r, 3, r, 3))
-    for (i, j), matrix in zip(SPIN_PAIRS, energy.by_spin, strict=True):
-        among[:, i, :, j] = V.T @ (matrix @ V)
-        among[:, j, :, i] = among[:, i, :, j].T
-    rates = np.stack([V.T @ (matrix @ V) for matrix in energy.by_rate], axis=1)
+    among, rates = np.zeros((r, 3, r, 3)), np.zeros((r, 3, r))
+    for number, column in enumerate(V.T):  # by columns, to save memory
+        rates[:, :, number] = (energy.rate_products(column)[1] @ V).T
+        among[:, :, number] = np.moveaxis(energy.spin_products(column) @ V, 2, 0)
     rigid, turned = R.T @ (body.mass @ R), turned.reshape(6, 3 * r)
     among, rates = among.reshape(3 * r, 3 * r), rates.reshape(3 * r, r)
     own = nodal.T @ (body.nodal_mass @ nodal)

@@ -35,7 +35,11 @@ SPIN_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Which products of the angular velocity the matrices of `by_spin` are of."""
 
 _AXES = np.eye(3)
-_CROSS = tuple(cross_matrix(axis) for axis in _AXES)
+_CROSS = np.array([cross_matrix(axis) for axis in _AXES])
+_TWICE = np.einsum("ica,jcb->ijab", _CROSS, _CROSS)
+"""`(e_i x a) . (e_j x b)`"""
+_ROUNDING = 1e-14
+"""By which blocks of a mass that is the same in all directions may differ from a multiple of the identity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +48,9 @@ class InertiaPolynomial:
 
         T = 1/2 q' M q' + w_i (P_i . q' + q B_i q') + 1/2 w_i w_j (J_ij + 2 k_ij . q + q Z_ij q)
 
-    with `P_i` the columns of M R of the rotations. All come from the 3 x 3 blocks of the mass matrix.
+    with `P_i` the columns of M R of the rotations. All come from the 3 x 3 blocks of the mass matrix. Blocks
+    m I of two translations, those of points, have B_i = - m e_i x and Z_ij = - m e_i x e_j x: products with
+    them need one with M alone.
     """
 
     body: FlexibleBody
@@ -54,39 +60,82 @@ class InertiaPolynomial:
         mass = bsr_array(self.body.mass.tocsr(), blocksize=(3, 3))
         turns = ~np.any(self.body.rigid_modes.reshape(-1, 3, 6)[:, :, :3], axis=(1, 2))
         row, column = np.repeat(turns, np.diff(mass.indptr)), turns[mass.indices]
-        return _Blocks(mass, turns, ~row & column, row & ~column, row & column)
+        off = abs(mass.data - mass.data[:, :1, :1] * _AXES).max(axis=(1, 2), initial=0.0)
+        alike = off <= _ROUNDING * abs(mass.data).max(initial=0.0)
+        return _Blocks(mass, turns, ~row & column, row & ~column, row & column, ~row & ~column & alike)
+
+    @cached_property
+    def _points(self) -> csr_array:
+        """Blocks m I of two translations, (n, n)."""
+        return self._blocks.matrix(self._blocks.mass.data, self._blocks.points)
 
     @cached_property
     def by_rate(self) -> tuple[csr_array, ...]:
         """`B_i`, 3 of (n, n)."""
-        blocks, mass = self._blocks, self._blocks.mass.data
-        matrices = []
-        for i, cross in enumerate(_CROSS):
-            data = -cross @ mass
-            data[blocks.of_rotation] = -mass[blocks.of_rotation] @ cross
-            data[blocks.rotary] += cross_matrices(mass[blocks.rotary][:, i]) / 2
-            matrices.append(blocks.matrix(data))
-        return tuple(matrices)
+        return tuple(self._blocks.matrix(self._rate_blocks(i)) for i in range(3))
 
     @cached_property
     def by_spin(self) -> tuple[csr_array, ...]:
         """`Z_ij` of `SPIN_PAIRS`, 6 of (n, n); Z_ji is its transpose."""
-        return tuple(self._by_spin(i, j) for i, j in SPIN_PAIRS)
+        return tuple(self._by_spin(i, j, np.ones_like(self._blocks.points)) for i, j in SPIN_PAIRS)
 
-    def _by_spin(self, i: int, j: int) -> csr_array:
+    @cached_property
+    def _rates_beside_points(self) -> tuple[csr_array, ...]:
+        beside = ~self._blocks.points
+        return (
+            tuple(self._blocks.matrix(self._rate_blocks(i), beside) for i in range(3)) if beside.any() else ()
+        )
+
+    @cached_property
+    def _spins_beside_points(self) -> tuple[csr_array, ...]:
+        beside = ~self._blocks.points
+        return tuple(self._by_spin(i, j, beside) for i, j in SPIN_PAIRS) if beside.any() else ()
+
+    def _rate_blocks(self, i: int) -> NDArray[np.float64]:
+        blocks, mass = self._blocks, self._blocks.mass.data
+        data = -_CROSS[i] @ mass
+        data[blocks.of_rotation] = -mass[blocks.of_rotation] @ _CROSS[i]
+        data[blocks.rotary] += cross_matrices(mass[blocks.rotary][:, i]) / 2
+        return data
+
+    def _by_spin(self, i: int, j: int, chosen: NDArray[np.bool_]) -> csr_array:
         blocks, mass = self._blocks, self._blocks.mass.data
         data = _CROSS[i].T @ mass @ _CROSS[j]
-        data[blocks.by_rotation] = _CROSS[i].T @ _CROSS[j] @ mass[blocks.by_rotation]
-        data[blocks.of_rotation] = mass[blocks.of_rotation] @ _CROSS[i].T @ _CROSS[j]
+        data[blocks.by_rotation] = _TWICE[i, j] @ mass[blocks.by_rotation]
+        data[blocks.of_rotation] = mass[blocks.of_rotation] @ _TWICE[i, j]
         if not blocks.rotary.any():
-            return blocks.matrix(data)
+            return blocks.matrix(data, chosen)
         # Symmetric in i, j and in the two places: nothing else counts in the energy.
         inertia, second = mass[blocks.rotary], np.zeros_like(data)
         for a, b in ((i, j), (j, i)):
             turned = _AXES[b][:, None] * inertia[:, None, a] - inertia[:, a, b, None, None] * _AXES
             second[blocks.rotary] += turned / 2
         added = blocks.matrix(second)
-        return csr_array(blocks.matrix(data) + (added + added.T) / 2)
+        return csr_array(blocks.matrix(data, chosen) + (added + added.T) / 2)
+
+    def rate_products(self, fields: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """`B_i^T q` and `B_i q`, (3, n, ...) each, of fields (n, ...)."""
+        turned = self._over_blocks("iab,nb...->ina...", _CROSS, fields)
+        transposed, plain = turned, -turned
+        for i, matrix in enumerate(self._rates_beside_points):
+            transposed[i] += matrix.T @ fields
+            plain[i] += matrix @ fields
+        return transposed, plain
+
+    def spin_products(self, fields: NDArray[np.float64]) -> NDArray[np.float64]:
+        """`Z_ij q`, (3, 3, n, ...), of fields (n, ...)."""
+        result = self._over_blocks("ijab,nb...->ijna...", _TWICE, fields)
+        for (i, j), matrix in zip(SPIN_PAIRS, self._spins_beside_points, strict=False):
+            result[i, j] += matrix @ fields
+            if i != j:
+                result[j, i] += matrix.T @ fields
+        return result
+
+    def _over_blocks(self, sums: str, turns: NDArray[np.float64], fields: NDArray[np.float64]) -> Any:
+        """Turned momenta of the points."""
+        momenta = self._points @ fields
+        found = np.einsum(sums, turns, momenta.reshape(-1, 3, *fields.shape[1:]), optimize=True)
+        return found.reshape(*turns.shape[:-2], *fields.shape)
 
     @cached_property
     def by_both(self) -> NDArray[np.float64]:
@@ -99,10 +148,7 @@ class InertiaPolynomial:
         rotations = self.body.rigid_modes[:, 3:]
         angular = self.body.mass @ rotations
         momenta = angular.reshape(-1, 3, 3)
-        beside, rotary = (
-            blocks.matrix(np.where(chosen[:, None, None], mass, 0.0))
-            for chosen in (blocks.by_rotation, blocks.rotary)
-        )
+        beside, rotary = (blocks.matrix(mass, chosen) for chosen in (blocks.by_rotation, blocks.rotary))
         own = (rotary @ rotations).reshape(-1, 3, 3)
         turns, result = blocks.turns[:, None, None], np.zeros((3, 3, self.body.n))
         for j, cross in enumerate(_CROSS):
@@ -110,7 +156,7 @@ class InertiaPolynomial:
             places = np.where(turns, 0.0, cross.T @ rotations.reshape(-1, 3, 3))
             through = (beside.T @ places.reshape(-1, 3)).reshape(-1, 3, 3)
             result[:, j] = np.where(turns, cross.T @ own + through, cross.T @ momenta).reshape(-1, 3).T
-        skew = np.einsum("aij,na->ijn", np.array(_CROSS), angular)
+        skew = np.einsum("aij,na->ijn", _CROSS, angular)
         return (result + result.swapaxes(0, 1) - skew) / 2
 
 
@@ -126,9 +172,13 @@ class _Blocks(NamedTuple):
     """Which are of a rotation by a translation"""
     rotary: NDArray[np.bool_]
     """Which are of a rotation by a rotation"""
+    points: NDArray[np.bool_]
+    """Which are m I of a translation by a translation"""
 
-    def matrix(self, data: NDArray[np.float64]) -> csr_array:
-        """Sparse (n, n) with other numbers in the blocks."""
+    def matrix(self, data: NDArray[np.float64], chosen: NDArray[np.bool_] | None = None) -> csr_array:
+        """Sparse (n, n) with other numbers in the blocks, or in some of them."""
+        if chosen is not None:
+            data = np.where(chosen[:, None, None], data, 0.0)
         blocks = bsr_array((data, self.mass.indices, self.mass.indptr), shape=self.mass.shape)
         result = csr_array(blocks)
         result.eliminate_zeros()

@@ -23,15 +23,19 @@ from supple.cases.split import SplitSource, split_source
 from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
 from supple.cases.stated_error import Judged, judged_places
 from supple.correction import ErrorStudy, JudgedQuantity, ReductionStart
-from supple.errors import CaseError, ModelError
+from supple.errors import CaseError, ModelError, SuppleError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
 from supple.machine import At, ForceElement, SplitBody, System
 from supple.mesh import Mesh
+from supple.reduction import BodyModes, body_modes
 from supple.sensors import Sensor
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
+
+N_MODES = 6
+"""Drawn of a body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -268,7 +272,7 @@ class Case:
 
         Raises
         ------
-        CaseError, ModelError   as for `sources`; stress of a body that has no elements
+        CaseError   as for `sources`; what sensors find wrong with the machine, each with its line
         """
         named = zip(
             (*self.parts.spring, *self.parts.element), self.system.loads[len(self.parts.load) :], strict=True
@@ -279,7 +283,17 @@ class Case:
             if table.name is not None and isinstance(spring, ForceElement)
         }
         sensed = SensedCase(self.place, self.bases, self.elements, springs)
-        return tuple(table.build(sensed) for table in self.parts.sensor)
+        made, mistakes = [], []
+        for number, table in enumerate(self.parts.sensor):
+            try:
+                sensor = table.build(sensed)
+                sensor.channels(self.system)
+                made.append(sensor)
+            except SuppleError as error:
+                mistakes.append((("sensor", number), str(error)))
+        if mistakes:
+            raise self.error(mistakes)
+        return tuple(made)
 
     @cached_property
     def study(self) -> ErrorStudy:
@@ -311,6 +325,15 @@ class Case:
                     damped = replace(damped, n_modes=form.n_coordinates)
                 made[table.name] = FullBody(self.flexible[table.name], frame, damped)
         return made
+
+    @cached_property
+    def held_modes(self) -> Mapping[str, BodyModes]:
+        """Of bodies reduced here, with all coordinates: held at the first interface, or in the frame."""
+        found = {}
+        for name, full in self.fulls.items():
+            held = full.interfaces[0].motion if full.interfaces else full.frame.constraint(full.body)
+            found[name] = body_modes(full.body, held, n_modes=N_MODES)
+        return found
 
     @property
     def drawn(self) -> Mapping[str, Mesh]:

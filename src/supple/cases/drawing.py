@@ -12,12 +12,9 @@ from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import At, System
 from supple.mesh import Mesh
-from supple.reduction import ClampedModes, ReducedBody, body_modes
+from supple.reduction import BodyModes, ReducedBody
 from supple.results import TrackedMotion
 from supple.units import UnitSystem
-
-N_MODES = 6
-"""Drawn."""
 
 __all__ = ["Drawing", "drawing_of"]
 
@@ -34,7 +31,7 @@ class Drawing:
     solution: Solution
     meshes: Mapping[str, Mesh]
     tracked: Mapping[str, TrackedMotion]
-    modes: Mapping[str, ClampedModes]
+    modes: Mapping[str, BodyModes]
     elements: Mapping[str, FiniteElementModel] | None
     bases: Mapping[str, At]
     units: UnitSystem
@@ -87,21 +84,10 @@ def drawing_of(
         solution,
         case.drawn,
         tracked,
-        _modes(case, system) if output.pictures else {},
+        case.held_modes if output.pictures and system.bodies_of(ReducedBody) else {},
         case.elements if output.colour == "von-mises" else None,
         case.bases,
         case.units,
         pictures=output.pictures,
         film=output.animation,
     )
-
-
-def _modes(case: Case, system: System) -> dict[str, ClampedModes]:
-    """Of reduced bodies with all their coordinates, held at the first interface, or in the frame."""
-    found = {}
-    for name in system.bodies_of(ReducedBody):
-        full = case.fulls.get(name)
-        if full is not None and name in case.drawn:
-            held = full.interfaces[0].motion if full.interfaces else full.frame.constraint(full.body)
-            found[name] = body_modes(full.body, held, n_modes=N_MODES)
-    return found

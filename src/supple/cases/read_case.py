@@ -12,7 +12,7 @@ from supple.cases.case import Case
 from supple.cases.case_tables import CaseTables, broken_rules
 from supple.cases.notify import Notify, silent
 from supple.cases.reduced_file import with_interfaces_of_files
-from supple.errors import CaseError
+from supple.errors import CaseError, SuppleError
 from supple.importers.plain_number import LARGEST_INTEGER
 from supple.importers.toml import (
     CheckedTable,
@@ -57,11 +57,24 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
         return raw, [*mistakes, *broken_rules(raw, path.parent)]
 
     text, tables, lines = checked_file(path, CaseTables, completed)
+    unusable = list(_unusable_parts(tables, path.parent))
+    if unusable:
+        raise CaseError(listed_mistakes(path, lines, unusable))
     try:
         tables.simulation.build()
     except ValueError as error:  # of the numbers of the run together
         raise CaseError(listed_mistakes(path, lines, [(("simulation",), str(error))])) from error
     return Case(path, text, tables, lines, notify)
+
+
+def _unusable_parts(tables: CaseTables, folder: Path) -> Iterator[tuple[KeyPath, str]]:
+    """What joints and elements find wrong with their numbers, which depend on no mesh."""
+    for section in ("joint", "element"):
+        for number, each in enumerate(getattr(tables, section)):
+            try:
+                each.build(folder)
+            except SuppleError as error:
+                yield (section, number), str(error)
 
 
 def checked_file(

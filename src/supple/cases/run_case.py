@@ -128,7 +128,8 @@ def _run_case(
 ) -> CaseResult:
     warn_of_units(case)
     inputs = case.inputs
-    _ = case.system
+    # What is wrong with sensors is said now, not when the run is over.
+    _ = case.system, case.sensors
     if changed := changes(inputs, case.inputs):
         raise CaseError(f"{case.path} was changed while it was read ({changed}): run it again")
     for body in reduced_bodies(case.system, case.flexible):
@@ -242,9 +243,7 @@ def _simulated(
     system, solution = simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
     if errors:
         known(system, solution)
-        # What a basis lacks is found from linearised equations, in which controllers have no part.
-        study = replace(case.study, basis=False) if system.controllers else case.study
-        solution = state_errors(system, case.run, solution, study, fulls=case.fulls, progress=progress)
+        solution = state_errors(system, case.run, solution, case.study, fulls=case.fulls, progress=progress)
         write_errors(path, solution)
     return system, solution
 

@@ -9,10 +9,11 @@ import numpy as np
 from pydantic import Field
 
 from supple import sensors
+from supple.cases.body_kinds import kind_of, kinds_that
 from supple.cases.shared_rules import usable_names
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
-from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, tables, unknown
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, names, tables, unknown
 from supple.machine import At, ForceElement, as_end
 
 
@@ -201,6 +202,25 @@ def _sees_deflections(raw: Raw) -> Mistakes:
             yield (*path, "seen_from"), 'only a sensor of kind "deflection" is seen from an interface'
 
 
+def _stress_is_of_elements(raw: Raw) -> Mistakes:
+    """The rule that stress and strain are read at node sets of bodies with elements."""
+    bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
+    for path, each in tables(raw, "sensor"):
+        name, _, where = str(each.get("at")).partition(".")
+        if each.get("kind") not in ("stress", "strain") or name not in bodies:
+            continue
+        kind = kind_of(bodies[name])
+        if kind is not None and not kind.has_elements:
+            able = ", ".join(kinds_that("has_elements"))
+            yield (*path, "at"), f"body {name!r} has no elements, whose stress it would be ({able} have)"
+        elif where in names(bodies[name], "interface"):
+            yield (
+                (*path, "at"),
+                f"{where!r} is an interface, and stress is that of elements: this is no node set of a body "
+                "with elements; name one",
+            )
+
+
 def _one_component(raw: Raw) -> Mistakes:
     for path, each in tables(raw, "sensor"):
         stated = each.get("measure")
@@ -211,4 +231,4 @@ def _one_component(raw: Raw) -> Mistakes:
             )
 
 
-RULES = (_elements_exist, _names_differ, _sees_deflections, _one_component)
+RULES = (_elements_exist, _names_differ, _sees_deflections, _stress_is_of_elements, _one_component)

@@ -35,6 +35,6 @@ class BenchmarkGroup(TyperGroup):
         offered = cast(Any, self.commands.get(cmd_name))
         if offered is None:
             return None
-        single = typer.Typer(add_completion=False)
+        single = typer.Typer(add_completion=False, rich_markup_mode=None)
         single.command(cmd_name)(offered.load())
         return typer.main.get_command(single)

@@ -65,7 +65,7 @@ def _print_lines(case: Case) -> None:
             continue
         body = table.build(None, case.folder, silent).body
         assert isinstance(body, IntrinsicBody)
-        lowest = body.modes.omega[body.modes.n_rigid :][:6] / (2 * np.pi)
+        lowest = body.modes.frequencies[:6] / (2 * np.pi)
         listed = ", ".join(f"{factor * frequency:.4g}" for frequency in lowest)
         told = (
             f"body '{body.name}': condensed on {body.line.n} stations, mass {body.mass:.5g}; rigid motion "

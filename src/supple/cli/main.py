@@ -15,10 +15,13 @@ app = typer.Typer(
     help="Reduced-order flexible multibody dynamics.",
     no_args_is_help=True,
     add_completion=False,
+    # Plain text: markup would take [spin] for a style, and write a type behind every flag.
+    rich_markup_mode=None,
+    context_settings={"max_content_width": 110},
     pretty_exceptions_show_locals=False,
 )
 app.add_typer(
-    typer.Typer(cls=BenchmarkGroup),
+    typer.Typer(cls=BenchmarkGroup, rich_markup_mode=None),
     name="benchmark",
     help="Run a published benchmark and set our numbers beside the paper's.",
     no_args_is_help=True,

@@ -63,7 +63,8 @@ def modes_case(
         ]
         print_table("Frequencies over speed, in axes that turn with the machine", heads, rows)
         if diagram.errors is not None:
-            say(f"Largest error of the bases: {100 * np.nanmax(diagram.errors):.2g} % of a frequency")
+            largest = 100 * float(np.nanmax(diagram.errors, initial=0.0))
+            say(f"Largest error of the bases, first and last speed: {largest:.2g} % of a frequency")
     say(f"Results are in {folder}/")
 
 

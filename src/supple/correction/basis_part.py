@@ -43,6 +43,8 @@ def basis_parts(
     fulls, bases : of the reduced bodies that are judged, by name
     """
     asked = stated_of(system, bases, quantities)
+    if system.controllers:  # they have no part in the error equation
+        return check_run(system, run, solution, fulls, bases, asked, progress=progress)
     step = "the error equation"
     share = None if progress is None else lambda fraction: progress(step, fraction)
     whole = in_full(system, fulls, bases)

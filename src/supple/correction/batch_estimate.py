@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from supple.body.full_body import FullBody
-from supple.correction.basis_error import ENRICH, BasisError
+from supple.correction.basis_error import ENRICH, FIRST_ORDER, BasisError
 from supple.correction.basis_part import basis_parts, in_full
 from supple.correction.error_estimate import (
     FRESH,
@@ -22,6 +22,7 @@ from supple.correction.error_estimate import (
     body_error,
     check_linearised,
     deformed_rows,
+    is_smooth,
     modal_damping,
     untold,
 )
@@ -29,7 +30,7 @@ from supple.correction.error_study import ErrorStudy, statements
 from supple.correction.judged_quantity import WholeBody
 from supple.correction.looked_at_instants import jittered
 from supple.correction.residual_correction import system_corrections
-from supple.correction.settled_error import is_small
+from supple.correction.settled_error import is_small, settled
 from supple.correction.stopping import withheld
 from supple.error_equation import (
     ErrorEquation,
@@ -214,7 +215,11 @@ class _Batch:
         histories = equation.histories(found)
         if all(np.isfinite(history.rms).all() for history in histories.values()):
             second = {name: second_correction(history) for name, history in histories.items()}
-            if is_small(histories, second):
+            small = is_small(histories, second)
+            if small and not is_smooth(self.cases[number]):
+                _, histories, second = settled(equation, found, histories, smooth=False)
+                small = max(second.values()) <= FIRST_ORDER
+            if small:
                 outputs = self.steps[number].outputs
                 return BasisError(
                     {

@@ -31,7 +31,7 @@ from supple.error_equation import (
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import Progress, Run, Solution
 from supple.intrinsic import IntrinsicBody
-from supple.machine import System
+from supple.machine import ForceElement, System
 from supple.multibody.compiled.compiled_machine import compiled_start
 from supple.multibody.compiled.every_step import as_outputs, every_step
 from supple.multibody.equations.configuration import Configuration
@@ -45,6 +45,7 @@ __all__ = [
     "body_error",
     "deformed_rows",
     "estimate_error",
+    "is_smooth",
     "modal_damping",
     "untold",
 ]
@@ -183,7 +184,7 @@ class ErrorEstimator:
                 reduced, tuple(fulls.values()), bases, steps.solution, along, settled=FOLLOWED
             )
 
-        told = _told(equation, missed_along, allowed or {})
+        told = _told(equation, missed_along, allowed or {}, is_smooth(reduced))
         if told is None:
             return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
         found, histories, second = told
@@ -302,6 +303,14 @@ def check_linearised(system: System) -> None:
         )
 
 
+def is_smooth(system: System) -> bool:
+    """Whether a machine has no force elements, which touch, slip and clip.
+
+    However small an error is, it may be larger than a depth of contact or what is left to a limit.
+    """
+    return not any(isinstance(load, ForceElement) for load in system.loads)
+
+
 def modal_damping(body: ReducedBody) -> ModalDamping | None:
     """The ratios of a reduced body whose full one knows no damping; modes beyond its own take the last."""
     if not body.damping.any():
@@ -339,12 +348,14 @@ def _told(
     equation: ErrorEquation,
     missed_along: Callable[[], Mapping[str, ResidualCorrections]],
     allowed: Mapping[str, float],
+    smooth: bool,
 ) -> Told | None:
     """The differences of the true motion and the run's, and by body what the last sweep changed.
 
     None where they grow far beyond the deformation itself: not even their order of magnitude is known then.
     missed_along : what the run misses at rest, at many instants
     allowed : as for `ErrorEstimator.judge`
+    smooth : bool   whether elastic second corrections say all about how small an error is
     """
     found = equation.first()
     histories = equation.histories(found)
@@ -352,15 +363,15 @@ def _told(
     bounded = _are_bounded(histories)
     if bounded:
         second = {name: second_correction(history) for name, history in histories.items()}
-        known = is_small(histories, second) or is_clearly_larger(histories, second, allowed)
-        told = (found, histories, second) if known else settled(equation, found, histories)
+        known = (smooth and is_small(histories, second)) or is_clearly_larger(histories, second, allowed)
+        told = (found, histories, second) if known else settled(equation, found, histories, smooth=smooth)
     nonlinear = not all(history.body.full.is_linear for history in histories.values())
     if nonlinear and max(told[2].values()) > FIRST_ORDER:
         # The run may be no place to take tangents at: walls that should have buckled, and in the run have
         # not, let any difference grow. With the motion that it misses at rest they do not.
         tangents = equation.with_missed({name: _known(own) for name, own in missed_along().items()})
         about = equation.first(tangents)
-        other = settled(equation, about, equation.histories(about), tangents)
+        other = settled(equation, about, equation.histories(about), tangents, smooth=smooth)
         if max(other[2].values()) <= FIRST_ORDER:
             return other
     return told if bounded else None

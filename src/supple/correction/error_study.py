@@ -10,6 +10,7 @@ from supple.body.full_body import FullBody
 from supple.correction.basis_part import basis_parts
 from supple.correction.integration_error import integration_errors
 from supple.correction.judged_quantity import JudgedQuantity, WholeBody
+from supple.correction.line_parts import line_parts
 from supple.correction.model_error import model_errors
 from supple.errors import ModelError
 from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution
@@ -81,6 +82,8 @@ def state_errors(
     of_basis: Mapping[str, ErrorPart] = {}
     if study.basis and bases and solution.stopped is None:
         of_basis = basis_parts(system, run, solution, known, bases, quantities, progress=progress)
+    if study.basis:
+        of_basis = {**of_basis, **line_parts(system, solution)}
     return solution.with_errors(
         statements(system, run, solution, study, known, bases, of_basis, progress=progress)
     )

@@ -5,10 +5,12 @@ step. With q(h) their motions and an integrator of second order, q(h) = q + c h^
 
     step = 4/3 |q(h) - q(h/2)|,        newton = max( |q_run - q(h)|, 10 tol |u| ),
 
-both in the norm of the quantity that is judged. Adaptive steps of a local error tol have a global one of
-about tol^(2/3): an eighth of the tolerance, and half the largest step, stand for half the step. The tolerance
-is relative to the forces in balance, so what it leaves is no smaller than some parts of the displacement |u|
-times it: the floor of the integration, below which nothing is stated.
+both in the norm of the quantity that is judged. Where a load jumps, a fixed step sees the jump up to half a
+step too early or too late, an error of first order, q(h) = q + c h + .., which falls by 2 instead of 4: there
+the step costs 2 |q(h) - q(h/2)| at most, and so much is stated. Adaptive steps of a local error tol have a
+global one of about tol^(2/3): an eighth of the tolerance, and half the largest step, stand for half the step.
+The tolerance is relative to the forces in balance, so what it leaves is no smaller than some parts of the
+displacement |u| times it: the floor of the integration, below which nothing is stated.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ from supple.integrate import (
     Validity,
 )
 from supple.machine import System
-from supple.multibody.checks.step_resolution import fixed_step
+from supple.multibody.checks.step_resolution import fixed_step, jumps_in_steps
 from supple.simulation.watched_run import watched_run
 
 __all__ = ["IntegrationError", "floor_of", "integration_errors", "with_shorter_steps", "with_tolerance"]
@@ -41,6 +43,8 @@ TIGHTER = 1e-2
 """Of the tolerance of the run: that of the runs it is judged by."""
 RICHARDSON = 4 / 3
 """1 / (1 - HALF^2): the whole of an error of second order over its change from h to h/2."""
+AT_JUMPS = 2.0
+"""The same of an error of first order."""
 FLOOR = 10.0
 """Displacements times tolerances below which nothing is stated."""
 TIGHTEST = 1e-12
@@ -85,6 +89,7 @@ def integration_errors(
     tight = _quiet(system, tight_run, "the same run with a tighter tolerance", progress)
     fine = _quiet(system, fine_run, "the same run with half the step", progress)
     words = "a run with half the step" if isinstance(run.step_control, FixedStep) else _ADAPTIVE
+    whole = AT_JUMPS if jumps_in_steps(system, run) else RICHARDSON
     found = {}
     for each in quantities:
         halved = quantity_distance(each, system, tight, system, fine)
@@ -92,7 +97,7 @@ def integration_errors(
         floor = floors[each.name]
         is_floor = not loose > floor
         found[each.name] = IntegrationError(
-            step=ErrorPart(RICHARDSON * halved, words, _remedy_of_step(run)),
+            step=ErrorPart(whole * halved, words, _remedy_of_step(run, whole)),
             newton=ErrorPart(
                 floor if is_floor else loose,
                 "floor of the integration" if is_floor else "a run with a hundredth of the tolerance",
@@ -144,9 +149,10 @@ def _quiet(system: System, run: Run, words: str, progress: Told | None) -> Solut
         return watched_run(system, replace(run, validity=Validity()), progress=told, check=False)
 
 
-def _remedy_of_step(run: Run) -> str:
+def _remedy_of_step(run: Run, whole: float) -> str:
     if isinstance(run.step_control, FixedStep):
-        return f"halve the step of {fixed_step(run):.3g}, which leaves a quarter"
+        left = "a half, as a load jumps: adaptive steps stop there" if whole == AT_JUMPS else "a quarter"
+        return f"halve the step of {fixed_step(run):.3g}, which leaves {left}"
     return f"ask for a smaller local error than {run.step_control.tolerance:.3g}; an eighth leaves a quarter"
 
 

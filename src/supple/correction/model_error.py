@@ -14,8 +14,10 @@ Quasi-static: a stiffness that is off moves frequencies too, which a long vibrat
 is not in it is the mesh.
 
 A body whose elements are not at hand, or any in a machine with controllers, is told by its limit: a
-deflection is off by some 2e-3 at its `rotation_limit` (strips of h/t = 10), by the third power of the turn;
-linear ones by 1 - cos.
+deflection is off by some 2e-3 at its `rotation_limit` (strips of h/t = 10), by the third power of the turn.
+
+A linear body lacks the shortening by its bending: its error is at least theta^2 / 2 of its length, theta its
+widest turn. Where its rotations are unknown theta is that of a cantilever with its displacement, 3 u / 2 L.
 """
 
 from __future__ import annotations
@@ -45,6 +47,8 @@ __all__ = ["model_errors", "model_errors_by_limit", "widest_instants"]
 
 INSTANTS = 6
 """At which forces are compared: the widest turn of so many parts of the run."""
+CANTILEVER = 1.5
+"""Turn of a cantilever's end under a force, over its deflection in parts of its length."""
 AT_LIMIT = 2e-3
 """Relative error of the deflection at the largest rotation that the kinematics describe."""
 
@@ -103,14 +107,17 @@ def model_errors_by_limit(system: System, solution: Solution) -> dict[str, float
         motion = solution.bodies[body.name]
         if not body.n_coordinates:
             continue
+        size = largest_displacement(body, motion)
         turn = float(_widest_turn(body, motion).max(initial=0.0))
         if body.is_linear:
-            share = 1 - np.cos(min(turn, np.pi))
-        elif np.isfinite(body.rotation_limit):
-            share = AT_LIMIT * (turn / body.rotation_limit) ** 3
-        else:
-            share = 0.0
-        found[body.name] = float(share) * largest_displacement(body, motion)
+            length = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
+            if body.rotation_rows is None:
+                turn = CANTILEVER * size / length if length else 0.0
+            found[body.name] = turn**2 / 2 * length
+            continue
+        known = np.isfinite(body.rotation_limit)
+        share = AT_LIMIT * (turn / body.rotation_limit) ** 3 if known else 0.0
+        found[body.name] = float(share) * size
     return found
 
 
@@ -148,18 +155,22 @@ def _part(
     name = quantity.body
     remedy = _remedy(system, name)
     if isinstance(quantity, WholeBody) and name in missed:
-        return ErrorPart(float(missed[quantity.body].rms.max()), "elements and ties turned exactly", remedy)
+        value = max(float(missed[quantity.body].rms.max()), _shortening(system, name, limits))
+        return ErrorPart(value, "elements and ties turned exactly", remedy)
     if isinstance(quantity, Deflection) and name in missed:
         full = fulls[quantity.body]
         at = quantity.nodes
         nodes = list(full.interface(at).node_ids if isinstance(at, str) else at)
         moved = _moved(full, missed[quantity.body])[:, nodes]
         value = float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
+        value = max(value, _shortening(system, name, limits))
         return ErrorPart(value, "elements and ties turned exactly", remedy)
     shares = [0.0]
     for body, limit in limits.items():
         size = largest_displacement(system.bodies[system.body_index(body)].body, solution.bodies[body])
-        own = float(missed[body].rms.max()) if body in missed else limit
+        own = limit
+        if body in missed:
+            own = max(float(missed[body].rms.max()), _shortening(system, body, limits))
         if size > 0 and name in (None, body):
             shares.append(own / size)
     return ErrorPart(max(shares) * quantity.size(system, solution), "in parts of the body's motion", remedy)
@@ -171,6 +182,13 @@ def _remedy(system: System, name: str | None) -> str:
     frames = [getattr(body, "frame", None) for body in bodies if name in (None, body.name)]
     others = [frame for frame in frames if not isinstance(frame, MeanAxisFrame)]
     return smaller_rotations((others or frames or [None])[0])
+
+
+def _shortening(system: System, name: str | None, limits: Mapping[str, float]) -> float:
+    """What a linear body lacks of its shortening by bending; none of a nonlinear one."""
+    if name is None or not system.bodies[system.body_index(name)].body.is_linear:
+        return 0.0
+    return limits[name]
 
 
 def _moved(full: FullBody, missed: ResidualCorrections) -> np.ndarray:

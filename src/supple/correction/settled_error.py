@@ -31,11 +31,14 @@ def settled(
     first: ErrorState,
     histories: Mapping[str, ErrorHistory],
     tangents: TangentMotion | None = None,
+    *,
+    smooth: bool = True,
 ) -> Told:
     """The differences about the corrected motion, once more until they change no more, and the last change.
 
     Each time is a step of Newton's method for the motion itself. Where it does not settle, the first is as
-    good a guess as any, and no more than that.
+    good a guess as any, and no more than that. Where forces have kinks, a small change may be that of a
+    sweep between them: there more sweeps are made, until the change is small.
     """
     found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
     if not is_finite(histories):
@@ -47,8 +50,10 @@ def settled(
         if not np.isfinite(max(changes.values())):
             break
         found, own = more, again
-        if max(changes.values()) <= FIRST_ORDER:
-            return found, own, changes
+        if max(changes.values()) <= (FIRST_ORDER if smooth else SMALL_SECOND):
+            break
+    if max(changes.values()) <= FIRST_ORDER:
+        return found, own, changes
     return first, histories, changes
 
 

@@ -10,6 +10,7 @@ there. What the model costs no run can mend: where it alone is too large, that i
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -21,6 +22,7 @@ from supple.correction.error_study import ErrorStudy, judged, statements
 from supple.correction.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
 from supple.correction.round_archive import RoundBases
 from supple.correction.system_correction import Problem, correct
+from supple.errors import StepCutWarning
 from supple.integrate import ErrorPart, ErrorStatement, Run, Solution
 
 __all__ = ["correct_wholly"]
@@ -32,6 +34,8 @@ ROOM = 0.8
 SHORTEST = 1 / 8
 """By which a step is shortened at once; errors that fall more slowly than h^2 are met in several passes."""
 PASSES = 6
+MANY = 10
+"""Times the steps asked for: taking as many is warned of."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +58,7 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
     """
     before: dict[str, tuple[Round, ...]] = {name: () for name in problem.fulls}
     unmet: dict[str, ErrorStatement] = {}
-    attempt = 0
+    attempt, asked_run = 0, problem.run
     for attempt in range(PASSES):
         corrected = _with_rounds(correct(problem), before)
         before = {name: own.rounds for name, own in corrected.bodies.items()}
@@ -71,6 +75,7 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
         mended = _mended(problem, corrected, unmet)
         if attempt == PASSES - 1 or _is_same(mended, problem):
             break
+        _announce_steps(asked_run, problem, mended)
         problem = mended
     raise SelfCorrectionError(
         " ".join(
@@ -152,6 +157,23 @@ def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, Er
         confirmed=problem.confirmed
         | {name for name, own in corrected.bodies.items() if not own.rounds[-1].unconfirmed},
     )
+
+
+def _announce_steps(asked: Run, problem: Problem, mended: Problem) -> None:
+    """Say before a pass how many steps it takes; warn where these are many times those asked for."""
+    before, after, wanted = (round(each.n_steps) for each in (problem.run, mended.run, asked))
+    if after == before:
+        return
+    words = f"{after} steps of at most {mended.run.step_control.largest:.3g} instead of {before}"
+    problem.report(f"the step costs too much: {words}", 0.0)
+    if after >= MANY * wanted > before:
+        warnings.warn(
+            f"to keep the error allowed, self-correction takes {after} steps of at most "
+            f"{mended.run.step_control.largest:.3g} where {wanted} were asked for, and as many times "
+            "as long: allow more, or take adaptive steps",
+            StepCutWarning,
+            stacklevel=4,
+        )
 
 
 def _is_same(mended: Problem, problem: Problem) -> bool:

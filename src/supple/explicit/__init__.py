@@ -2,6 +2,7 @@
 
 from supple.explicit.collocated import Collocated
 from supple.explicit.continuity import EveryNode, MeanMotion
+from supple.explicit.elements import BulkViscosity
 from supple.explicit.engine import ENERGIES, OBSTACLES, STEPS, ExplicitEngine, ExplicitOptions
 from supple.explicit.explicit_shell import ExplicitShell, explicit_shell
 from supple.explicit.explicit_subdomain import ExplicitSubdomain, explicit_subdomain
@@ -42,6 +43,7 @@ __all__ = [
     "ENERGIES",
     "OBSTACLES",
     "STEPS",
+    "BulkViscosity",
     "CentrifugalStiffness",
     "Collocated",
     "Contact",

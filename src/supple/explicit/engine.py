@@ -14,7 +14,14 @@ from supple.algebra.jax_settings import before_compiled_code
 from supple.errors import ModelError
 from supple.explicit.explicit_system import ExplicitSystem
 from supple.explicit.march.build import Built, built
-from supple.explicit.march.interval import Recorded, chosen_steps, frame_limits, march_to, recorded
+from supple.explicit.march.interval import (
+    Recorded,
+    chosen_steps,
+    frame_limits,
+    march_to,
+    nodes_limit,
+    recorded,
+)
 from supple.explicit.march.march_step import kinetic, with_forces
 from supple.explicit.march.model import Energies, MarchState
 from supple.explicit.motions import FourPointMotion, NodalMotion
@@ -195,19 +202,15 @@ class ExplicitEngine:
         step = self._fixed
         if step is None:
             return
-        limits = [float(np.asarray(limit).min()) for limit in self._built.model.limits]
-        if self._built.model.shells:
-            limits.append(float(self._built.model.shell_limit))
-        rate = float(self._built.model.contact_rate)
-        limit = min((2 / np.sqrt((2 / own) ** 2 + rate) for own in limits), default=np.inf)
-        limit = min(
-            [limit] + [float(own) for own in frame_limits(self._built.model, self._built.start) if not limits]
-        )
+        own = self._built
+        if own.model.blocks or own.model.shells:
+            limit = float(nodes_limit(own.model, own.start))
+        else:
+            limit = min(float(each) for each in frame_limits(own.model, own.start))
         if step > limit:
             raise ModelError(
                 f"the step {step:g} s is above the limit of {limit:.4g} s, at which the march blows up; "
-                f"leave it "
-                f"out, or give at most {0.9 * limit:.3g}"
+                f"leave it out, or give at most {0.9 * limit:.3g}"
             )
 
     def _told(self, row: Recorded, initial: float) -> str:

@@ -13,7 +13,14 @@ from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
 from supple.body.damping import refuse_held
 from supple.errors import ModelError
-from supple.explicit.elements import SolidPoints, element_limits, solid_points
+from supple.explicit.elements import (
+    BulkArrays,
+    BulkViscosity,
+    SolidPoints,
+    bulk_arrays,
+    element_limits,
+    solid_points,
+)
 from supple.explicit.elements.solid_block import hourglass_stiffness
 from supple.explicit.materials import Law, StVenantKirchhoff
 from supple.fem import FiniteElementModel, Isotropic, lumped_mass
@@ -36,6 +43,7 @@ class ExplicitSubdomain:
     hourglass : float       stiffness of an hourglass mode of hexahedra over that of stretching
     deletion : float        plastic strain at which an element is deleted; infinite: never
     damping : LinearRayleighDamping | None      beta acts on the rate of Green-Lagrange's strain
+    bulk_viscosity : BulkViscosity      spreads fronts over a few elements; BulkViscosity(0, 0): none
     """
 
     used_with: ClassVar[str] = "which an ExplicitSystem takes as a part, and no System"
@@ -45,6 +53,7 @@ class ExplicitSubdomain:
     hourglass: float = 0.01
     deletion: float = float("inf")
     damping: LinearRayleighDamping | None = None
+    bulk_viscosity: BulkViscosity = field(default_factory=BulkViscosity)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -77,21 +86,36 @@ class ExplicitSubdomain:
 
     @cached_property
     def element_limits(self) -> tuple[FloatArray, ...]:
-        """The longest stable step of each element of each block at rest, s."""
-        limits = []
-        mesh, elastic = self.model.mesh, self.law.elastic
-        for section, points in zip(self.model.sections, self.points, strict=True):
-            element = SOLID_ELEMENTS[section.cell_type]
-            mass = solid_mass(element, section.corners(mesh), elastic.density)
-            lumped = np.einsum("ekk->ek", CellMass(points.nodes, mass).lumped().translational)
-            limits.append(
-                element_limits(points, lumped, elastic, hourglass_stiffness(points, elastic, self.hourglass))
+        """The longest stable step of each element of each block at rest, s, without damping or viscosity."""
+        elastic = self.law.elastic
+        return tuple(
+            element_limits(points, masses, elastic, hourglass_stiffness(points, elastic, self.hourglass))
+            for points, masses in zip(self.points, self._element_masses, strict=True)
+        )
+
+    @property
+    def bulk_arrays(self) -> tuple[BulkArrays | None, ...]:
+        """The bulk viscosity of each block."""
+        return tuple(
+            bulk_arrays(points, masses, self.law.elastic, limits, self.bulk_viscosity)
+            for points, masses, limits in zip(
+                self.points, self._element_masses, self.element_limits, strict=True
             )
-        return tuple(limits)
+        )
+
+    @cached_property
+    def _element_masses(self) -> tuple[FloatArray, ...]:
+        """(E, k) lumped, kg, of each block."""
+        found = []
+        for section, points in zip(self.model.sections, self.points, strict=True):
+            element, corners = SOLID_ELEMENTS[section.cell_type], section.corners(self.model.mesh)
+            mass = solid_mass(element, corners, self.law.elastic.density)
+            found.append(np.einsum("ekk->ek", CellMass(points.nodes, mass).lumped().translational))
+        return tuple(found)
 
     @property
     def step_limit(self) -> float:
-        """Longest stable step at rest, s, without damping."""
+        """Longest stable step at rest, s, without damping or viscosity."""
         return min(float(own.min()) for own in self.element_limits)
 
     @property
@@ -108,6 +132,7 @@ def explicit_subdomain(
     hourglass: float = 0.01,
     deletion: float = float("inf"),
     damping: LinearRayleighDamping | None = None,
+    bulk_viscosity: BulkViscosity | None = None,
 ) -> ExplicitSubdomain:
     """Nonlinear finite elements for an explicit march.
 
@@ -116,6 +141,7 @@ def explicit_subdomain(
         constants
         where it is left out
     name, hourglass, deletion, damping : see `ExplicitSubdomain`
+    bulk_viscosity : BulkViscosity      with the usual coefficients where left out; BulkViscosity(0, 0): none
     Raises ModelError for other cells, and for a model of several materials.
     """
     own = {section.property for section in model.sections}
@@ -130,4 +156,5 @@ def explicit_subdomain(
         if not isinstance(constants, Isotropic):
             raise ModelError(f"explicit sub-domain '{name}' needs a solid of an Isotropic material")
         material = StVenantKirchhoff(constants)
-    return ExplicitSubdomain(name, model, material, hourglass, deletion, damping)
+    viscosity = BulkViscosity() if bulk_viscosity is None else bulk_viscosity
+    return ExplicitSubdomain(name, model, material, hourglass, deletion, damping, viscosity)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -19,10 +19,9 @@ from numpy.typing import NDArray
 from supple.errors import ValidityError, ValidityWarning
 from supple.explicit.explicit_system import ExplicitSystem
 from supple.explicit.materials import J2Plasticity
-from supple.explicit.modal_stress import modal_von_mises, stress_of_modes
+from supple.explicit.modal_stress import isotropic_materials, modal_von_mises, stress_of_modes
 from supple.explicit.modal_subdomain import ModalSubdomain
 from supple.explicit.motions import FourPointMotion
-from supple.fem import HomogeneousSection, Isotropic
 from supple.integrate import Solution, Validity
 
 __all__ = ["ModalPeaks", "ModalWatch", "modal_watch"]
@@ -130,7 +129,7 @@ def _limits(system: ExplicitSystem, part: ModalSubdomain, validity: Validity) ->
 def _yield_stress(system: ExplicitSystem, part: ModalSubdomain) -> tuple[float, str]:
     if part.yield_stress is not None:
         return part.yield_stress, part.name
-    own = {_material(section.property) for section in part.body.model.sections} if part.body.model else set()
+    own = isotropic_materials(part.body.model) if part.body.model else set()
     laws = [(placed.name, getattr(placed.subdomain, "law", None)) for placed in system.placed]
     yields = [
         (float(law.hardening.yield_stress(jnp.zeros(()))), name)
@@ -138,11 +137,6 @@ def _yield_stress(system: ExplicitSystem, part: ModalSubdomain) -> tuple[float, 
         if isinstance(law, J2Plasticity) and own == {law.elastic}
     ]
     return min(yields, default=(np.inf, part.name))
-
-
-def _material(given: Any) -> Isotropic | None:
-    given = given.material if isinstance(given, HomogeneousSection) else given
-    return given if isinstance(given, Isotropic) else None
 
 
 def _peaks(own: _Limits, times: FloatArray, motion: FourPointMotion) -> ModalPeaks:

@@ -6,11 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.explicit.modal_subdomain import ModalSubdomain
-from supple.fem import stress_recovery, von_mises
+from supple.fem import FiniteElementModel, HomogeneousSection, Isotropic, stress_recovery, von_mises
 
-__all__ = ["modal_von_mises", "stress_of_modes"]
+__all__ = ["isotropic_materials", "modal_von_mises", "stress_of_modes"]
 
 FloatArray = NDArray[np.float64]
+
+
+def isotropic_materials(model: FiniteElementModel) -> set[Isotropic]:
+    """Of solids and of shells of one material through the thickness."""
+    given = [section.property for section in model.sections]
+    made_of = [own.material if isinstance(own, HomogeneousSection) else own for own in given]
+    return {material for material in made_of if isinstance(material, Isotropic)}
 
 
 def stress_of_modes(subdomain: ModalSubdomain) -> FloatArray:

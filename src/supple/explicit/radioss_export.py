@@ -11,7 +11,7 @@ __all__ = ["flexible_body_file"]
 
 
 def flexible_body_file(body: ModalSubdomain) -> FlexibleBodyFile:
-    """Frame modes, local modes, and the constant matrices of [Radioss] (22)-(23), in the axes of the mesh.
+    """Frame modes, local modes, and the constant matrices of [Radioss] (23)-(25), in the axes of the mesh.
 
     The four points have arms of the radius of gyration: P0 = arm * I. Nodes have translations only.
     """

@@ -62,14 +62,14 @@ def condensation_error(body: FlexibleBody, condensed: IntrinsicBody, n_frequenci
 
     Raises ModelError for more frequencies than there are modes.
     """
-    if not 1 <= n_frequencies <= condensed.n_coordinates:
+    known = condensed.modes.frequencies
+    if not 1 <= n_frequencies <= len(known):
         raise ModelError(
             f"body '{body.name}': errors of {n_frequencies} frequencies asked for; the condensed body has "
-            f"{condensed.n_coordinates} elastic modes"
+            f"{len(known)} elastic modes"
         )
     exact = _exact(body, condensed, n_frequencies)
-    k = condensed.modes.n_rigid
-    return CondensationError(read_only(condensed.modes.omega[k : k + n_frequencies]), read_only(exact))
+    return CondensationError(read_only(known[:n_frequencies]), read_only(exact))
 
 
 def accurate_condensation(

@@ -46,7 +46,7 @@ def condense(
     path : LoadPath("root", "tip", n_stations=40), LoadPaths of several, or NodeSetPath
     support : RootSupport   CLAMPED, also where a joint prescribes the motion of the root; FREE, BALL,
                             hinged(axis), sliding(axis): what the joint of the machine leaves to the root
-    n_modes : int           elastic ones; all when omitted
+    n_modes : int           lowest elastic ones, to which second-order modes are added; all when omitted
     damping : ModalDamping | RayleighDamping | None
 
     Raises
@@ -71,16 +71,16 @@ def condense(
         linalg.block_diag(*lumped_inertia(tree, body.model)),
         parents=parents,
     )
-    k = support.free.shape[1]
-    modes = intrinsic_modes(line, support, None if n_modes is None else n_modes + k)
-    elastic = modes.velocities[..., k:]
+    modes = intrinsic_modes(line, support)
+    elastic = modes.velocities[..., modes.n_rigid :]
     nodal = body.expansion @ (shapes @ elastic.reshape(6 * line.n, -1))
     expansion = hung_on_stations(
         tree, body.nodes, nodal.reshape(len(body.nodes), body.dofs_per_node, -1), elastic
     )
     names = {interface.name: number for number, interface in enumerate(interfaces)}
     names |= {f"station {number}": number for number in range(line.n)}
-    return IntrinsicBody(modes, expansion, names, damping)
+    whole = IntrinsicBody(modes, expansion, names, damping)
+    return whole if n_modes is None else whole.truncated(n_modes)
 
 
 def _statics(body: FlexibleBody, rows: sparse.csr_array) -> tuple[Array, Array]:

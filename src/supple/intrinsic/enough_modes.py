@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from supple.errors import ModelError
+from supple.errors import ModelError, ValidityWarning
 from supple.integrate import Solution
+from supple.intrinsic.complete_motion import with_modes
 from supple.intrinsic.intrinsic_body import body_of
 from supple.intrinsic.machine_of_lines import check_held_by_ground
 from supple.intrinsic.truncation_error import TruncationError, truncation_error
-from supple.machine import Placed, System
+from supple.machine import System
 
 __all__ = ["EnoughModes", "enough_modes"]
 
@@ -38,9 +40,9 @@ def enough_modes(
 
     Parameters
     ----------
-    system : intrinsic bodies that the ground holds, with all the modes that may be kept
+    system : intrinsic bodies that the ground holds, or that are free; the modes they have do not count
     run : its simulation, such as `lambda system: simulate(system, Run(..))`
-    tolerance : of the amplitudes left out over the largest of all
+    tolerance : of the error of the stations' places over the deflection
     first : elastic modes to begin with
 
     Raises ModelError as `truncation_error`, and for a tolerance or a number that cannot be.
@@ -50,26 +52,18 @@ def enough_modes(
     if first < 1:
         raise ModelError(f"a search for modes begins with one at least, not {first}")
     check_held_by_ground(system)
-    whole = [body_of(placed) for placed in system.bodies]
+    system = replace(system, bodies=[with_modes(placed, None) for placed in system.bodies])
+    most = max(body_of(placed).n_coordinates for placed in system.bodies)
     number = first
-    while number < max(body.n_coordinates for body in whole):
-        bodies = [_with_modes(placed, number) for placed in system.bodies]
-        fewer = replace(system, bodies=bodies)
-        solution = run(fewer)
-        errors = truncation_error(fewer, solution, whole)
+    while number < most:
+        fewer = replace(system, bodies=[with_modes(placed, number) for placed in system.bodies])
+        if not all(body_of(placed).complete for placed in fewer.bodies):
+            break
+        with warnings.catch_warnings():  # of modes left out: the search is for enough of them
+            warnings.simplefilter("ignore", ValidityWarning)
+            solution = run(fewer)
+        errors = truncation_error(fewer, solution)
         if max(error.largest for error in errors.values()) <= tolerance:
             return EnoughModes(fewer, solution, errors)
         number *= 2
     return EnoughModes(system, run(system), {})
-
-
-def _with_modes(placed: Placed, number: int) -> Placed:
-    """A body with its lowest elastic modes; one is left out at least, for something to look at."""
-    body = body_of(placed)
-    n = min(number, body.n_coordinates - 1)
-    return replace(
-        placed,
-        body=body.truncated(n),
-        coordinates=placed.coordinates[:n],
-        coordinate_rates=placed.coordinate_rates[:n],
-    )

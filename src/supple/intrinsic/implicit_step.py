@@ -7,13 +7,15 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jax.scipy.linalg import lu_factor, lu_solve
 
-__all__ = ["ImplicitStep", "first_order_coefficients", "implicit_step"]
-
+__all__ = ["ImplicitStep", "Tangent", "first_order_coefficients", "implicit_step", "no_tangent"]
 
 ROUNDING = 1e-14
 """Of the terms of a rate, that its cancellation leaves."""
+SLOW = 0.1
+"""Of the residual before: an iteration that leaves more has too old a tangent."""
+SAME_STEP = 1e-6
+"""Of a step: one that differs by less takes the tangent of the other."""
 
 
 class FirstOrderCoefficients(NamedTuple):
@@ -35,34 +37,58 @@ def first_order_coefficients(rho_inf: float) -> FirstOrderCoefficients:
     return FirstOrderCoefficients(alpha_m, alpha_f, 0.5 + alpha_m - alpha_f)
 
 
+class Tangent(NamedTuple):
+    """The inverse of a step's tangent, kept from step to step while Newton's method converges with it.
+
+    inverse : (n, n)    of alpha_m - alpha_f gamma h slope; a product with it is quicker than two solutions
+    step : h that it was made for; negative before the first
+    rounding : rates over states, that the rounding of the rates is small against
+    """
+
+    inverse: Any
+    step: Any
+    rounding: Any
+
+
 class ImplicitStep(NamedTuple):
-    """State and rates at the end of a step, and how its iteration went."""
+    """State and rates at the end of a step, the tangent it was found with, and how the iteration went."""
 
     state: jax.Array
     rates: jax.Array
+    tangent: Tangent
     iterations: jax.Array
     residual: jax.Array
 
 
+def no_tangent(n: int) -> Tangent:
+    """What a march of n states begins with."""
+    return Tangent(jnp.eye(n), jnp.asarray(-1.0), jnp.zeros(()))
+
+
 def implicit_step(
     rates: Callable[[Any, jax.Array], jax.Array],
+    slope: Callable[[Any, jax.Array], jax.Array],
     coefficients: FirstOrderCoefficients,
     time: Any,
     state: jax.Array,
     before: jax.Array,
     h: Any,
+    tangent: Tangent,
     *,
     tolerance: Any,
     most: int,
 ) -> ImplicitStep:
-    """The state (n,) after a step h: Newton's method with the tangent of the step's start.
+    """The state (n,) after a step h, by Newton's method with a tangent that is made anew where it is slow.
 
         y_1 = y_0 + h ((1 - gamma) y'_0 + gamma y'_1)
         (1 - alpha_m) y'_0 + alpha_m y'_1 = f(t_0 + alpha_f h, (1 - alpha_f) y_0 + alpha_f y_1)
 
-    With rho_inf = 1 this is the implicit midpoint rule, which keeps every quadratic invariant.
+    With rho_inf = 1 this is the implicit midpoint rule, which keeps every quadratic invariant. Derivatives of
+    the result, in either direction, are those of the equations that it solves.
 
+    rates, slope : f (n,) and its derivatives (n, n) by the state
     before : (n,)       y'_0
+    tangent : of an earlier step
     tolerance : of the residual, over the largest rate
     most : iterations; beyond them the residual tells that none was found
     """
@@ -74,24 +100,41 @@ def implicit_step(
     def missing(after: jax.Array) -> jax.Array:
         return rates(time + alpha_f * h, middle(after)) - (1 - alpha_m) * before - alpha_m * after
 
-    slope = jax.jacfwd(lambda y: rates(time + alpha_f * h, y))(middle(before))
-    # What rounding leaves of the rates of a body that hardly moves.
-    noise = ROUNDING / tolerance * jnp.linalg.norm(jnp.abs(slope) @ jnp.abs(state))
-    factor = lu_factor(alpha_m * jnp.eye(len(state)) - alpha_f * gamma * h * slope)
+    def made_anew(after: jax.Array) -> Tangent:
+        at = middle(after)
+        matrix = slope(time + alpha_f * h, at)
+        inverse = jnp.linalg.inv(alpha_m * jnp.eye(len(state)) - alpha_f * gamma * h * matrix)
+        size = jnp.linalg.norm(jnp.abs(matrix) @ jnp.abs(at)) / (jnp.linalg.norm(at) + 1e-300)
+        return Tangent(inverse, jnp.asarray(h, dtype=float), size)
+
+    def measured(after: jax.Array, left: jax.Array, known: Tangent) -> jax.Array:
+        # What rounding leaves of the rates of a body that hardly moves.
+        noise = ROUNDING / tolerance * known.rounding * jnp.linalg.norm(state)
+        size = noise + jnp.linalg.norm(after) + jnp.linalg.norm(before)
+        return jnp.linalg.norm(left) / jnp.maximum(size, 1e-300)
 
     def goes_on(carry: Any) -> jax.Array:
-        _, left, size, count = carry
-        return (count < most) & (jnp.linalg.norm(left) > tolerance * size)
+        _, _, error, _, count, _ = carry
+        return (count < most) & ~(error <= tolerance)
 
     def improve(carry: Any) -> Any:
-        after, left, _, count = carry
-        after = after + lu_solve(factor, left)
-        size = noise + jnp.linalg.norm(after) + jnp.linalg.norm(before)
-        return after, missing(after), size, count + 1
+        after, left, error, slow, count, known = carry
+        known = jax.lax.cond(slow, made_anew, lambda _: known, after)
+        after = after + known.inverse @ left
+        left = missing(after)
+        now = measured(after, left, known)
+        return after, left, now, now > SLOW * error, count + 1, known
 
-    left = missing(before)
-    size = noise + jnp.linalg.norm(before) + jnp.linalg.norm(left)
-    first = before, left, size, jnp.zeros((), dtype=int)
-    after, left, size, count = jax.lax.while_loop(goes_on, improve, first)
+    def found(_: Any, first: jax.Array) -> tuple[jax.Array, Any]:
+        left = missing(first)
+        other = jnp.abs(h - tangent.step) > SAME_STEP * jnp.abs(h)
+        begin = first, left, measured(first, left, tangent), other, jnp.zeros((), dtype=int), tangent
+        after, _, error, _, count, known = jax.lax.while_loop(goes_on, improve, begin)
+        return after, (jnp.asarray(count, dtype=float), error, known)  # whole numbers have no derivatives
+
+    def tangent_solve(linear: Callable[[jax.Array], jax.Array], right: jax.Array) -> jax.Array:
+        return jnp.linalg.solve(jax.jacfwd(linear)(right), right)
+
+    after, (count, error, known) = jax.lax.custom_root(missing, before, found, tangent_solve, has_aux=True)
     moved = state + h * ((1 - gamma) * before + gamma * after)
-    return ImplicitStep(moved, after, count, jnp.linalg.norm(left) / jnp.maximum(size, 1e-300))
+    return ImplicitStep(moved, after, known, jnp.asarray(count, dtype=int), error)

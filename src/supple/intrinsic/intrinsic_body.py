@@ -25,6 +25,7 @@ from supple.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.intrinsic.line_equations import section_forces, section_strains
 from supple.intrinsic.line_model import LineModel, line_model
 from supple.intrinsic.root_support import RootSupport
+from supple.intrinsic.second_order_modes import completed_modes, second_order_shapes
 from supple.intrinsic.strain_integration import station_places
 from supple.machine import Placed
 
@@ -65,12 +66,14 @@ class IntrinsicBody:
     expansion : Expansion           its nodes
     stations : name -> number       interfaces
     damping : Damping | None        ModalDamping or RayleighDamping
+    complete : IntrinsicBody | None     the same body with all its modes; None where this is it
     """
 
     modes: IntrinsicModes
     expansion: Expansion = field(repr=False)
     stations: Mapping[str, int] = field(repr=False)
     damping: Damping | None = None
+    complete: IntrinsicBody | None = field(default=None, repr=False)
 
     @property
     def name(self) -> str:
@@ -105,7 +108,7 @@ class IntrinsicBody:
 
     @property
     def n_coordinates(self) -> int:
-        """Number of elastic modes."""
+        """Number of elastic modes, those of second order included."""
         return self.modes.n_elastic
 
     @property
@@ -135,13 +138,26 @@ class IntrinsicBody:
         return self.expansion.modes.reshape(-1, self.n_coordinates)
 
     def truncated(self, n_modes: int) -> IntrinsicBody:
-        """The same body with its lowest elastic modes alone; ModelError for more than there are."""
+        """The same body with its lowest elastic modes, and the second-order modes that belong to them.
+
+        Raises ModelError for more than there are.
+        """
+        whole = self.complete or self
+        if not 0 < n_modes <= whole.n_coordinates:
+            raise ModelError(
+                f"body '{self.name}': {n_modes} elastic modes asked for; it has "
+                f"{whole.n_coordinates} with mass"
+            )
+        shapes = second_order_shapes(whole.modes, n_modes)
+        if shapes.shape[1] == whole.n_coordinates:
+            return whole
         expansion = replace(
-            self.expansion,
-            modes=self.expansion.modes[..., :n_modes],
-            warping=self.expansion.warping[..., :n_modes],
+            whole.expansion,
+            modes=read_only(whole.expansion.modes @ shapes),
+            warping=read_only(whole.expansion.warping @ shapes),
         )
-        return replace(self, modes=self.modes.truncated(n_modes + self.modes.n_rigid), expansion=expansion)
+        modes = completed_modes(whole.modes, shapes, n_modes)
+        return replace(whole, modes=modes, expansion=expansion, complete=whole)
 
     def forces_of(self, coordinates: ArrayLike) -> Array:
         """Amplitudes q_2 (..., e) of the internal forces of elastic amplitudes (..., e)."""
@@ -201,7 +217,7 @@ class IntrinsicBody:
 
     def lowest_frequency(self) -> float:
         """Of the elastic modes on its support, rad/s; infinite where nothing deforms."""
-        return float(self.modes.omega[self.modes.n_rigid :].min(initial=np.inf))
+        return float(self.modes.frequencies.min(initial=np.inf))
 
     @property
     def rotation_limit(self) -> float:
@@ -242,13 +258,12 @@ def intrinsic_body(
 
     Parameters
     ----------
-    n_modes : int       elastic ones; all when omitted
+    n_modes : int       lowest elastic ones, to which second-order modes are added; all when omitted
     stations : name -> number   interfaces; "root", and "tip" of a line without branches, are always there
 
     Raises ModelError for a station that there is not, and as `intrinsic_modes`.
     """
-    k = support.free.shape[1]
-    modes = intrinsic_modes(line, support, None if n_modes is None else n_modes + k)
+    modes = intrinsic_modes(line, support)
     ends = {"root": 0} | ({"tip": line.n - 1} if line.tree.is_chain and line.n > 1 else {})
     named = ends | dict(stations or {})
     for name, number in named.items():
@@ -257,5 +272,6 @@ def intrinsic_body(
                 f"body '{line.name}': interface '{name}' is at station {number}; stations are 0 to "
                 f"{line.n - 1}"
             )
-    expansion = expansion_of_stations(line.tree, read_only(modes.velocities[..., k:]))
-    return IntrinsicBody(modes, expansion, named, damping)
+    expansion = expansion_of_stations(line.tree, read_only(modes.velocities[..., modes.n_rigid :]))
+    whole = IntrinsicBody(modes, expansion, named, damping)
+    return whole if n_modes is None else whole.truncated(n_modes)

@@ -47,6 +47,7 @@ class IntrinsicModes:
     momenta : (n, 6, k + e)     M Phi_1
     forces : (n - 1, 6, e)      Phi_2
     strains : (n - 1, 6, e)     C Phi_2
+    n_second_order : int        of the elastic ones, the last: Ritz vectors of second-order motion
     """
 
     line: CondensedLine
@@ -56,6 +57,7 @@ class IntrinsicModes:
     momenta: Array = field(repr=False)
     forces: Array = field(repr=False)
     strains: Array = field(repr=False)
+    n_second_order: int = 0
 
     @property
     def n_modes(self) -> int:
@@ -71,6 +73,11 @@ class IntrinsicModes:
     def n_elastic(self) -> int:
         """Elastic modes, e."""
         return self.forces.shape[2]
+
+    @property
+    def frequencies(self) -> Array:
+        """Elastic eigenfrequencies of the line on its support, rad/s: without the second-order modes'."""
+        return self.omega[self.n_rigid : self.n_modes - self.n_second_order]
 
     @cached_property
     def orthonormality(self) -> tuple[float, float]:

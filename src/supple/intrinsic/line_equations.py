@@ -28,6 +28,7 @@ __all__ = [
     "l2",
     "line_rates",
     "momenta",
+    "on_ends",
     "on_stations",
     "section_forces",
     "section_strains",
@@ -77,7 +78,7 @@ def line_rates(
     x1 = station_velocities(model, q1, root)
     e = section_strains(model, q2)
     d2 = force_rates(model, x1, q1, e)
-    stress = q2 + model.retardation * d2
+    stress = q2 + _along(model.retardation, d2) * d2
     inertial = on_stations(model, x1, q1, stress, e, root)
     if wrenches is not None:
         inertial = inertial - wrenches
@@ -102,9 +103,13 @@ def on_stations(
 ) -> jax.Array:
     """What turning and bending ask of the stations (n, 6): L_1(x_1) M x_1 + L_2(x_2) e."""
     half = 0.5 * _along(model.lengths, e) * l2(section_forces(model, stress), e)
-    turning = turning_forces(model, x1, q1, root)
+    return on_ends(model, turning_forces(model, x1, q1, root), half)
+
+
+def on_ends(model: LineModel, values: jax.Array, of_segments: jax.Array) -> jax.Array:
+    """Values at stations (n, 6) with those of segments (n - 1, 6) added at both their ends."""
     inner = slice(None, -1) if model.is_chain else model.inner
-    return turning.at[1:].add(half).at[inner].add(half)
+    return values.at[1:].add(of_segments).at[inner].add(of_segments)
 
 
 def turning_forces(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwist | None) -> jax.Array:

@@ -11,7 +11,8 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 
 from supple.integrate import GeneralizedAlpha, ResidualRungeKutta4, RungeKutta4
-from supple.intrinsic.implicit_step import first_order_coefficients, implicit_step
+from supple.intrinsic.implicit_step import Tangent, first_order_coefficients, implicit_step, no_tangent
+from supple.intrinsic.line_slope import system_slope
 from supple.intrinsic.line_system import LineSystem, States, system_rates
 from supple.intrinsic.residual_modes import at_rest_rates, slaved
 from supple.intrinsic.runge_kutta import runge_kutta_step
@@ -61,35 +62,40 @@ def march_lines(
 ) -> MarchState:
     """The states at output times (t,), each reached in `n_steps` equal steps; leaves have a leading axis.
 
-    It can be mapped over cases (`jax.vmap`) and differentiated; explicit rules in either direction, the
-    implicit one forwards.
+    It can be mapped over cases (`jax.vmap`) and differentiated in either direction.
     """
     step = _step_of(system, rule, tolerance, max_iterations)
+    tangent = no_tangent(start.rates.size) if isinstance(rule, GeneralizedAlpha) else None
 
-    def to_output(state: MarchState, end: jax.Array) -> tuple[MarchState, MarchState]:
+    def to_output(carry: tuple[MarchState, Any], end: jax.Array) -> tuple[tuple[MarchState, Any], MarchState]:
+        state, known = carry
         h = (end - state.time) / n_steps
         begin = state.time
 
-        def one(now: MarchState, number: jax.Array) -> tuple[MarchState, None]:
-            return step(now._replace(time=begin + number * h), h), None
+        def one(now: tuple[MarchState, Any], number: jax.Array) -> tuple[tuple[MarchState, Any], None]:
+            return step(now[0]._replace(time=begin + number * h), now[1], h), None
 
-        last, _ = jax.lax.scan(one, state, jnp.arange(n_steps))
+        (last, known), _ = jax.lax.scan(one, (state, known), jnp.arange(n_steps))
         last = last._replace(time=end)
-        return last, last
+        return (last, known), last
 
-    return jax.lax.scan(to_output, start, times)[1]
+    return jax.lax.scan(to_output, (start, tangent), times)[1]
 
 
-def _step_of(
-    system: LineSystem, rule: LineRule, tolerance: Any, max_iterations: int
-) -> Callable[[MarchState, Any], MarchState]:
+Step = Callable[[MarchState, Any, Any], tuple[MarchState, Any]]
+"""From a state, and a tangent where the rule keeps one, by a step h."""
+
+
+def _step_of(system: LineSystem, rule: LineRule, tolerance: Any, max_iterations: int) -> Step:
     match rule:
         case RungeKutta4():
-            return lambda now, h: now._replace(
-                states=runge_kutta_step(lambda t, y: system_rates(system, t, y), now.time, now.states, h)
+            rates = partial(system_rates, system)
+            return lambda now, kept, h: (
+                now._replace(states=runge_kutta_step(rates, now.time, now.states, h)),
+                kept,
             )
         case ResidualRungeKutta4():
-            return partial(_residual_step, system, rule)
+            return lambda now, kept, h: (_residual_step(system, rule, now, h), kept)
         case GeneralizedAlpha():
             return partial(_implicit, system, rule, tolerance, max_iterations)
 
@@ -111,19 +117,31 @@ def _residual_step(system: LineSystem, rule: ResidualRungeKutta4, now: MarchStat
 
 
 def _implicit(
-    system: LineSystem, rule: GeneralizedAlpha, tolerance: Any, most: int, now: MarchState, h: Any
-) -> MarchState:
+    system: LineSystem,
+    rule: GeneralizedAlpha,
+    tolerance: Any,
+    most: int,
+    now: MarchState,
+    tangent: Tangent,
+    h: Any,
+) -> tuple[MarchState, Tangent]:
     flat, unravel = ravel_pytree(now.states)
 
     def rates(time: Any, y: jax.Array) -> jax.Array:
         return ravel_pytree(system_rates(system, time, unravel(y)))[0]
 
+    def slope(time: Any, y: jax.Array) -> jax.Array:
+        return system_slope(system, time, unravel(y))
+
     coefficients = first_order_coefficients(rule.rho_inf)
-    done = implicit_step(rates, coefficients, now.time, flat, now.rates, h, tolerance=tolerance, most=most)
-    return MarchState(
+    done = implicit_step(
+        rates, slope, coefficients, now.time, flat, now.rates, h, tangent, tolerance=tolerance, most=most
+    )
+    reached = MarchState(
         now.time,
         unravel(done.state),
         done.rates,
         jnp.maximum(now.worst, done.residual),
         now.iterations + done.iterations,
     )
+    return reached, done.tangent

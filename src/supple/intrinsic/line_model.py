@@ -51,9 +51,9 @@ class LineModel:
     ancestors: Any
     """(levels, n) stations 1, 2, 4, .. segments nearer the root"""
     decay: Any
-    """(m,) 2 zeta omega of modal damping, 1/s"""
+    """(m,) of velocities, alpha of Rayleigh damping, 1/s"""
     retardation: Any
-    """Viscous over elastic section force of the same strain in one second, s"""
+    """(e,) viscous over elastic section force of the same strain in one second, s"""
     is_chain: bool = field(metadata={"static": True})
 
     @property
@@ -87,8 +87,8 @@ class LineState:
 def line_model(modes: IntrinsicModes, damping: Damping | None = None) -> LineModel:
     """The arrays of some modes of a line.
 
-    damping : None, ModalDamping of the elastic modes, or RayleighDamping, whose beta resists the rate of
-        strain, whatever the rotation, and whose alpha resists the elastic modes' velocities
+    damping : None; ModalDamping of the elastic modes, or RayleighDamping's beta, which resist the rate of strain,
+        whatever the rotation; its alpha resists the elastic modes' velocities
     Raises ModelError for a damping that belongs to a floating frame.
     """
     line, m = modes.line, modes.n_modes
@@ -121,25 +121,26 @@ def rest_state(model: LineModel) -> LineState:
     return LineState(jnp.zeros(m), jnp.zeros(e), jnp.array([1.0, 0, 0, 0]), jnp.zeros(3))
 
 
-def _damping(damping: Damping | None, modes: IntrinsicModes) -> tuple[np.ndarray, float]:
-    decay = np.zeros(modes.n_modes)
+def _damping(damping: Damping | None, modes: IntrinsicModes) -> tuple[np.ndarray, np.ndarray]:
+    decay, retardation = np.zeros(modes.n_modes), np.zeros(modes.n_elastic)
     elastic = slice(modes.n_rigid, None)
     refuse_held(damping, f"line '{modes.line.name}'")
     match damping:
         case None:
-            return decay, 0.0
+            pass
         case ModalDamping():
             given = np.asarray(damping.ratios)
             ratios = given[np.minimum(np.arange(modes.n_elastic), given.size - 1)]
-            ratios[damping.n_modes :] = 0.0
-            decay[elastic] = 2 * ratios * modes.omega[elastic]
-            return decay, 0.0
+            ratios[modes.n_elastic if damping.n_modes is None else damping.n_modes :] = 0.0
+            # In the rate of strain: against velocities it would resist motion that strains nothing.
+            retardation[:] = 2 * ratios / modes.omega[elastic]
         case RayleighDamping():
             decay[elastic] = damping.alpha
-            return decay, damping.beta
+            retardation[:] = damping.beta
         case _:
             raise ModelError(
                 f"line '{modes.line.name}': {type(damping).__name__} is of the stiffness in a floating "
                 "frame, which this body has not: give RayleighDamping, whose beta acts on strains, or "
                 "ModalDamping"
             )
+    return decay, retardation

@@ -85,7 +85,7 @@ def _search(system: LineSystem, states: States, time: Any, share: Any) -> tuple[
         scaled = [None if load is None else factor * load for load in loads]
         return jnp.concatenate(
             [
-                line_rates(replace(model, retardation=0.0), state.q1, state.q2, load)[0]
+                line_rates(replace(model, retardation=0.0 * model.retardation), state.q1, state.q2, load)[0]
                 for model, state, load in zip(system.lines, now, scaled, strict=True)
             ]
         )

@@ -61,6 +61,7 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
         momenta=read_only((line.mass @ velocities).reshape(line.n, 6, -1)),
         forces=read_only(modes.forces @ W),
         strains=read_only(modes.strains @ W),
+        n_second_order=modes.n_second_order,
     )
     # The same strains: amplitudes -q_2 / w of the old modes from those of the new ones.
     amplitudes = (W * values) / omega[:, None]
@@ -69,4 +70,13 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
         modes=read_only(body.expansion.modes @ amplitudes),
         warping=read_only(body.expansion.warping @ amplitudes),
     )
-    return replace(body, modes=checked_modes(own), expansion=expansion)
+    complete = None if body.complete is None else _released_or_none(body.complete)
+    return replace(body, modes=checked_modes(own), expansion=expansion, complete=complete)
+
+
+def _released_or_none(whole: IntrinsicBody) -> IntrinsicBody | None:
+    """All modes released; None of a root without mass, whose elastic modes hold its rigid motion."""
+    try:
+        return released(whole)
+    except ModelError:
+        return None

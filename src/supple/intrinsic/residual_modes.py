@@ -59,7 +59,7 @@ def _follow(model: LineModel, state: LineState, rate: LineState, kept: int) -> L
     w = model.omega[first:]
     q1, q2 = state.q1[kept:], state.q2[first:]
     # The high mode rests, so that its viscous force is none of its own.
-    n1 = rate.q1[kept:] - w * (q2 + model.retardation * rate.q2[first:])
+    n1 = rate.q1[kept:] - w * (q2 + model.retardation[first:] * rate.q2[first:])
     n2 = rate.q2[first:] + w * q1
     return replace(state, q1=state.q1.at[kept:].set(n2 / w), q2=state.q2.at[first:].set(-n1 / w))
 

@@ -48,7 +48,7 @@ def root_reaction(
         F = sum R_i h_i,     M = sum R_i m_i + (r_i - r_0) x R_i h_i,     [h; m] = M x_1' + L_1(x_1) M x_1 - f
     """
     x1 = station_velocities(model, state.q1, root)
-    # What modal damping takes is a force of the ground, and so of the root.
+    # What alpha takes is a force of the ground, and so of the root.
     rate = rates.q1 + model.decay * state.q1
     faster = None if root is None else RootTwist(root.rate, root.rate)
     accelerations = station_velocities(model, rate, faster)

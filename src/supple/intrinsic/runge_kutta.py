@@ -27,7 +27,7 @@ def runge_kutta_step(rates: Rates, time: Any, state: Any, h: Any) -> Any:
     return jax.tree.map(lambda y, a, b, c, d: y + h / 6 * (a + 2 * (b + c) + d), state, k1, k2, k3, k4)
 
 
-def growth(omega: np.ndarray, decay: np.ndarray, retardation: float, h: float) -> np.ndarray:
+def growth(omega: np.ndarray, decay: np.ndarray, retardation: np.ndarray, h: float) -> np.ndarray:
     """Factor by which a step multiplies each linear mode, at most 1 where it is stable.
 
     |1 + z + z^2/2 + z^3/6 + z^4/24| for z = h times the eigenvalues of the mode,

@@ -15,7 +15,7 @@ __all__ = ["check_stable", "largest_stable_step"]
 ROUNDING = 1e-9
 
 
-def largest_stable_step(omega: np.ndarray, decay: np.ndarray, retardation: float) -> float:
+def largest_stable_step(omega: np.ndarray, decay: np.ndarray, retardation: np.ndarray) -> float:
     """The longest step at which no linear mode grows, by bisection; 2 sqrt 2 / w without damping."""
     if not omega.size or not omega.max() > 0:
         return np.inf
@@ -40,9 +40,10 @@ def check_stable(machine: MachineOfLines, rule: LineRule, step: float) -> None:
             )
         omega = np.asarray(model.omega)[: n - model.n_rigid]
         decay = np.asarray(model.decay)[model.n_rigid : n]
-        if not omega.size or growth(omega, decay, model.retardation, step).max() <= 1 + ROUNDING:
+        retardation = np.asarray(model.retardation)[: omega.size]
+        if not omega.size or growth(omega, decay, retardation, step).max() <= 1 + ROUNDING:
             continue
-        longest = largest_stable_step(omega, decay, model.retardation)
+        longest = largest_stable_step(omega, decay, retardation)
         raise ModelError(
             f"body '{placed.body.name}': a step of {step:.4g} is unstable with a highest frequency of "
             f"{omega.max():.4g} rad/s (step times frequency {step * omega.max():.3g}; at most 2.83, less "

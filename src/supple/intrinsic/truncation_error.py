@@ -1,124 +1,126 @@
-"""How many modes are enough: what the modes that were left out would take part in a motion."""
+"""How many modes are enough: what all modes would make of a motion, and how far its momentum drifts."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.algebra import read_only
-from supple.algebra.rotation import euler_parameters
 from supple.errors import ModelError
 from supple.integrate import Solution
+from supple.intrinsic.centre_drift import centre_drift
+from supple.intrinsic.complete_motion import complete_motion
 from supple.intrinsic.intrinsic_body import IntrinsicBody, body_of
-from supple.intrinsic.intrinsic_motion import IntrinsicMotion
-from supple.intrinsic.line_model import LineState
-from supple.intrinsic.line_system import LineSystem
-from supple.intrinsic.machine_of_lines import check_held_by_ground, machine_of_lines
-from supple.intrinsic.residual_modes import slaved
 from supple.machine import System
 
-__all__ = ["TruncationError", "truncation_error"]
+__all__ = ["TruncationError", "instants_of", "truncation_error"]
 
 Array = NDArray[np.float64]
 
-SWEEPS = 2
-"""Of the search for the modes at rest: the first is their residual, the second what it does to itself."""
+INSTANTS = 8
 
 
 @dataclass(frozen=True, eq=False)
 class TruncationError:
-    """What modes left out would be, over the largest that all are: square roots of shares of energies.
+    """What the modes left out of a motion would change.
 
-    forces, velocities : (t,)       of the strain energy, and of the kinetic one
+    times : (t,)            looked at
+    places : (t,)           RMS distance of the stations, m; infinite where all modes find no such motion
+    forces, velocities : (t,)   square roots of shares of strain energy and kinetic energy
+    drift : float           largest distance of the centre of mass of a free body from where the impulse of its
+                            loads brings it, m
+    deflection : float      largest displacement of a station seen from the root, m
     """
 
+    times: Array
+    places: Array
     forces: Array
     velocities: Array
+    drift: float
+    deflection: float
 
     @property
     def largest(self) -> float:
-        """Of them all."""
-        return float(max(self.forces.max(initial=0.0), self.velocities.max(initial=0.0)))
+        """Of places, drift included, over the deflection."""
+        size = max(float(self.places.max(initial=0.0)), self.drift)
+        return size / self.deflection if self.deflection else 0.0
+
+
+def instants_of(system: System, solution: Solution) -> NDArray[np.intp]:
+    """Output times (t,) to look at: spread over the run, and where each body is strained most."""
+    n = len(solution.times)
+    spread = np.linspace(0, n - 1, INSTANTS + 1).round().astype(int)[1 if n > 1 else 0 :]
+    largest = [
+        int(np.linalg.norm(body_of(p).forces_of(solution.bodies[p.body.name].coordinates), axis=1).argmax())
+        for p in system.bodies
+    ]
+    return np.unique(np.append(spread, largest))
 
 
 def truncation_error(
-    system: System, solution: Solution, whole: Sequence[IntrinsicBody]
+    system: System, solution: Solution, whole: Sequence[IntrinsicBody] = ()
 ) -> dict[str, TruncationError]:
-    """Residuals of the modes left out of a motion, as these modes would follow it at rest, by body.
+    """What a run lacks of all modes of its bodies, by body: at a few instants, by `complete_motion`.
 
-        q_2H = -n_1H(q) / w_H,     q_1H = n_2H(q) / w_H
-
-    n is what couplings and loads do to them. Modes that the motion shakes near their own frequency would be
-    larger: then more must be kept.
+    A motion that shakes modes near their own frequency lacks more: their response to that is not at rest.
 
     Parameters
     ----------
-    system, solution : a machine of intrinsic bodies that the ground holds, and its run
-    whole : the same bodies with more modes, or all
+    system, solution : a machine of intrinsic bodies that the ground holds, or that are free, and its run
+    whole : the same bodies with all modes, where they are not known from the bodies themselves
 
-    Raises ModelError for another body, one that has no more modes, and a machine that joints connect.
+    Raises ModelError where no body has more modes than it keeps, and for a machine that joints connect.
     Source: [Wang2015] (37), as an error estimate.
     """
-    check_held_by_ground(system)
     by_name = {body.name: body for body in whole}
-    bodies, kept = [], []
-    for placed in system.bodies:
-        own, more = body_of(placed), by_name.get(placed.body.name)
-        n = own.modes.n_modes
-        if more is None or more.modes.n_modes <= n or not np.allclose(more.modes.omega[:n], own.modes.omega):
-            raise ModelError(
-                f"body '{own.name}': to see what its modes leave out, give the same body with more of them "
-                "(the same line and support, a larger n_modes)"
-            )
-        fill = np.zeros(more.n_coordinates - own.n_coordinates)
-        start, moving = (np.append(each, fill) for each in (placed.coordinates, placed.coordinate_rates))
-        bodies.append(replace(placed, body=more, coordinates=start, coordinate_rates=moving))
-        kept.append(n)
-    lines = machine_of_lines(replace(system, bodies=bodies), float(solution.times[0])).lines
-    states = tuple(_filled(by_name[p.body.name], solution.bodies[p.body.name]) for p in system.bodies)
-    found = _followed(lines, tuple(kept), jnp.asarray(solution.times), states)
-    return {
-        placed.body.name: _error(body_of(placed).modes.n_elastic, n, state)
-        for placed, n, state in zip(system.bodies, kept, found, strict=True)
-    }
-
-
-def _filled(body: IntrinsicBody, motion: IntrinsicMotion) -> LineState:
-    """States (leading axis: time) of a body from the motion of one with fewer modes."""
-    coordinates = _padded(motion.coordinates, body.n_coordinates)
-    root = motion.position + motion.rotation @ body.line.tree.points[0]
-    return LineState(
-        q1=jnp.asarray(_padded(motion.rates, body.modes.n_modes)),
-        q2=jnp.asarray(body.forces_of(coordinates)),
-        quaternion=jax.vmap(euler_parameters)(jnp.asarray(motion.rotation)),
-        position=jnp.asarray(root),
+    bodies = [_with_whole(body_of(placed), by_name.get(placed.body.name)) for placed in system.bodies]
+    few = [body for body in bodies if body.complete is not None]
+    if not few:
+        raise ModelError(
+            f"body '{bodies[0].name}': to see what its modes leave out, give the same body with more of them "
+            "(the same line and support, a larger n_modes)"
+        )
+    machine = replace(
+        system,
+        bodies=[replace(placed, body=body) for placed, body in zip(system.bodies, bodies, strict=True)],
     )
+    rows = instants_of(machine, solution)
+    complete = complete_motion(machine, solution, rows)
+    found = {}
+    for body in few:
+        more = body.complete
+        assert more is not None
+        shown, other = complete.shown.bodies[body.name], complete.solution.bodies[body.name]
+        first, second = more.places(shown)[1], more.places(other)[1]
+        places = np.sqrt(np.mean(np.sum((first - second) ** 2, axis=2), axis=1))
+        forces, changed = (more.forces_of(motion.coordinates) for motion in (shown, other))
+        found[body.name] = TruncationError(
+            times=read_only(complete.solution.times),
+            places=read_only(np.where(complete.found, places, np.inf)),
+            forces=_share(changed - forces, changed),
+            velocities=_share(other.rates - shown.rates, other.rates),
+            drift=centre_drift(machine, solution, body.name),
+            deflection=_deflection(body, solution),
+        )
+    return found
 
 
-def _padded(array: Array, size: int) -> Array:
-    return np.pad(array, ((0, 0), (0, size - array.shape[1])))
+def _with_whole(own: IntrinsicBody, given: IntrinsicBody | None) -> IntrinsicBody:
+    return own if given is None or given.n_coordinates <= own.n_coordinates else replace(own, complete=given)
 
 
-def _followed(
-    lines: LineSystem, kept: tuple[int, ...], times: jax.Array, states: tuple[LineState, ...]
-) -> tuple[LineState, ...]:
-    @jax.jit
-    def over(system: LineSystem, at: jax.Array, now: tuple[LineState, ...]) -> tuple[LineState, ...]:
-        return jax.vmap(lambda t, y: slaved(system, kept, t, y, SWEEPS)[0])(at, now)
-
-    return over(lines, times, states)
-
-
-def _error(n_elastic: int, n: int, state: LineState) -> TruncationError:
-    forces, velocities = np.asarray(state.q2), np.asarray(state.q1)
-    return TruncationError(_share(forces, n_elastic), _share(velocities, n))
-
-
-def _share(amplitudes: Array, n: int) -> Array:
+def _share(change: Array, amplitudes: Array) -> Array:
     largest = np.linalg.norm(amplitudes, axis=1).max(initial=0.0)
-    return read_only(np.linalg.norm(amplitudes[:, n:], axis=1) / (largest or 1.0))
+    return read_only(np.linalg.norm(change, axis=1) / (largest or 1.0))
+
+
+def _deflection(body: IntrinsicBody, solution: Solution) -> float:
+    """Largest displacement of a station seen from the root."""
+    motion = solution.bodies[body.name]
+    _, positions = body.places(motion)
+    seen = np.einsum("tij,tni->tnj", motion.rotation, positions - positions[:, :1])
+    rest = body.line.tree.points - body.line.tree.points[0]
+    return float(np.linalg.norm(seen - rest, axis=2).max(initial=0.0))

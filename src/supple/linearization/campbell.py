@@ -12,7 +12,7 @@ from scipy.optimize import linear_sum_assignment
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import ModelError
-from supple.linearization.linear_machine import Array
+from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.linearize import linearize
 from supple.linearization.machine_modes import MachineModes, machine_modes
 from supple.linearization.sparse_machine import SparseMachine
@@ -26,10 +26,11 @@ class CampbellDiagram:
     """Modes over speed, each followed by the likeness of its shape.
 
     rates : (ns,) rad/s
-    eigenvalues : complex (ns, nm)      of a mode each column, in turning axes; NaN where it
-        is no longer there
-    errors : (ns, nm) | None            of each eigenvalue, relative, by the bases of reduced bodies;
-        infinite for a mode of the bases alone; None where the full bodies were not given
+    eigenvalues : complex (ns, nm)      of a mode each column, in turning axes; NaN where
+        it is no longer there
+    errors : (ns, nm) | None            relative, of the eigenvalues of the slowest modes at the first and the
+        last speed, by what the bases cost; infinite for a mode of the bases alone, NaN where not looked at;
+        None where the full bodies were not given
     likeness : (ns - 1, nm)             modal assurance between neighbouring speeds; low where modes veer
     """
 
@@ -99,10 +100,10 @@ def campbell_diagram(
     before: MachineModes | None = None
     wanted = n_modes
     for number, spin in enumerate(spins):
-        linear = linearize(system, spin=spin, time=time, fulls=fulls)
+        compared = fulls if number in (0, len(spins) - 1) else ()
+        linear = linearize(system, spin=spin, time=time, fulls=compared)
         # Of a machine with full bodies some more than wanted, among which each is looked for.
-        is_compared = isinstance(linear, SparseMachine) or linear.full is not None
-        modes = machine_modes(linear, 2 * n_modes + 6 if is_compared else None)
+        modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
         if before is None:
             rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
             wanted = len(chosen)
@@ -115,8 +116,7 @@ def campbell_diagram(
             likeness.append(_placed(len(table), rows, table[rows, chosen]))
         eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
         if fulls:
-            off = np.full(len(modes.eigenvalues), np.nan) if modes.error is None else modes.error.relative
-            errors.append(_placed(wanted, rows, off[chosen]))
+            errors.append(_placed(wanted, rows, _errors(linear, n_modes, len(modes.eigenvalues))[chosen]))
         # A mode that has become two real ones, or none, is looked for by its last shape.
         shapes = np.zeros_like(modes.independent, shape=(len(modes.independent), wanted))
         if before is not None:
@@ -132,6 +132,16 @@ def campbell_diagram(
         np.array(likeness).reshape(len(spins) - 1, len(followed[0])),
         np.array(errors) if errors else None,
     )
+
+
+def _errors(linear: LinearMachine | SparseMachine, n_modes: int, number: int) -> Array:
+    """Of so many modes, what the bases cost in the slowest; NaN of the others, and where it is not known."""
+    errors = np.full(number, np.nan)
+    if isinstance(linear, LinearMachine) and linear.full is not None:
+        error = machine_modes(linear, n_modes).error
+        if error is not None:
+            errors[: len(error.relative)] = error.relative
+    return errors
 
 
 def _placed(size: int, rows: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import ModelError
+from supple.intrinsic import IntrinsicBody
 from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
 from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
@@ -83,6 +84,11 @@ def linearize(
         raise ModelError(
             f"{frictions[0].label}: how the friction of what slides follows its force is not linearised; "
             "give it a preload, RevoluteFriction or PrismaticFriction, or leave it out"
+        )
+    if intrinsic := system.bodies_of(IntrinsicBody):
+        raise ModelError(
+            f"body '{next(iter(intrinsic))}' is intrinsic: such a machine is not linearised. Its own "
+            "modes on its support are body.modes; for those of the machine reduce its finite elements"
         )
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
     if system.bodies_of(FullBody):

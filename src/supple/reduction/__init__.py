@@ -25,7 +25,7 @@ from supple.reduction.bases.normal_modes import CompleteBasis, NormalModes
 from supple.reduction.bases.rubin import Rubin
 from supple.reduction.bases.static_correction import StaticCorrection
 from supple.reduction.bases.steady_loads import NoLoads, SteadyLoads
-from supple.reduction.clamped_modes import ClampedModes, body_modes, clamped_modes
+from supple.reduction.clamped_modes import BodyModes, ClampedModes, body_modes, clamped_modes
 from supple.reduction.components.component_model import ComponentModel, ReducedMatrices, RitzComponent
 from supple.reduction.components.fixed_interface_component import (
     FixedInterfaceComponent,
@@ -85,6 +85,7 @@ __all__ = [
     "AmplitudeProduct",
     "AttachmentModes",
     "Bisection",
+    "BodyModes",
     "ChosenModes",
     "ClampedModes",
     "CompleteBasis",

@@ -15,17 +15,25 @@ from supple.reduction.reduced_body import ReducedBody
 
 
 @dataclass(frozen=True, eq=False)
-class ClampedModes:
+class BodyModes:
     """Modes with unit modal mass.
 
     frequencies : (m,)      rad/s, ascending
-    damping_ratios : (m,)   phi^T D phi / (2 omega), of the damping at rest
     shapes : (m, N, 3)      nodal displacements, mesh axes
     """
 
     frequencies: np.ndarray
-    damping_ratios: np.ndarray
     shapes: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class ClampedModes(BodyModes):
+    """Those of a reduced body, with their damping.
+
+    damping_ratios : (m,)   phi^T D phi / (2 omega), of the damping at rest
+    """
+
+    damping_ratios: np.ndarray
 
 
 def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = None) -> ClampedModes:
@@ -59,7 +67,7 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
     )
 
 
-def body_modes(body: FlexibleBody, constraint: Any, *, n_modes: int) -> ClampedModes:
+def body_modes(body: FlexibleBody, constraint: Any, *, n_modes: int) -> BodyModes:
     """The lowest modes of a whole body on `D q = 0`, D (m, n): of a frame, or the motion of an interface.
 
     Fewer where the body has no more.
@@ -67,6 +75,6 @@ def body_modes(body: FlexibleBody, constraint: Any, *, n_modes: int) -> ClampedM
     D = constraint_rows(constraint, body.n)
     found = body.lowest_modes(min(n_modes, body.n - len(D)), D)
     nodal = (body.expansion @ found.vectors).T.reshape(-1, len(body.nodes), body.dofs_per_node)
-    return ClampedModes(
+    return BodyModes(
         frequencies=read_only(np.sqrt(np.maximum(found.values, 0.0))), shapes=read_only(nodal[..., :3])
     )

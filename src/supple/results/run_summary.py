@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody, RigidBody
 from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution, Statistics
@@ -24,6 +25,7 @@ N_FREQUENCIES = 5
 _QUANTITIES = ("length", "mass", "time", "force", "moment", "stress", "energy")
 
 
+@checked_arguments
 def summarize(
     system: System,
     solution: Solution,
@@ -144,14 +146,13 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem, full: FullBody | N
 
 def _numbers_of_intrinsic(body: IntrinsicBody, units: UnitSystem, _: Any) -> dict[str, Any]:
     first, second = body.modes.orthonormality
-    elastic = body.modes.omega[body.modes.n_rigid :]
     return {
         "mass": body.mass,
         "nodes": len(body.nodes),
         "stations": body.line.n,
         "coordinates": body.n_coordinates,
         headed("frequencies in the frame", units.frequency_shown.unit): _shown(
-            elastic[:N_FREQUENCIES], units
+            body.modes.frequencies[:N_FREQUENCIES], units
         ),
         "orthonormality": {"velocities": first, "forces": second},
     }
@@ -165,7 +166,7 @@ def _locking_numbers(locking: Locking) -> dict[str, Any]:
     }
 
 
-_NUMBERS_OF: Mapping[str, Callable[[Any, UnitSystem], dict[str, Any]]] = MappingProxyType(
+_NUMBERS_OF: Mapping[str, Callable[..., dict[str, Any]]] = MappingProxyType(
     {
         "rigid": _numbers_of_rigid,
         "intrinsic": _numbers_of_intrinsic,

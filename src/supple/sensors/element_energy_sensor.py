@@ -12,12 +12,13 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.integrate import Solution
 from supple.machine import System
 from supple.machine.forces import ForceElement, JointFriction
 from supple.machine.pose import Pose, Wrench
 from supple.multibody.equations.build_model import initial_points
-from supple.sensors.end_motion import both_ends
+from supple.sensors.end_motion import both_ends, check_ends
 from supple.sensors.reading import Channel, Quantity
 
 __all__ = ["ElementEnergySensor"]
@@ -37,8 +38,12 @@ class ElementEnergySensor:
     name: str
     element: ForceElement
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def channels(self, system: System) -> Sequence[Channel]:
         """stored, power."""
+        check_ends(system, self.name, self.element)
         return (Channel("stored", Quantity.ENERGY, ""), Channel("power", Quantity.POWER, ""))
 
     def values(self, system: System, solution: Solution) -> NDArray[np.float64]:

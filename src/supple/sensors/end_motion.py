@@ -10,13 +10,19 @@ import numpy as np
 
 from supple.errors import ModelError
 from supple.integrate import FloatingMotion, Solution
+from supple.intrinsic import IntrinsicBody
 from supple.machine import GROUND, At, Joint, System
 from supple.machine.forces import ForceElement
 from supple.machine.pose import Pose
 from supple.multibody.equations.build_model import initial_points
 from supple.multibody.equations.marker import Marker, pose
 
-__all__ = ["body_named", "both_ends", "end_poses", "floating_motion"]
+__all__ = ["body_named", "both_ends", "check_ends", "check_floating", "end_poses", "floating_motion"]
+
+_NO_FRAME = (
+    "sensor '{}': body '{}' has no floating frame, in which velocities and turns are known; read its "
+    "positions"
+)
 
 
 def body_named(system: System, body: str, sensor: str) -> Any:
@@ -28,11 +34,20 @@ def floating_motion(solution: Solution, body: str, sensor: str) -> FloatingMotio
     """Motion of a body in a floating frame; ModelError for another."""
     motion = solution.bodies[body]
     if not isinstance(motion, FloatingMotion):
-        raise ModelError(
-            f"sensor '{sensor}': body '{body}' has no floating frame, in which velocities and turns are "
-            "known; read its positions"
-        )
+        raise ModelError(_NO_FRAME.format(sensor, body))
     return motion
+
+
+def check_floating(system: System, sensor: str, *bodies: str) -> None:
+    """ModelError for a body that is not there, or will have no motion in a floating frame."""
+    for body in bodies:
+        if isinstance(body_named(system, body, sensor), IntrinsicBody):
+            raise ModelError(_NO_FRAME.format(sensor, body))
+
+
+def check_ends(system: System, sensor: str, element: Joint | ForceElement) -> None:
+    """As `check_floating`, of the bodies that a joint or force is on."""
+    check_floating(system, sensor, *(end.body for end in (element.first, element.second) if end != GROUND))
 
 
 def both_ends(

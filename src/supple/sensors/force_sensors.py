@@ -12,11 +12,12 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.integrate import JOINT_AXES, Solution
 from supple.machine import System
 from supple.machine.forces import ForceElement
 from supple.multibody.equations.build_model import initial_points
-from supple.sensors.end_motion import both_ends
+from supple.sensors.end_motion import both_ends, check_ends
 from supple.sensors.joint_motion_sensor import joint_named
 from supple.sensors.reading import Channel, Quantity
 
@@ -41,6 +42,9 @@ class JointForceSensor:
     name: str
     joint: str
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
         joint_named(system, self.joint, self.name)
@@ -62,8 +66,12 @@ class SpringForceSensor:
     name: str
     element: ForceElement
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
+        check_ends(system, self.name, self.element)
         return six_channels("global")
 
     def values(self, system: System, solution: Solution) -> Array:

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.errors import ModelError, did_you_mean
 from supple.integrate import Solution
 from supple.machine import Joint, System
-from supple.sensors.end_motion import both_ends
+from supple.sensors.end_motion import both_ends, check_ends
 from supple.sensors.reading import Channel, Quantity
 
 __all__ = ["JointMotionSensor", "joint_named"]
@@ -44,9 +45,14 @@ class JointMotionSensor:
     name: str
     joint: str
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     def channels(self, system: System) -> Sequence[Channel]:
         """angle, rate, slide, speed."""
-        axis = f"z of {joint_named(system, self.joint, self.name).name}"
+        joint = joint_named(system, self.joint, self.name)
+        check_ends(system, self.name, joint)
+        axis = f"z of {joint.name}"
         return (
             Channel("angle", Quantity.ANGLE, axis),
             Channel("rate", Quantity.ANGULAR_VELOCITY, axis),

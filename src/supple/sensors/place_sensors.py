@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_sequence, check_text, given
+from supple.body.floating_kinematics import node_numbers
+from supple.errors import ArgumentError
 from supple.integrate import Solution
-from supple.machine import At, BaseAcceleration, System
+from supple.machine import GROUND as THE_GROUND
+from supple.machine import At, BaseAcceleration, System, as_end
 from supple.results.node_motion import NodeMotion, moving_point, node_motion
 from supple.results.tracked_motion import observer_of, tracked_motion
-from supple.sensors.end_motion import body_named, end_poses, floating_motion
+from supple.sensors.end_motion import body_named, check_floating, end_poses, floating_motion
 from supple.sensors.reading import Channel, Quantity
 from supple.sensors.sensor import vector_channels
 
@@ -38,6 +43,21 @@ class Place:
     body: str
     at: str | tuple[int, ...]
 
+    def __post_init__(self) -> None:
+        check_text("Place, body", self.body, "the name of a body")
+        if not isinstance(self.at, str):
+            check_sequence("Place, at", self.at, "the name of an interface, or node numbers")
+            object.__setattr__(self, "at", tuple(np.asarray(self.at).tolist()))
+
+    def body_of(self, system: System, sensor: str) -> Any:
+        """The form of the body; ModelError where the machine has none, or it has no such place."""
+        body = body_named(system, self.body, sensor)
+        if isinstance(self.at, str):
+            body.interface(self.at)
+        else:
+            node_numbers(self.at, len(body.nodes))
+        return body
+
     def motion(self, system: System, solution: Solution, sensor: str) -> NodeMotion:
         """Position, velocity and acceleration (t, 3) in space, of a body in a floating frame."""
         body = body_named(system, self.body, sensor)
@@ -47,15 +67,39 @@ class Place:
         return NodeMotion(*(each.mean(axis=1) for each in node_motion(body, motion, self.at)))
 
 
+def as_place(what: str, value: Any) -> Place:
+    """The place meant by a `Place`, or by "BODY.INTERFACE" or an `At`, as of joints; or ArgumentError."""
+    if isinstance(value, Place):
+        return value
+    if isinstance(value, At) or (isinstance(value, str) and "." in value):
+        end = as_end(value)
+        return Place(end.body, end.interface)
+    expected = 'Place(body, at) with an interface or node numbers, or "BODY.INTERFACE"'
+    raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
+
+
+class _AtPlace:
+    """What sensors at a place check when they are made."""
+
+    name: str
+    place: Place
+
+    def __post_init__(self) -> None:
+        kind = type(self).__name__
+        check_text(f"{kind}, name", self.name, "the name of the sensor")
+        object.__setattr__(self, "place", as_place(f"{kind} '{self.name}', place", self.place))
+
+
 @dataclass(frozen=True)
-class PositionSensor:
+class PositionSensor(_AtPlace):
     """Position of a place in space, (t, 3)."""
 
     name: str
     place: Place
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
+        self.place.body_of(system, self.name)
         return vector_channels(Quantity.LENGTH, GLOBAL)
 
     def values(self, system: System, solution: Solution) -> Array:
@@ -65,14 +109,16 @@ class PositionSensor:
 
 
 @dataclass(frozen=True)
-class VelocitySensor:
+class VelocitySensor(_AtPlace):
     """Velocity of a place in space, (t, 3)."""
 
     name: str
     place: Place
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
+        self.place.body_of(system, self.name)
+        check_floating(system, self.name, self.place.body)
         return vector_channels(Quantity.VELOCITY, GLOBAL)
 
     def values(self, system: System, solution: Solution) -> Array:
@@ -81,7 +127,7 @@ class VelocitySensor:
 
 
 @dataclass(frozen=True)
-class AccelerationSensor:
+class AccelerationSensor(_AtPlace):
     """Acceleration of a place in space, (t, 3); an accelerometer shows it less gravity, in its own axes.
 
     Where the base of the machine accelerates (`BaseAcceleration`), positions and velocities are those seen
@@ -91,8 +137,10 @@ class AccelerationSensor:
     name: str
     place: Place
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
+        self.place.body_of(system, self.name)
+        check_floating(system, self.name, self.place.body)
         return vector_channels(Quantity.ACCELERATION, GLOBAL)
 
     def values(self, system: System, solution: Solution) -> Array:
@@ -117,8 +165,16 @@ class AngularVelocitySensor:
     name: str
     at: At
 
-    def channels(self, _: System) -> Sequence[Channel]:
+    def __post_init__(self) -> None:
+        check_text("AngularVelocitySensor, name", self.name, "the name of the sensor")
+        if not isinstance(self.at, At):
+            object.__setattr__(self, "at", as_end(self.at))
+
+    def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
+        if self.at != THE_GROUND:
+            check_floating(system, self.name, self.at.body)
+            body_named(system, self.at.body, self.name).interface(self.at.interface)
         return vector_channels(Quantity.ANGULAR_VELOCITY, GLOBAL)
 
     def values(self, system: System, solution: Solution) -> Array:
@@ -128,7 +184,7 @@ class AngularVelocitySensor:
 
 
 @dataclass(frozen=True)
-class DeflectionSensor:
+class DeflectionSensor(_AtPlace):
     """Displacement of a place as seen from an interface, in the mesh axes that turn with it, (t, 3).
 
     seen_from : At | None   the body's first interface where it is left out
@@ -138,8 +194,14 @@ class DeflectionSensor:
     place: Place
     seen_from: At | None = None
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.seen_from is not None:
+            object.__setattr__(self, "seen_from", as_end(self.seen_from))
+
     def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
+        self.place.body_of(system, self.name)
         return vector_channels(Quantity.LENGTH, f"mesh axes turning with {self._base(system)}")
 
     def values(self, system: System, solution: Solution) -> Array:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.algebra import read_only
+from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.storage.atomic_write import replacing
 from supple.units import UNNAMED, UnitSystem, labelled
@@ -104,12 +105,14 @@ class Reading:
         object.__setattr__(self, "times", read_only(self.times))
         object.__setattr__(self, "values", read_only(self.values))
 
+    @checked_arguments
     def heads(self, units: UnitSystem = UNNAMED) -> Iterator[str]:
         """Heads of its columns, such as "tip.x (m)"."""
         for channel in self.channels:
             own = f"{self.name}.{channel.name}" if channel.name else self.name
             yield labelled(own, channel.quantity.unit(units))
 
+    @checked_arguments
     def plain(self, units: UnitSystem = UNNAMED) -> dict[str, Any]:
         """By channel: unit, axes, smallest, largest and last value, when they are met, and at which node."""
         told = {}
@@ -145,6 +148,7 @@ class Reading:
         }
 
 
+@checked_arguments
 def write_readings(path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Path:
     """Write readings of one run as a table, `time, SENSOR.CHANNEL (unit), ...`, with all their digits (CSV).
 
@@ -163,6 +167,7 @@ def write_readings(path: Path | str, readings: Sequence[Reading], *, units: Unit
     return Path(path)
 
 
+@checked_arguments
 def write_readings_hdf5(
     path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED
 ) -> Path:
@@ -195,6 +200,7 @@ def write_readings_hdf5(
     return Path(path)
 
 
+@checked_arguments
 def as_dataset(readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Any:
     """Readings of one run as an `xarray.Dataset` over `time`: a variable per channel, with unit and axes.
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.body import FullBody
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
@@ -16,9 +17,9 @@ from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.reduction import ReducedBody
 from supple.results.section_loads import CuttingPlane, line_section_loads, section_loads
-from supple.sensors.end_motion import body_named, floating_motion
+from supple.sensors.end_motion import floating_motion
 from supple.sensors.force_sensors import six_channels
-from supple.sensors.place_sensors import Place
+from supple.sensors.place_sensors import Place, as_place
 from supple.sensors.reading import Channel
 
 __all__ = ["SectionForceSensor"]
@@ -42,28 +43,38 @@ class SectionForceSensor:
     normal: tuple[float, float, float]
     model: FiniteElementModel | None = None
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "place", as_place(f"SectionForceSensor '{self.name}', place", self.place))
+        check_fields(self)
+
     def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
-        body = body_named(system, self.place.body, self.name)
+        body = self._body(system)
         owner = "the section of " if isinstance(body, IntrinsicBody) else ""
         return six_channels(f"axes of {owner}{self.place.body}")
 
     def values(self, system: System, solution: Solution) -> NDArray[np.float64]:
         """(t, 6)."""
-        body, at = body_named(system, self.place.body, self.name), self.place.at
-        if not isinstance(body, IntrinsicBody | ReducedBody | FullBody):
-            raise ModelError(
-                f"sensor '{self.name}': body '{body.name}' is {body.kind}, which has no section forces; read "
-                "the force of a joint, or split the body there"
-            )
+        body, at = self._body(system), self.place.at
         point = body.interface(at).position if isinstance(at, str) else body.nodes[list(at)].mean(axis=0)
         x, y, z = point.tolist()
         plane = CuttingPlane((x, y, z), self.normal)
         if isinstance(body, IntrinsicBody):
             return line_section_loads(body, solution.bodies[body.name], plane)
-        if self.model is None:
+        assert self.model is not None  # `_body` has looked
+        return section_loads(body, self.model, floating_motion(solution, body.name, self.name), plane)
+
+    def _body(self, system: System) -> IntrinsicBody | ReducedBody | FullBody:
+        """The body, whose sections have forces that are known."""
+        body = self.place.body_of(system, self.name)
+        if not isinstance(body, IntrinsicBody | ReducedBody | FullBody):
+            raise ModelError(
+                f"sensor '{self.name}': body '{body.name}' is {body.kind}, which has no section forces; read "
+                "the force of a joint, or split the body there"
+            )
+        if self.model is None and not isinstance(body, IntrinsicBody):
             raise ModelError(
                 f"sensor '{self.name}': the elements of body '{body.name}' are not known, and section forces "
                 "are theirs; give its model, or read the force of a joint or a spring"
             )
-        return section_loads(body, self.model, floating_motion(solution, body.name, self.name), plane)
+        return body

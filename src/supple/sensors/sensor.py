@@ -8,6 +8,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.machine import System
@@ -52,6 +53,7 @@ def vector_channels(quantity: Quantity, axes: str) -> tuple[Channel, ...]:
     return tuple(Channel(name, quantity, axes) for name in "xyz")
 
 
+@checked_arguments
 def read_sensors(sensors: Sequence[Sensor], system: System, solution: Solution) -> tuple[Reading, ...]:
     """The readings of some sensors over a run.
 

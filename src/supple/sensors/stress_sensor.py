@@ -10,6 +10,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.body import FullBody
 from supple.body.floating_kinematics import node_numbers
 from supple.errors import ModelError
@@ -117,6 +118,9 @@ class _TensorSensor(ABC):
     over: OverNodes = field(default_factory=Maximum)
 
     quantity: ClassVar[Quantity]
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def channels(self, system: System) -> Sequence[Channel]:
         """One per value of the measure, and per layer of a shell."""

@@ -87,8 +87,8 @@ def _refuse_sampled(system: System) -> None:
             raise ModelError(
                 f"controller '{controller.name}' is sampled: plain Python that is called between steps has "
                 "neither a rest nor eigenvalues. Write its law as a Controller, in jax.numpy, with what it "
-                "remembers as states; leave it out, replace(system, controllers=()); or let a damped run "
-                "find its rest"
+                "remembers as states, or leave it out, replace(system, controllers=()). A damped run finds "
+                "a rest with it, but no modes"
             )
 
 

@@ -8,6 +8,7 @@ from supple.algebra.jax_settings import before_compiled_code
 from supple.errors import ModelError, StepCutWarning
 from supple.integrate import FixedStep, Progress, Recorder, Run, Solution, Statistics, StepControl
 from supple.integrate import run as march_through
+from supple.intrinsic.report_truncation import report_truncation
 from supple.machine import System
 from supple.multibody.checks.output_rate import report_output_rate
 from supple.multibody.checks.rate_jumps import warn_of_rate_jumps
@@ -50,6 +51,7 @@ def watched_run(
     _report_rejected_steps(solution.statistics, run.step_control)
     limits.report(peaks)
     report_resolution(system, run, solution)
+    report_truncation(system, run, solution)
     return solution
 
 

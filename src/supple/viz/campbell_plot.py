@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import checked_arguments
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import TEXT_WIDTH, new_figure, save_figure, textbook_style
 
@@ -31,6 +32,7 @@ class FollowedModes(Protocol):
         ...
 
 
+@checked_arguments
 def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem = UNNAMED) -> Path:
     """Draw frequencies over speed, in the same unit, and the multiples of the speed that excite them.
 

@@ -18,13 +18,17 @@ from supple.explicit import (
     ExplicitShell,
     ExplicitSubdomain,
     ExplicitSystem,
+    ModalSubdomain,
     part_positions,
 )
+from supple.explicit.modal_stress import isotropic_materials
 from supple.explicit.series_motion import series_of
 from supple.integrate import Solution
+from supple.results import without_noise
 from supple.results.explicit_fields import element_means, nodal_von_mises
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.animation import animate
+from supple.viz.contact_clearance import clear_of_contact
 from supple.viz.mesh_skin import skin_of
 from supple.viz.obstacle_surface import obstacle_actor
 from supple.viz.scene import Actor, scene_of
@@ -56,6 +60,14 @@ def _stress_label(units: UnitSystem) -> tuple[str, float]:
     return labelled("von Mises stress", unit), factor
 
 
+def _stress(subdomain: Any, motion: Any) -> FloatArray:
+    """Without what round-off leaves in a body that flies undeformed: strains of 1e-9."""
+    model = subdomain.body.model if isinstance(subdomain, ModalSubdomain) else subdomain.model
+    assert model is not None  # of which the stress is
+    moduli = [material.youngs_modulus for material in isotropic_materials(model)]
+    return without_noise(nodal_von_mises(subdomain, motion), like=moduli)
+
+
 def _plastic_strain(subdomain: Any, motion: Any) -> FloatArray | None:
     yields = isinstance(subdomain, ExplicitShell) and subdomain.law is not None
     if not yields and not isinstance(subdomain, ExplicitSubdomain):
@@ -65,7 +77,7 @@ def _plastic_strain(subdomain: Any, motion: Any) -> FloatArray | None:
 
 COLOURINGS: Mapping[str, Colouring] = MappingProxyType(
     {
-        "von-mises": Colouring(nodal_von_mises, _stress_label),
+        "von-mises": Colouring(_stress, _stress_label),
         "plastic-strain": Colouring(_plastic_strain, lambda _: ("plastic strain", 1.0)),
     }
 )
@@ -79,12 +91,12 @@ def draw_explicit(
     *,
     units: UnitSystem = UNNAMED,
 ) -> list[Path]:
-    """Draw `energies.png`, every term of the balance over time, and `tracked-motion.png` if anything is.
+    """Draw `energies.png`, every term of the balance, and in `tracked-motion.png` the way of places.
 
     tracked : positions (t, 3) by name
     """
     times = solution.times
-    energies = series_of(solution, ENERGIES)
+    energies = without_noise(series_of(solution, ENERGIES))
     shown = [
         Series(name, times, values)
         for name, values in zip(Energies._fields, energies.T, strict=True)
@@ -98,10 +110,12 @@ def draw_explicit(
         )
     ]
     if tracked:
+        all_of = np.concatenate(list(tracked.values()))
+        moved = {name: without_noise(place - place[0], like=all_of) for name, place in tracked.items()}
         panels = [
             Panel(
-                labelled(f"{axis}, global", units.length),
-                [Series(as_written(name), times, position[:, i]) for name, position in tracked.items()],
+                labelled(f"{axis}, global, from the start", units.length),
+                [Series(as_written(name), times, motion[:, i]) for name, motion in moved.items()],
             )
             for i, axis in enumerate("xyz")
         ]
@@ -121,20 +135,24 @@ def animate_explicit(
     """Animate the parts and the obstacles; None where no part has what the film is to be coloured by."""
     chosen = np.unique(np.linspace(0, len(solution.times) - 1, N_FRAMES).astype(int))
     label, factor = colouring.label(units)
-    actors = []
-    for part in system.placed:
-        motion: Any = solution.bodies[part.name].at(chosen)
-        values = colouring.values(part.subdomain, motion)
-        shown = None if values is None else factor * values
-        actors.append(Actor(skin_of(part.mesh), part_positions(part.subdomain, motion), shown))
-    if all(actor.values is None for actor in actors):
+    motions: dict[str, Any] = {part.name: solution.bodies[part.name].at(chosen) for part in system.placed}
+    values = {part.name: colouring.values(part.subdomain, motions[part.name]) for part in system.placed}
+    if all(own is None for own in values.values()):
         return None
+    positions = {part.name: part_positions(part.subdomain, motions[part.name]) for part in system.placed}
+    obstacles = system.rigid_contacts
+    moved = series_of(solution, OBSTACLES)[chosen] if obstacles else np.zeros((len(chosen), 0))
+    offsets = moved.reshape(len(chosen), -1, 6)[:, :, :3]
+    positions = clear_of_contact(system, positions, offsets)
+    actors = [
+        Actor(skin_of(part.mesh), positions[part.name], None if own is None else factor * own)
+        for part in system.placed
+        for own in [values[part.name]]
+    ]
     seen = np.concatenate([actor.positions.reshape(-1, 3) for actor in actors])
-    if OBSTACLES in solution.bodies:
-        moved = series_of(solution, OBSTACLES)[chosen]
-        for number, contact in enumerate(system.rigid_contacts):
-            offsets = moved[:, 6 * number : 6 * number + 3]
-            actors.append(obstacle_actor(contact.obstacle, offsets, seen))
+    actors += [
+        obstacle_actor(contact.obstacle, offsets[:, number], seen) for number, contact in enumerate(obstacles)
+    ]
     scene = scene_of(actors)
     return animate(
         path,

@@ -8,13 +8,14 @@ from types import MappingProxyType
 
 import numpy as np
 
+from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.fem import FiniteElementModel
 from supple.integrate import FloatingMotion, Solution
 from supple.intrinsic import IntrinsicBody
 from supple.machine import At, System
 from supple.mesh import Mesh
-from supple.reduction import ClampedModes, ReducedBody, clamped_modes
+from supple.reduction import BodyModes, ReducedBody, clamped_modes
 from supple.results import (
     TrackedMotion,
     deflections,
@@ -51,6 +52,7 @@ N_INSTANTS = 200
 VISIBLE = 0.08
 
 
+@checked_arguments
 def draw_run(
     folder: Path,
     system: System,
@@ -58,7 +60,7 @@ def draw_run(
     meshes: Mapping[str, Mesh],
     *,
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
-    modes: Mapping[str, ClampedModes] = MappingProxyType({}),
+    modes: Mapping[str, BodyModes] = MappingProxyType({}),
     elements: Elements | None = None,
     bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
@@ -116,6 +118,7 @@ def draw_run(
     return pictures
 
 
+@checked_arguments
 def animate_run(
     path: Path,
     system: System,
@@ -170,6 +173,7 @@ def animate_run(
     )
 
 
+@checked_arguments
 def draw_machine(
     path: Path,
     system: System,
@@ -221,7 +225,7 @@ def _drawn(system: System, meshes: Mapping[str, Mesh]) -> list[tuple[ElasticBody
 
 
 def _draw_modes(
-    path: Path, body: ReducedBody, modes: ClampedModes | None, surface: Skin, units: UnitSystem
+    path: Path, body: ReducedBody, modes: BodyModes | None, surface: Skin, units: UnitSystem
 ) -> Path:
     """Modes clamped at the first interface, or in the frame; of the basis where those are not known."""
     if modes is not None:

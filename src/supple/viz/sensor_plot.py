@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from supple.arguments import checked_arguments
 from supple.sensors import Quantity, Reading
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.time_history import Panel, Series, plot_time_history
@@ -12,6 +13,7 @@ from supple.viz.time_history import Panel, Series, plot_time_history
 __all__ = ["plot_readings"]
 
 
+@checked_arguments
 def plot_readings(path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Path:
     """Draw the channels of every sensor over time, a panel for each quantity of a sensor.
 

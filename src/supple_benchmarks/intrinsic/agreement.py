@@ -17,7 +17,7 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.intrinsic import LoadPath, condense, line_rest
 from supple.machine import DeadForce, Fixed, System, split_body
 from supple.mesh import AlongAxis, strip
-from supple.reduction import CompressedDerivatives, CraigBampton, reduce
+from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
 from supple.simulation.equilibrium import equilibrium
 from supple_benchmarks.intrinsic.blade import blade_rows
 from supple_benchmarks.references.elastica import elastica
@@ -93,7 +93,9 @@ def _full(force: float) -> NDArray[np.float64]:
 
 def _floating(force: float) -> NDArray[np.float64]:
     body = flexible_body("strip", _model(), _interfaces())
-    reduced = reduce(body, NodalFixedFrame("root"), CraigBampton(6), derivatives=CompressedDerivatives(8))
+    reduced = reduce(
+        body, NodalFixedFrame("root"), CraigBampton(6), derivatives=CompressedDerivatives(8), loads=NoLoads
+    )
     return _resting([reduced], [], "strip", force)
 
 
@@ -101,7 +103,9 @@ def _split(force: float) -> NDArray[np.float64]:
     parts = split_body("strip", _model(), AlongAxis(4, (1, 0, 0)), tuple(_interfaces()))
     held = ["root", *(f"cut-{number + 1}" for number in range(3))]
     bodies = [
-        reduce(part, NodalFixedFrame(name), CraigBampton(4), derivatives=CompressedDerivatives(4))
+        reduce(
+            part, NodalFixedFrame(name), CraigBampton(4), derivatives=CompressedDerivatives(4), loads=NoLoads
+        )
         for part, name in zip(parts.parts, held, strict=True)
     ]
     return _resting(bodies, list(parts.joints), bodies[-1].name, force)

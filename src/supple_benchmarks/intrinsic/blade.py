@@ -36,6 +36,7 @@ from supple.reduction import (
     AmplitudeProduct,
     CompressedDerivatives,
     CraigBampton,
+    NoLoads,
     ReducedBody,
     Rubin,
     StaticCorrection,
@@ -144,6 +145,7 @@ def _reduced(body: FlexibleBody, nodal: Array, frame: Frame) -> ReducedBody:
         frame,
         StaticCorrection(linear, nodal[:, None]),
         derivatives=CompressedDerivatives(15, weights=AmplitudeProduct(StaticLoad(nodal))),
+        loads=NoLoads,
     )
 
 

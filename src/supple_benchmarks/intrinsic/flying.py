@@ -88,7 +88,7 @@ def _stable_steps(body: IntrinsicBody) -> list[dict[str, float]]:
 def _longest_step(body: IntrinsicBody, kept: int | None = None) -> float:
     """That is stable, undamped, with the lowest modes of some number."""
     omega = body.modes.omega[:kept]
-    return largest_stable_step(omega, 0 * omega, 0.0)
+    return largest_stable_step(omega, 0 * omega, 0 * omega)
 
 
 def _centre_error(body: IntrinsicBody, flight: tuple[np.ndarray, Any]) -> float:

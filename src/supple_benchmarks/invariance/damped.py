@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from supple.body import FlexibleBody, LinearRayleighDamping, RayleighDamping
-from supple.reduction import CompressedDerivatives, CraigBampton, reduce
+from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
 from supple_benchmarks.invariance.box import BOX_LENGTH, box_of_beams
 from supple_benchmarks.invariance.clamped import FRAMES, clamped_body
 from supple_benchmarks.invariance.vibration import pushed, swinging_tip
@@ -34,7 +34,14 @@ def _apart(body: FlexibleBody, damping: RayleighDamping | LinearRayleighDamping 
     times, forces = pushed(2.5 if quick else 10.0, 0.11)
     fixed, mean = (
         swinging_tip(
-            reduce(body, frame, CraigBampton(6), derivatives=CompressedDerivatives(12), damping=damping),
+            reduce(
+                body,
+                frame,
+                CraigBampton(6),
+                derivatives=CompressedDerivatives(12),
+                damping=damping,
+                loads=NoLoads,
+            ),
             times,
             forces,
         )

@@ -29,6 +29,7 @@ from supple.reduction import (
     ErrorControlled,
     LinearBasisRecipe,
     NoDerivatives,
+    NoLoads,
     NormalModes,
     ReducedBody,
     reduce,
@@ -143,7 +144,9 @@ class _Runner:
         if path.exists():
             body = read_reduced_body(path)
         else:
-            body = reduce(self.machine.body, self.machine.frame, recipe, derivatives=NoDerivatives())
+            body = reduce(
+                self.machine.body, self.machine.frame, recipe, derivatives=NoDerivatives(), loads=NoLoads
+            )
             path.parent.mkdir(parents=True, exist_ok=True)
             write_reduced_body(path, body)
         proven = body.report.certificate

@@ -12,7 +12,7 @@ from supple.integrate import FloatingMotion, Solution, Statistics
 from supple.machine import Placed, System
 from supple.mesh import strip
 from supple.multibody.checks.energy import balances
-from supple.reduction import CompressedDerivatives, NormalModes, PlainQuartic, reduce
+from supple.reduction import CompressedDerivatives, NoLoads, NormalModes, PlainQuartic, reduce
 
 GRAVITY = np.array([0.3, -0.2, -9.81])
 
@@ -34,6 +34,7 @@ def floating_blade(blade):
             NormalModes(3),
             derivatives=CompressedDerivatives(3),
             quartic=PlainQuartic(),
+            loads=NoLoads,
         )
 
 

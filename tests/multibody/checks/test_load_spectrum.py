@@ -33,7 +33,7 @@ from supple.machine import (
 from supple.mesh import strip
 from supple.multibody import band_coverage, load_spectra, warn_of_missing_modes
 from supple.multibody.checks.load_spectrum import SHARE, LoadSpectrum, _thinned
-from supple.reduction import NoDerivatives, NormalModes, ReducedBody, reduce
+from supple.reduction import NoDerivatives, NoLoads, NormalModes, ReducedBody, reduce
 
 T = 4.0
 TIMES = np.linspace(0.0, T, 801)
@@ -49,7 +49,7 @@ def beam() -> FlexibleBody:
 
 @pytest.fixture(scope="module")
 def small(beam) -> ReducedBody:
-    return reduce(beam, ROOT, NormalModes(2), derivatives=NoDerivatives())
+    return reduce(beam, ROOT, NormalModes(2), derivatives=NoDerivatives(), loads=NoLoads)
 
 
 def pushed(body, force) -> System:
@@ -137,7 +137,9 @@ def test_a_force_between_the_modes_kept_is_no_reason_to_warn(beam, small, recwar
 def test_a_force_beyond_the_modes_kept_names_those_to_ask_for(beam):
     of_body = NormalModes(4).build(beam, ROOT).frequencies / (2 * np.pi)
     assert of_body[2] < 24.0 < of_body[3]
-    tiny, enough = (reduce(beam, ROOT, NormalModes(n), derivatives=NoDerivatives()) for n in (1, 3))
+    tiny, enough = (
+        reduce(beam, ROOT, NormalModes(n), derivatives=NoDerivatives(), loads=NoLoads) for n in (1, 3)
+    )
     with pytest.warns(LoadSpectrumWarning, match=r"2 of which its reduced form lacks.*at least 3 modes"):
         coverage = warn_of_missing_modes(pushed(tiny, harmonic(24.0)), TIMES, beam, tiny)
     assert coverage is not None
@@ -200,6 +202,13 @@ def test_times_must_be_evenly_spaced(small):
     for times in (np.array([0.0, 1.0]), np.array([0.0, 1.0, 3.0])):
         with pytest.raises(ModelError, match="at least three evenly spaced times"):
             load_spectra(system, times)
+
+
+def test_a_run_of_one_output_interval_is_looked_at(beam):
+    """Its steps see the load all the same, and so does the check."""
+    tiny = reduce(beam, ROOT, NormalModes(1), derivatives=NoDerivatives())
+    with pytest.warns(LoadSpectrumWarning, match="at least 3 modes"):
+        warn_of_missing_modes(pushed(tiny, harmonic(24.0)), np.array([0.0, TIMES[-1]]), beam, tiny)
 
 
 def test_long_runs_are_sampled_more_coarsely():

@@ -14,7 +14,7 @@ from supple.integrate import FloatingMotion, Run, Solution, Statistics, Validity
 from supple.machine import GROUND, At, Ball, Fixed, Placed, System
 from supple.mesh import box_beam
 from supple.multibody.checks.validity import Peaks, watch
-from supple.reduction import CompressedDerivatives, CraigBampton, Rubin, reduce, reduction_basis
+from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, Rubin, reduce, reduction_basis
 from supple.reduction.condensed_inertia import missing_centrifugal_stiffness
 from supple.simulation import simulate
 
@@ -59,7 +59,9 @@ def test_linear_body_that_spins_near_its_lowest_frequency(linear):
 
 
 def test_nonlinear_body_may_spin(blade):
-    body = reduce(blade, MeanAxisFrame(), Rubin(n_columns=14), derivatives=CompressedDerivatives(2))
+    body = reduce(
+        blade, MeanAxisFrame(), Rubin(n_columns=14), derivatives=CompressedDerivatives(2), loads=NoLoads
+    )
     assert messages(body, still(body, spin=1e3)) == []
 
 
@@ -156,7 +158,7 @@ def test_a_soft_section_that_has_turned_with_its_averaging_interface():
     )
     box = flexible_body("box", model, ends)
     frame = NodalFixedFrame("root")
-    body = reduce(box, frame, CraigBampton(n_modes=2), derivatives=CompressedDerivatives(2))
+    body = reduce(box, frame, CraigBampton(n_modes=2), derivatives=CompressedDerivatives(2), loads=NoLoads)
     tip = body.interfaces[1]
     assert tip.softness[1] > 0.5
     gamma = np.zeros(body.r)

@@ -42,7 +42,7 @@ from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.model import Model
-from supple.reduction import CraigBampton, NoDerivatives, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import simulate, simulate_batch
 
 STEP, N_STEPS, TOLERANCE = 1e-3, STOPS_AT_ONCE, 1e-6
@@ -58,7 +58,7 @@ def elastic():
 @pytest.fixture(scope="module")
 def rod():
     """Fourteen coordinates, nonlinear."""
-    return reduce(elastic(), MeanAxisFrame(), CraigBampton(n_modes=4))
+    return reduce(elastic(), MeanAxisFrame(), CraigBampton(n_modes=4), loads=NoLoads)
 
 
 def turning(rod, *loads, newtons=0.0):
@@ -214,7 +214,11 @@ def test_a_dear_tangent_of_a_smooth_machine_is_kept(rod):
     assert kept(rod)
     assert not kept(rod, spring)  # its law may have a kink
     linear = reduce(
-        elastic().linearized(), MeanAxisFrame(), CraigBampton(n_modes=10), derivatives=NoDerivatives()
+        elastic().linearized(),
+        MeanAxisFrame(),
+        CraigBampton(n_modes=10),
+        derivatives=NoDerivatives(),
+        loads=NoLoads,
     )
     assert not kept(linear)
 

@@ -437,6 +437,10 @@ def test_a_law_that_gives_no_number_ends_the_run_in_words():
         (lambda *_: ({"moter": 1.0}, {}), "outputs for .'motor'. are needed"),
         (lambda *_: ({"motor": np.nan}, {}), "output 'motor' must be finite"),
         (lambda *_: ({"motor": 1.0}, {"new": 1.0}), "its memory must keep its names and shapes"),
+        (
+            lambda time, readings, memory: ({"motor": 1.0}, memory.update(new=1.0) or memory),
+            "its memory must keep its names and shapes",
+        ),
     ],
 )
 def test_what_a_sampled_law_must_give(law, message):

@@ -31,7 +31,7 @@ from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.equations.start_velocity import change_by_levels
 from supple.multibody.full.full_system import FullSystem
-from supple.reduction import CraigBampton, NoDerivatives, Rubin, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, Rubin, reduce
 from supple.simulation import simulate, simulate_batch
 
 pytestmark = pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
@@ -52,7 +52,7 @@ def soft():
 def _reduced(body, frame, recipe):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LockingWarning)
-        return reduce(body, frame, recipe, derivatives=NoDerivatives())
+        return reduce(body, frame, recipe, derivatives=NoDerivatives(), loads=NoLoads)
 
 
 @pytest.fixture(scope="module")

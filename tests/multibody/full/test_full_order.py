@@ -22,7 +22,7 @@ from supple.fem import Isotropic, solid_model
 from supple.integrate import AdaptiveStep, FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Ball, DeadForce, FollowerForce, Placed, Revolute, System
 from supple.mesh import CellType, block
-from supple.reduction import CompleteBasis, NoDerivatives, reduce
+from supple.reduction import CompleteBasis, NoDerivatives, NoLoads, reduce
 from supple.simulation import simulate
 
 # The beam is set in motion, and the joints take the lump along.
@@ -78,7 +78,9 @@ def tip_positions(body, solution):
 def complete(beam):
     """The beam in all of its modes, in both frames."""
     return {
-        name: reduce(beam, frame, CompleteBasis(), derivatives=NoDerivatives(), damping=DAMPING)
+        name: reduce(
+            beam, frame, CompleteBasis(), derivatives=NoDerivatives(), damping=DAMPING, loads=NoLoads
+        )
         for name, frame in FRAMES.items()
     }
 
@@ -124,7 +126,10 @@ def loose_ends():
     model = solid_model(block(LENGTH, 0.2, 0.2, 3, 1, 1, CellType.TETRA4), Isotropic(5e5, 0.3, 1000.0))
     ends = (AveragingInterface("root", "root"), AveragingInterface("tip", "tip"))
     body = flexible_body("beam", model, ends)
-    return [reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives()) for frame in FRAMES.values()]
+    return [
+        reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives(), loads=NoLoads)
+        for frame in FRAMES.values()
+    ]
 
 
 @pytest.mark.slow
@@ -152,7 +157,9 @@ def test_linear_full_body_is_the_linear_complete_basis(beam):
     """A body without quadratic strains, gently moved: f = K q."""
     linear, frame = beam.linearized(), FRAMES["mean-axis"]
     full = FullBody(linear, frame, DAMPING)
-    complete = reduce(linear, frame, CompleteBasis(), derivatives=NoDerivatives(), damping=DAMPING)
+    complete = reduce(
+        linear, frame, CompleteBasis(), derivatives=NoDerivatives(), damping=DAMPING, loads=NoLoads
+    )
     system = hanging(full, [7, 9])
     calm = replace(system, bodies=(Placed(full), *system.bodies[1:]))
     same = replace(calm, bodies=(Placed(complete), *system.bodies[1:]))

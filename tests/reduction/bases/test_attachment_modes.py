@@ -12,6 +12,7 @@ from supple.reduction import (
     AttachmentModes,
     ErrorControlled,
     NoDerivatives,
+    NoLoads,
     NormalModes,
     Rubin,
     reduce,
@@ -20,8 +21,10 @@ from supple.reduction.bases.interface_columns import motion_rows
 
 
 def test_in_a_mean_axis_frame_they_make_normal_modes_rubin_s(strip_body, mean_axis):
-    mine = reduce(strip_body, mean_axis, AttachmentModes(NormalModes(4)), derivatives=NoDerivatives())
-    rubin = reduce(strip_body, mean_axis, Rubin(n_modes=4), derivatives=NoDerivatives())
+    mine = reduce(
+        strip_body, mean_axis, AttachmentModes(NormalModes(4)), derivatives=NoDerivatives(), loads=NoLoads
+    )
+    rubin = reduce(strip_body, mean_axis, Rubin(n_modes=4), derivatives=NoDerivatives(), loads=NoLoads)
     np.testing.assert_allclose(mine.frequencies, rubin.frequencies, rtol=1e-8)
 
 
@@ -42,7 +45,9 @@ def test_balanced_interface_loads_are_answered_exactly(strip_body, frame):
     R = strip_body.rigid_modes
     balanced = loads @ np.linalg.svd(R.T @ loads)[2][6:].T  # amplitudes without resultant
     exact = strip_body.constrained(frame.constraint(strip_body)).solve(balanced)
-    reduced = reduce(strip_body, frame, AttachmentModes(NormalModes(1)), derivatives=NoDerivatives())
+    reduced = reduce(
+        strip_body, frame, AttachmentModes(NormalModes(1)), derivatives=NoDerivatives(), loads=NoLoads
+    )
     motion = np.vstack([interface.motion for interface in reduced.interfaces])
     amplitudes = np.linalg.lstsq(loads, balanced, rcond=None)[0]
     answer = reduced.nodal_basis @ np.linalg.solve(reduced.stiffness, motion.T @ amplitudes)
@@ -52,9 +57,15 @@ def test_balanced_interface_loads_are_answered_exactly(strip_body, frame):
 
 def test_what_was_proven_of_the_eigenvalues_stays_proven(strip_body):
     linear = strip_body.linearized()
-    alone = reduce(linear, MeanAxisFrame(), ErrorControlled(0.05, 6), derivatives=NoDerivatives())
+    alone = reduce(
+        linear, MeanAxisFrame(), ErrorControlled(0.05, 6), derivatives=NoDerivatives(), loads=NoLoads
+    )
     both = reduce(
-        linear, MeanAxisFrame(), AttachmentModes(ErrorControlled(0.05, 6)), derivatives=NoDerivatives()
+        linear,
+        MeanAxisFrame(),
+        AttachmentModes(ErrorControlled(0.05, 6)),
+        derivatives=NoDerivatives(),
+        loads=NoLoads,
     )
     certificate = both.report.certificate
     assert certificate is not None

@@ -23,6 +23,7 @@ from supple.reduction import (
     FirstOrderEstimate,
     Han2020Bound,
     NoDerivatives,
+    NoLoads,
     OneByOne,
     TwoTermEstimate,
     count_eigenvalues,
@@ -119,7 +120,9 @@ def test_the_bounds_correct_an_estimate_that_promises_too_much(body, exact, esti
 
 @pytest.mark.parametrize("frame", [MeanAxisFrame(), NodalFixedFrame("root")])
 def test_the_reduced_body_has_those_eigenvalues_in_either_frame(body, exact, frame):
-    reduced = reduce(body.linearized(), frame, ErrorControlled(0.001, N), derivatives=NoDerivatives())
+    reduced = reduce(
+        body.linearized(), frame, ErrorControlled(0.001, N), derivatives=NoDerivatives(), loads=NoLoads
+    )
     r = reduced.r
     assert r == N
     fields = np.r_[0:6, 6 + 3 * r : 6 + 4 * r]
@@ -135,7 +138,9 @@ def test_the_reduced_body_has_those_eigenvalues_in_either_frame(body, exact, fra
 
 def test_modal_coordinates_are_diagonal_in_the_mean_axis_frame(rigid_body):
     """[Han2020] (46)-(49): M = I, K = diag(chi-bar)."""
-    reduced = reduce(rigid_body, MeanAxisFrame(), ErrorControlled(0.01, N), derivatives=NoDerivatives())
+    reduced = reduce(
+        rigid_body, MeanAxisFrame(), ErrorControlled(0.01, N), derivatives=NoDerivatives(), loads=NoLoads
+    )
     values = reduced.report.certificate.values
     scaled = reduced.stiffness / np.sqrt(np.outer(values, values))
     np.testing.assert_allclose(scaled, np.eye(N), atol=1e-8)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from supple.errors import ModelError
-from supple.reduction import NoDerivatives, Rubin, reduce
+from supple.reduction import NoDerivatives, NoLoads, Rubin, reduce
 from supple.reduction.bases.interface_columns import fixed_interfaces, motion_rows
 
 
@@ -34,7 +34,9 @@ def test_statics_under_interface_loads_are_exact_with_any_number_of_modes(strip_
     exact = strip_body.constrained(frame.constraint(strip_body))
     expected = strip_body.expansion @ exact.solve(loads)
     for n_modes in (0, 3):
-        reduced = reduce(strip_body, frame, Rubin(n_modes=n_modes), derivatives=NoDerivatives())
+        reduced = reduce(
+            strip_body, frame, Rubin(n_modes=n_modes), derivatives=NoDerivatives(), loads=NoLoads
+        )
         motion = np.vstack([interface.motion for interface in reduced.interfaces])
         answer = reduced.nodal_basis @ np.linalg.solve(reduced.stiffness, motion.T)
         np.testing.assert_allclose(answer, expected, atol=1e-6 * np.abs(expected).max())
@@ -43,7 +45,7 @@ def test_statics_under_interface_loads_are_exact_with_any_number_of_modes(strip_
 def test_statics_are_exact_at_an_averaging_interface_too(averaging_body, frame):
     loads = motion_rows(averaging_body.interfaces).T
     expected = averaging_body.constrained(frame.constraint(averaging_body)).solve(loads)
-    reduced = reduce(averaging_body, frame, Rubin(n_modes=2), derivatives=NoDerivatives())
+    reduced = reduce(averaging_body, frame, Rubin(n_modes=2), derivatives=NoDerivatives(), loads=NoLoads)
     motion = np.vstack([interface.motion for interface in reduced.interfaces])
     answer = reduced.nodal_basis @ np.linalg.solve(reduced.stiffness, motion.T)
     nodal = averaging_body.expansion @ expected
@@ -51,7 +53,7 @@ def test_statics_are_exact_at_an_averaging_interface_too(averaging_body, frame):
 
 
 def test_lowest_frequencies_are_exact(strip_body, frame, lowest_squares):
-    reduced = reduce(strip_body, frame, Rubin(n_modes=4), derivatives=NoDerivatives())
+    reduced = reduce(strip_body, frame, Rubin(n_modes=4), derivatives=NoDerivatives(), loads=NoLoads)
     np.testing.assert_allclose(reduced.frequencies[:4] ** 2, lowest_squares(strip_body, frame, 4), rtol=1e-7)
 
 

@@ -9,7 +9,7 @@ from supple.body import MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.mesh import CellType, Mesh
-from supple.reduction import CraigBampton, NoDerivatives, NormalModes, Rubin, SteadyLoads, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, NormalModes, Rubin, SteadyLoads, reduce
 
 INNER, OUTER, MODULUS, NU, DENSITY = 0.1, 0.5, 2.1e11, 0.3, 7800.0
 OMEGA = 3000 * 2 * np.pi / 60
@@ -57,7 +57,7 @@ def test_a_disc_at_3000_rpm_stretches_as_it_should():
     modes = CraigBampton(n_modes=10)
     found = {}
     for recipe in (modes, SteadyLoads(modes)):
-        reduced = reduce(body.linearized(), frame, recipe, derivatives=NoDerivatives())
+        reduced = reduce(body.linearized(), frame, recipe, derivatives=NoDerivatives(), loads=NoLoads)
         found[recipe] = answer(body, reduced, spin.ravel())[6 * rim]
     assert found[SteadyLoads(modes)] == pytest.approx(stretch_of_the_rim(), rel=0.01)
     assert found[modes] < 0.1 * stretch_of_the_rim()

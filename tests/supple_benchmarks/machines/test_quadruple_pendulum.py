@@ -11,7 +11,7 @@ from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType
 from supple.multibody import balances, joint_residuals
-from supple.reduction import CraigBampton, NoDerivatives, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import simulate
 from supple_benchmarks.machines.quadruple_pendulum import (
     GRAVITY,
@@ -26,7 +26,9 @@ from supple_benchmarks.machines.quadruple_pendulum import (
 @pytest.fixture(scope="module")
 def system(pendulum):
     basis = CraigBampton(n_modes=4)
-    return pendulum.system(reduce(pendulum.body, pendulum.frame, basis, derivatives=NoDerivatives()))
+    return pendulum.system(
+        reduce(pendulum.body, pendulum.frame, basis, derivatives=NoDerivatives(), loads=NoLoads)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +78,9 @@ def test_the_first_joint_carries_weight_and_change_of_momentum(system, fall):
 
 def test_a_stiff_link_swings_with_the_period_of_a_compound_pendulum(pendulum):
     stiff = replace(QuadruplePendulum.quick(), stiffness=1e3).machine()
-    link = reduce(stiff.body, stiff.frame, CraigBampton(n_modes=4), derivatives=NoDerivatives())
+    link = reduce(
+        stiff.body, stiff.frame, CraigBampton(n_modes=4), derivatives=NoDerivatives(), loads=NoLoads
+    )
     # Hanging down along -y, released 0.01 rad off.
     angle = -0.5 * np.pi + 0.01
     along = np.array([np.cos(angle), np.sin(angle), 0.0])

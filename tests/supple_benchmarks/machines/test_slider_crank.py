@@ -9,7 +9,7 @@ import pytest
 
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.multibody import balances, joint_residuals
-from supple.reduction import CraigBampton, NoDerivatives, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import simulate
 from supple_benchmarks.machines.slider_crank import (
     CRANK_RADIUS,
@@ -24,7 +24,9 @@ SOFT = 1e-3
 
 def run(stiffness):
     machine = replace(SliderCrank.quick(), stiffness=stiffness).machine()
-    rod = reduce(machine.body, machine.frame, CraigBampton(n_modes=3), derivatives=NoDerivatives())
+    rod = reduce(
+        machine.body, machine.frame, CraigBampton(n_modes=3), derivatives=NoDerivatives(), loads=NoLoads
+    )
     system = machine.system(rod)
     solution = simulate(
         system, Run(duration=0.2, output_step=0.001, step=FixedStep(5e-4), tolerances=Tolerances(1e-10))
@@ -46,7 +48,7 @@ def test_all_parts_together_have_the_papers_mass(slider_crank):
     rod = slider_crank.body
     mass = rod.rigid_modes[:, 0] @ (rod.mass @ rod.rigid_modes[:, 0])
     system = slider_crank.system(
-        reduce(rod, slider_crank.frame, CraigBampton(n_modes=0), derivatives=NoDerivatives())
+        reduce(rod, slider_crank.frame, CraigBampton(n_modes=0), derivatives=NoDerivatives(), loads=NoLoads)
     )
     rigid = sum(placed.body.mass for placed in system.bodies if placed.body.kind == "rigid")
     assert rigid + mass == pytest.approx(TOTAL_MASS, rel=1e-12)

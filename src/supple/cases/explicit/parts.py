@@ -18,6 +18,7 @@ from supple.explicit import (
     ENERGIES,
     OBSTACLES,
     STEPS,
+    BulkViscosity,
     CentrifugalStiffness,
     ExplicitShell,
     ExplicitSubdomain,
@@ -35,6 +36,7 @@ from supple.importers.toml import (
     CheckedTable,
     KeyPath,
     Mistakes,
+    NonNegative,
     Positive,
     Raw,
     Vector,
@@ -70,6 +72,17 @@ class ModalPart(CheckedTable):
     )
 
 
+class Viscosity(CheckedTable):
+    """Of solids: spreads fronts over a few elements."""
+
+    linear: NonNegative = Field(0.06, description="of critical damping of the shortest waves")
+    quadratic: NonNegative = Field(1.2, description="elements that a shock is spread over, about")
+
+    def build(self) -> BulkViscosity:
+        """The viscosity."""
+        return BulkViscosity(self.linear, self.quadratic)
+
+
 class ExplicitPart(CheckedTable):
     """Nonlinear finite elements."""
 
@@ -81,6 +94,9 @@ class ExplicitPart(CheckedTable):
     )
     layers: int = Field(5, ge=2, description="Gauss points through the thickness of shells that yield")
     deletion: Positive | None = Field(None, description="plastic strain at which an element is deleted")
+    bulk_viscosity: Viscosity = Field(
+        Viscosity(linear=0.06, quadratic=1.2), description="pressure against the rate of volume; zeros: none"
+    )
 
 
 class PartTable(CheckedTable):
@@ -155,6 +171,7 @@ class PartTable(CheckedTable):
             hourglass=given.hourglass,
             deletion=np.inf if given.deletion is None else given.deletion,
             damping=damping,
+            bulk_viscosity=given.bulk_viscosity.build(),
         )
 
 
@@ -179,6 +196,8 @@ def _keys_have_an_effect(path: KeyPath, part: Raw) -> Mistakes:
         return
     if "hourglass" in given:
         yield (*path, "explicit", "hourglass"), "hourglass modes are of hexahedra; a shell has none"
+    if "bulk_viscosity" in given:
+        yield (*path, "explicit", "bulk_viscosity"), "bulk viscosity is of solids; a shell has none"
     if "law" in given and kind != "j2":
         message = f'the law of a shell is kind = "j2", or left out where it is elastic; got {kind!r}'
         yield (*path, "explicit", "law"), message

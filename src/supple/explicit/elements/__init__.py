@@ -1,5 +1,6 @@
 """Explicit finite elements: what is constant, and the force of a block in a step."""
 
+from supple.explicit.elements.bulk_viscosity import BulkArrays, BulkViscosity, bulk_arrays
 from supple.explicit.elements.element_stress import von_mises
 from supple.explicit.elements.hourglass import hourglass_vectors
 from supple.explicit.elements.incidence import gathered, incidence
@@ -19,11 +20,14 @@ from supple.explicit.elements.stable_step import element_limits, squashed
 
 __all__ = [
     "BlockForce",
+    "BulkArrays",
+    "BulkViscosity",
     "LayerArrays",
     "ShellBlock",
     "SolidBlock",
     "SolidPoints",
     "block_force",
+    "bulk_arrays",
     "element_limits",
     "gathered",
     "hourglass_vectors",

@@ -8,10 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from supple.explicit.elements.bulk_viscosity import BulkArrays, bulk_pressure
 from supple.explicit.elements.incidence import gathered, incidence
 from supple.explicit.elements.mean_gradient import SolidPoints
 from supple.explicit.materials.law import Law, viscous_stress
-from supple.explicit.tensor3 import Tensor, as_array, tensor
+from supple.explicit.tensor3 import Tensor, as_array, cofactor, tensor
 from supple.explicit.worked_out import worked_out
 from supple.fem import Isotropic
 
@@ -24,6 +25,7 @@ class SolidBlock(NamedTuple):
     nodes : (k, E);   gradients : (k, 3, g, E);   volumes : (g, E)
     gamma : (4 or 0, k, E);   hourglass : (E,) kappa, N/m
     table : (most, N)       the corners at each node
+    bulk : BulkArrays       None without bulk viscosity
     """
 
     nodes: Array
@@ -32,6 +34,7 @@ class SolidBlock(NamedTuple):
     gamma: Array
     hourglass: Array
     table: Array
+    bulk: BulkArrays | None = None
 
 
 class BlockForce(NamedTuple):
@@ -59,6 +62,7 @@ def solid_block(
     gradients: np.ndarray,
     elastic: Isotropic,
     hourglass: float,
+    bulk: BulkArrays | None = None,
 ) -> SolidBlock:
     """The arrays of a block.
 
@@ -74,6 +78,7 @@ def solid_block(
         jnp.asarray(np.ascontiguousarray(points.gamma.transpose(1, 2, 0))),
         jnp.asarray(hourglass_stiffness(points, elastic, hourglass)),
         jnp.asarray(incidence(nodes, n_nodes)),
+        bulk,
     )
 
 
@@ -110,6 +115,12 @@ def block_force(
     if beta is not None:
         viscous, lost = viscous_stress(law.elastic, beta, F, dF, h)
         P = tensor(lambda i, j: P[i][j] + viscous[i][j])
+    if block.bulk is not None:
+        bulk = block.bulk
+        q, against = worked_out(lambda of: bulk_pressure(bulk, *of, h), (F, dF, J))
+        lost = lost + against
+        cof = cofactor(F)
+        P = tensor(lambda i, j: P[i][j] - q * cof[i][j])
     volumes = block.volumes * alive
     stress = worked_out(lambda of: as_array(tensor(lambda i, j: volumes * of[i][j])), P)
     forces = worked_out(

@@ -54,10 +54,12 @@ def explicit_blocks(parts: Sequence[Part], numbers: Mapping[str, NDArray[np.int6
         if body.damping is not None:
             np.add.at(damped, own, body.damping.alpha * body.masses)
         made.spans[part.name] = slice(len(made.blocks), len(made.blocks) + len(body.points))
-        for points, limit in zip(body.points, body.element_limits, strict=True):
+        for points, limit, bulk in zip(body.points, body.element_limits, body.bulk_arrays, strict=True):
             turned = points.gradients.swapaxes(2, 3) @ part.rotation.T
             gradients = turned.swapaxes(2, 3)
-            made.blocks.append(solid_block(points, own, n_nodes, gradients, body.law.elastic, body.hourglass))
+            made.blocks.append(
+                solid_block(points, own, n_nodes, gradients, body.law.elastic, body.hourglass, bulk)
+            )
             made.limits.append(jnp.asarray(limit))
             made.laws.append(body.law)
             made.deletions.append(body.deletion)

@@ -9,12 +9,14 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from supple.explicit.elements import layered_von_mises, shell_von_mises, squashed, von_mises
+from supple.explicit.elements import SolidBlock, layered_von_mises, shell_von_mises, squashed, von_mises
+from supple.explicit.elements.bulk_viscosity import bulk_share
+from supple.explicit.elements.solid_block import deformation
 from supple.explicit.march.march_step import kinetic, march_step
 from supple.explicit.march.model import MarchModel, MarchState, Methods
 from supple.explicit.spin_stiffness import spun_limit
 
-__all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "recorded"]
+__all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "nodes_limit", "recorded"]
 
 DRIFT = 0.01
 """Of the energy that a run has had: what may get lost, or come from nothing."""
@@ -72,16 +74,7 @@ def chosen_steps(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, span: Array
 ) -> tuple[Array, Array, Array]:
     """Step of the explicit nodes, explicit steps in one of the frames, and number of these in a span."""
-    # Strains of shells are small: their limit is that at rest.
-    squared = (2 / model.shell_limit) ** 2 + model.contact_rate
-    for block, limit, live in zip(model.blocks, model.limits, state.alive, strict=True):
-        longest = jnp.min(jnp.where(live > 0, limit * squashed(block, state.x), jnp.inf))
-        squared = jnp.maximum(squared, (2 / longest) ** 2 + model.contact_rate)
-    short = methods.safety * jnp.where(squared > 0, 2 / jnp.sqrt(squared), jnp.inf)
-    betas = [beta for beta in model.betas if beta is not None]
-    for beta in betas:
-        zeta = beta / short
-        short = short * (jnp.sqrt(1 + zeta**2) - zeta)
+    short = nodes_limit(model, state, methods.safety)
     short = jnp.where(fixed > 0, fixed, short)
     if not model.frames:
         n = jnp.maximum(jnp.ceil(span / short * (1 - 1e-9)), 1)
@@ -93,6 +86,35 @@ def chosen_steps(
     n = jnp.maximum(jnp.ceil(span / long * (1 - 1e-9)), 1)
     ratio = jnp.maximum(jnp.ceil(span / n / short * (1 - 1e-9)), 1)
     return span / (n * ratio), ratio.astype(int), n.astype(int)
+
+
+def nodes_limit(model: MarchModel, state: MarchState, safety: float = 1.0) -> Array:
+    """Step of the explicit nodes, s, at a part of the limit of their elements as they stand and move."""
+    # Strains of shells are small: their limit is that at rest.
+    short = _with_contact(model, model.shell_limit)
+    for block, limit, live in zip(model.blocks, model.limits, state.alive, strict=True):
+        short = jnp.minimum(short, _block_limit(model, state, block, limit, live))
+    short = safety * short
+    for beta in (beta for beta in model.betas if beta is not None):
+        zeta = beta / short
+        short = short * (jnp.sqrt(1 + zeta**2) - zeta)
+    return short
+
+
+def _with_contact(model: MarchModel, limit: Array) -> Array:
+    """A step limit with all contacts closed, s."""
+    return 2 / jnp.sqrt((2 / limit) ** 2 + model.contact_rate)
+
+
+def _block_limit(model: MarchModel, state: MarchState, block: SolidBlock, limit: Array, live: Array) -> Array:
+    """Step limit of the elements of a block that are left, as they stand and move, s."""
+    stretch = squashed(block, state.x)
+    longest = _with_contact(model, limit * stretch)
+    if block.bulk is not None:
+        F, rate = (deformation(block, each[:, block.nodes]) for each in (state.x, state.v))
+        xi = bulk_share(block.bulk, F, rate) / stretch
+        longest = longest * (jnp.sqrt(1 + xi**2) - xi)
+    return jnp.min(jnp.where(live > 0, longest, jnp.inf))
 
 
 def frame_limits(model: MarchModel, state: MarchState) -> list[Array]:

@@ -37,6 +37,8 @@ SAME = 1.05
 """A frequency of the reduced body up to so many times one of the whole body belongs to the same mode."""
 MOST_MODES = 200
 MOST_SAMPLES = 20_000
+FEW, SAMPLES = 33, 257
+"""Output times too few to show a load, and those looked at instead."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,8 +188,10 @@ def warn_of_missing_modes(
 
 
 def _thinned(times: np.ndarray) -> np.ndarray:
-    """At most MOST_SAMPLES of evenly spaced times, over the same span."""
-    return times if len(times) <= MOST_SAMPLES else np.linspace(times[0], times[-1], MOST_SAMPLES)
+    """At most MOST_SAMPLES of evenly spaced times, over the same span; SAMPLES of a run of few outputs."""
+    if FEW <= len(times) <= MOST_SAMPLES:
+        return times
+    return np.linspace(times[0], times[-1], SAMPLES if len(times) < FEW else MOST_SAMPLES)
 
 
 def _frequencies(body: FlexibleBody, frame: Frame, band: float, at_least: int) -> np.ndarray:

@@ -24,7 +24,7 @@ from supple.machine.laws.instants import instants_of, shortest_scale_of
 from supple.machine.laws.sampled_law import MOST_NUMBERS, sampled
 from supple.multibody.checks.strictness import say
 
-__all__ = ["Missed", "missed_between_steps", "warn_of_missed_loads"]
+__all__ = ["Missed", "fixed_step", "jumps_in_steps", "missed_between_steps", "warn_of_missed_loads"]
 
 MISSED = 0.2
 """Of the largest load: what may be missed within a step; five steps a period of a sine."""
@@ -32,6 +32,8 @@ MOST_STEPS = 2**13
 """Looked at, spread over the run."""
 WITHIN = np.array([0.5, 0.07, 0.21, 0.37, 0.62, 0.78, 0.91])
 """Places within a step: uneven, for a load could return after even ones."""
+BESIDE, JUMPS = 0.1, 0.3
+"""A change by so much of the largest load, so many steps before to after an instant, is a jump to a step."""
 NEAR = 1e-6
 """Of a step: how near to an instant both its sides are looked at."""
 
@@ -48,6 +50,34 @@ def fixed_step(run: Run) -> float:
     """The fixed step that is taken: a whole number of them spans each output interval."""
     interval = float(run.times[1] - run.times[0])
     return interval / np.ceil(interval / run.step_control.largest * (1 - 1e-9))
+
+
+def jumps_in_steps(system: System, run: Run) -> bool:
+    """Whether a load, or the acceleration of a prescribed motion, jumps within a fixed step or at its end.
+
+    The step takes it for a straight line, as if it were half a step earlier or later.
+    """
+    if not isinstance(run.step_control, FixedStep):
+        return False
+    begin, end, step = float(run.times[0]), float(run.times[-1]), fixed_step(run)
+    loads = [(load.law, 0) for load in system.loads]
+    motions = [(joint.law, 2) for joint in system.joints]
+    return any(
+        law is not None and not isinstance(law, Constant) and _jumps_in(law, begin, end, step, derivative)
+        for law, derivative in loads + motions
+    )
+
+
+def _jumps_in(law: TimeLaw, begin: float, end: float, step: float, derivative: int) -> bool:
+    instants = instants_of(law, begin, end)
+    instants = instants[:MOST_STEPS]
+    if not len(instants):
+        return False
+    beside = np.clip(instants[:, None] + BESIDE * step * np.array([-1.0, 1.0]), begin, end)
+    sides = sampled(law, beside.ravel(), order=derivative)[derivative]
+    sides = sides.reshape(len(instants), 2, -1)
+    size = np.abs(sampled(law, np.linspace(begin, end, 257), order=derivative)[derivative]).max()
+    return bool(np.abs(sides[:, 1] - sides[:, 0]).max() > JUMPS * max(size, np.abs(sides).max()))
 
 
 def missed_between_steps(

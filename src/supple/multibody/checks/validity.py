@@ -3,8 +3,8 @@
 Two limits are watched. A body without nonlinear terms has no geometric stiffness: spun faster than a good
 part of its lowest frequency, it bends too far, and past it diverges. So does one whose condensed motion has
 no inertia, where the centrifugal stiffness that it lacks is a good part of the elastic one. And rotations
-beyond what the body's strains were derived for (about 0.3 rad where displacements or curvatures enter
-linearly) make the strains themselves wrong. Linear multibody codes pass both limits silently.
+beyond what the body's strains were derived for (about 0.3 rad where curvatures enter linearly, 0.1 rad where
+all displacements do) make the strains themselves wrong. Linear multibody codes pass both limits silently.
 """
 
 from __future__ import annotations
@@ -30,8 +30,9 @@ __all__ = ["Excess", "Peaks", "Watch", "watch"]
 SOFTENED_LIMIT = 0.01
 """Share of a deflection by which averaging interfaces may err, estimated, before it is said."""
 
-LINEAR_ROTATION_LIMIT = 0.3
-"""rad: rotations beyond which linear strains are off by more than about 5 % (1 - cos)."""
+LINEAR_ROTATION_LIMIT = 0.1
+"""rad: rotations theta beyond which linear strains lack a shortening by bending, theta^2 / 2, of 0.5 % of the
+length: a tenth of the deflection of a body that bends so far."""
 
 
 class Peaks(NamedTuple):
@@ -114,14 +115,7 @@ class Watch:
             if peak.spin > own.spin:
                 found.append(Excess(own.name, _too_fast(own, peak)))
             if peak.rotation > own.rotation:
-                found.append(
-                    Excess(
-                        own.name,
-                        f"body '{own.name}' turns by {peak.rotation:.3f} rad against its frame "
-                        f"(t = {peak.rotation_time:.4g}); its kinematics hold to about "
-                        f"{own.rotation:.2f} rad. {_sentence(smaller_rotations(own.frame))}",
-                    )
-                )
+                found.append(Excess(own.name, _too_wide(own, peak)))
             if peak.softened > SOFTENED_LIMIT:
                 found.append(Excess(own.name, _out_of_shape(own, peak)))
         return found
@@ -149,8 +143,17 @@ def _too_fast(limits: _Limits, peak: Peaks) -> str:
     )
 
 
-def _sentence(words: str) -> str:
-    return words[:1].upper() + words[1:]
+def _too_wide(limits: _Limits, peak: Peaks) -> str:
+    turns = f"turns by {peak.rotation:.3f} rad against its frame (t = {peak.rotation_time:.4g})"
+    limit = f"its kinematics hold to about {limits.rotation:.2f} rad"
+    remedy = smaller_rotations(limits.frame)
+    if limits.is_linear:
+        return (
+            f"body '{limits.name}' is linear and {turns}; {limit}, for they lack the shortening by bending, "
+            f"{peak.rotation**2 / 2:.2g} of its length. Reduce it from a model with quadratic strains, or "
+            f"{remedy}"
+        )
+    return f"body '{limits.name}' {turns}; {limit}. {remedy[:1].upper()}{remedy[1:]}"
 
 
 def _out_of_shape(limits: _Limits, peak: Peaks) -> str:

@@ -117,7 +117,8 @@ class Sampling:
             held[name] = value.reshape(element.value_shape)
         remembered = as_memory(controller.name, after)
         shapes = {name: value.shape for name, value in remembered.items()}
-        if shapes != {name: value.shape for name, value in given.items()}:
+        # Against what it was given, not against `given`, which the law may have changed in place.
+        if shapes != {name: np.shape(value) for name, value in memory.items()}:
             raise ModelError(
                 f"{what}: its memory must keep its names and shapes, for it stands in result files; it gave "
                 f"{shapes}; give all it will need as memory={{..}}"

@@ -76,6 +76,8 @@ class _State(NamedTuple):
     """`B_i^T q`, (3, n)"""
     turned_rates: np.ndarray
     """`(B_i^T - B_i) q'`, (3, n)"""
+    rates_turned: np.ndarray
+    """`B_i q'`, (3, n)"""
     growth: np.ndarray
     """Derivative of `J_ij` for q, (3, 3, n)"""
     inertia: np.ndarray
@@ -121,23 +123,21 @@ class FullInertia:
 
     def _of_pairs(self, fields: np.ndarray) -> np.ndarray:
         """`(Z_ij + Z_ji) q`, (3, 3, ...)."""
-        result = np.empty((3, 3, *fields.shape))
-        for (i, j), matrix in zip(SPIN_PAIRS, self._centrifugal, strict=True):
-            product = matrix @ fields
-            result[i, j] = result[j, i] = 2 * product if i == j else product
-        return result
+        products = self._energy.spin_products(fields)
+        return products + products.swapaxes(0, 1)
 
     def _state(self, motion: FullMotion) -> _State:
         q, rates, w = motion.coordinates, motion.rates, motion.angular_velocity
         momenta = self._rigid_momenta.T
-        turned = np.array([matrix.T @ q for matrix in self._energy.by_rate])
-        turned_rates = np.array([matrix.T @ rates - matrix @ rates for matrix in self._energy.by_rate])
+        turned, _ = self._energy.rate_products(q)
+        rates_back, rates_turned = self._energy.rate_products(rates)
         growth = self._growth_at_rest + self._of_pairs(q)
         inertia = self._rigid[3:, 3:] + (self._growth_at_rest + growth) @ q / 2
         moving = momenta[:3] @ rates
         return _State(
             turned=turned,
-            turned_rates=turned_rates,
+            turned_rates=rates_back - rates_turned,
+            rates_turned=rates_turned,
             growth=growth,
             inertia=inertia,
             inertia_rate=growth @ rates,
@@ -169,17 +169,13 @@ class FullInertia:
         )
         angular_rate = (
             (momenta[3:] + state.turned) @ motion.accelerations
-            + self._turned_power(motion.rates)
+            + state.rates_turned @ motion.rates
             + state.inertia @ dw
             + state.inertia_rate @ w
         )
         force = linear_rate + np.cross(w, state.linear)
         moment = angular_rate + np.cross(w, state.angular) + self._rigid[3:, :3] @ a + np.cross(moved, a)
         return InertiaTerms(own, np.concatenate([force, moment]))
-
-    def _turned_power(self, rates: np.ndarray) -> np.ndarray:
-        """`q' B_i q'`, (3,)."""
-        return np.array([rates @ (matrix @ rates) for matrix in self._energy.by_rate])
 
     def momenta(
         self, coordinates: np.ndarray, rates: np.ndarray, angular_velocity: np.ndarray, velocity: np.ndarray
@@ -192,8 +188,8 @@ class FullInertia:
         w, v, momenta = angular_velocity, velocity, self._rigid_momenta.T
         moved = momenta[:3] @ coordinates
         about_origin = self._rigid[:3, 3:] @ w + np.cross(w, moved, axis=0) + momenta[:3] @ rates
-        turning = np.array([np.einsum("nt,nt->t", B.T @ coordinates, rates) for B in self._energy.by_rate])
-        turning += momenta[3:] @ rates
+        turned, _ = self._energy.rate_products(coordinates)
+        turning = momenta[3:] @ rates + np.einsum("int,nt->it", turned, rates)
         growth = self._growth_at_rest[..., None] + self._of_pairs(coordinates) / 2
         inertia = self._rigid[3:, 3:, None] + np.einsum("ijnt,nt->ijt", growth, coordinates)
         spun = np.einsum("ijt,jt->it", inertia, w)
@@ -256,16 +252,13 @@ class FullInertia:
         columns = np.concatenate([momenta[:3], turning + velocity * (state.turned_rates - spun)]).T
 
         # Of H', of H, and of s x a.
-        by_rate = self._energy.by_rate
-        rate_rows = np.array([2 * (matrix @ motion.rates) for matrix in by_rate]) + state.turned_rates
+        rate_rows = 2 * state.rates_turned + state.turned_rates
         place_rows = (
-            np.array([matrix @ motion.accelerations for matrix in by_rate])
+            self._energy.rate_products(motion.accelerations)[1]
             + np.einsum("ijn,j->in", state.growth, dw)
             + np.einsum("ijn,j->in", self._of_pairs(motion.rates), w)
         )
-        momentum_rows = velocity * turning + position * (
-            np.array([matrix @ motion.rates for matrix in by_rate]) + spun
-        )
+        momentum_rows = velocity * turning + position * (state.rates_turned + spun)
         moment_rows = turning + velocity * (rate_rows + spun) + position * place_rows
         moment_rows += spin @ momentum_rows - position * cross_matrix(a) @ momenta[:3]
         force_rows = (np.eye(3) + 2 * velocity * spin + position * (change + spin @ spin)) @ momenta[:3]

@@ -1,0 +1,60 @@
+"""Nodes in contact as a film shows them: a hair before what they touch.
+
+A penalty lets nodes enter a little, and faces that touch lie in each other: which of both is seen would
+change from frame to frame, and a nose would shine through the wall.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.explicit import ExplicitSystem
+from supple.explicit.march.touching_surface import projected, touching_surface
+from supple.explicit.obstacles import Obstacle
+from supple.explicit.outer_faces import outer_triangles
+
+__all__ = ["clear_of_contact"]
+
+FloatArray = NDArray[np.float64]
+
+CLEARANCE = 5e-4
+"""Of the largest extent of all that moves: about a third of a pixel of a film."""
+
+
+def clear_of_contact(
+    system: ExplicitSystem, positions: Mapping[str, FloatArray], offsets: FloatArray
+) -> dict[str, FloatArray]:
+    """Positions (t, N, 3) by part, the nodes of contacts moved out of what they touch.
+
+    offsets : (t, o, 3) of the obstacles of the rigid contacts
+    """
+    shown = {name: own.copy() for name, own in positions.items()}
+    clear = CLEARANCE * float(np.ptp(np.concatenate([own[0] for own in shown.values()]), axis=0).max())
+    for number, contact in enumerate(system.rigid_contacts):
+        nodes, own = system.node_numbers(contact.nodes), shown[contact.nodes.body]
+        own[:, nodes] = _before(contact.obstacle, own[:, nodes], offsets[:, number, None], clear)
+    for contact in system.surface_contacts:
+        first, second = contact.nodes.body, contact.surface.body
+        nodes = system.node_numbers(contact.nodes)
+        faces = outer_triangles(system.part(second).mesh, system.node_numbers(contact.surface))
+        surface = None
+        for mine, theirs in zip(shown[first], shown[second], strict=True):
+            x = np.concatenate([theirs, mine[nodes]])
+            numbers = len(theirs) + np.arange(len(nodes))
+            surface = surface or touching_surface(numbers, np.ones(len(nodes)), faces, x)
+            at = projected(surface, jnp.asarray(x.T))
+            gap = np.asarray(at.gap)
+            depth = np.where(gap > -float(surface.reach), np.maximum(clear - gap, 0.0), 0.0)
+            mine[nodes] += (depth * np.asarray(at.normals)).T
+    return shown
+
+
+def _before(obstacle: Obstacle, points: FloatArray, offsets: FloatArray, clear: float) -> FloatArray:
+    """Points (t, n, 3) out of an obstacle that has moved by offsets (t, 1, 3)."""
+    flat = (points - offsets).reshape(-1, 3)
+    gap, normals = (np.asarray(each) for each in obstacle.gap(jnp.asarray(flat.T)))
+    return points + (np.maximum(clear - gap, 0.0) * normals).T.reshape(points.shape)

@@ -1,0 +1,127 @@
+"""Stated errors beside true ones: small reduced runs with what is said of their error, against full runs.
+
+The reference is the distance to a run of all coordinates, by another engine (sparse Newton of the whole
+system), with the same steps: exact for the part of the basis. Of the step it is a closed form.
+"""
+
+from __future__ import annotations
+
+import warnings
+
+import jax.numpy as jnp
+import numpy as np
+
+from supple.body import FullBody, NodalFixedFrame, RayleighDamping, RigidBody, RigidInterface, flexible_body
+from supple.correction import (
+    Deflection,
+    ErrorStudy,
+    JointForce,
+    JudgedQuantity,
+    ReductionStart,
+    SelfCorrection,
+    WholeBody,
+    self_correct,
+    state_errors,
+)
+from supple.correction.judged_quantity import quantity_distance
+from supple.errors import SuppleWarning
+from supple.fem import HomogeneousSection, Isotropic, shell_model
+from supple.integrate import FixedStep, Run, Tolerances
+from supple.machine import GROUND, At, DeadForce, Fixed, ForceBetween, Placed, Prismatic, Ramp, System
+from supple.mesh import strip
+from supple.reduction import CompressedDerivatives, CraigBampton
+from supple.results.judged_stress import JudgedStress
+from supple.simulation import simulate
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+
+__all__ = ["CASES"]
+
+BAND = 0.4
+"""A stated error may be so much off the true one: what tells a user the right order is good."""
+FULL_RUN = "run of all coordinates with the same steps"
+
+_MODEL = shell_model(strip(1.0, 0.1, 4, 2), HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01))
+_WHOLE = WholeBody("strip")
+
+
+def _strip(damping: RayleighDamping) -> FullBody:
+    ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
+    return FullBody(flexible_body("strip", _MODEL, ends), NodalFixedFrame("root"), damping)
+
+
+def _pushed(body: FullBody, force: tuple[float, float, float], rise: float) -> System:
+    wall = Fixed(name="wall", first=GROUND, second=At("strip", "root"))
+    push = DeadForce(body="strip", at="tip", force=Ramp(np.array(force), rise))
+    return System((Placed(body),), (wall,), loads=(push,))
+
+
+def _corrected(
+    system: System, run: Run, start: ReductionStart, quantities: tuple[JudgedQuantity, ...]
+) -> list[Comparison]:
+    """Basis parts of an accepted run beside the distances to the full run."""
+    study = ErrorStudy(integration=False, model=False, quantities=quantities)
+    corrected = self_correct(system, run, start, study=study)
+    reference = simulate(system, run)
+    return [
+        Comparison(
+            f"stated error, {each.name}",
+            basis.value,
+            quantity_distance(each, corrected.system, corrected.solution, system, reference),
+            FULL_RUN,
+            BAND,
+        )
+        for each in (_WHOLE, *quantities)
+        if (basis := corrected.solution.errors[each.name].basis) is not None
+    ]
+
+
+def _bent_far() -> list[Comparison]:
+    """A strip pushed by its tip to 0.3 rad: whole, tip, stress in its middle, force of its wall."""
+    middle = np.flatnonzero(_MODEL.mesh.nodes[:, 0] == 0.5)
+    quantities = (
+        Deflection("strip", "tip"),
+        JudgedStress("strip", _MODEL, middle, "middle"),
+        JointForce("wall"),
+    )
+    run = Run(0.4, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-9))
+    start = ReductionStart(SelfCorrection(relative=0.05), CraigBampton(1), CompressedDerivatives(2))
+    return _corrected(
+        _pushed(_strip(RayleighDamping(0.5, 1e-3)), (0.0, 0.0, 3.0), 0.3), run, start, quantities
+    )
+
+
+def _tips_sideways() -> list[Comparison]:
+    """A strip pushed in its plane until it tips: the first round locks, and estimates 3 % of its error."""
+    run = Run(1.2, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-9))
+    system = _pushed(_strip(RayleighDamping(2.0, 1e-3)), (0.0, 50.0, 0.05), 1.0)
+    return _corrected(system, run, ReductionStart(SelfCorrection(relative=0.06)), ())
+
+
+def _jumps() -> list[Comparison]:
+    """A slider of 2 kg on which 3 N act from 0.1 s on: x = F (t - 0.1)^2 / 2 m."""
+    block = RigidBody("block", 2.0, [0, 0, 0], np.eye(3), {"end": [0, 0, 0]})
+    guide = Prismatic(name="guide", first=GROUND, second=At("block", "end"), axis=(1, 0, 0))
+    push = ForceBetween(
+        first=GROUND,
+        second=At("block", "end"),
+        axis=(1, 0, 0),
+        force=lambda t: jnp.where(t < 0.1 - 1e-9, 0.0, 3.0),
+    )
+    system = System((Placed(block),), (guide,), (push,))
+    run = Run(0.4, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-10))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SuppleWarning)  # of the jump, which is what it is about
+        solution = simulate(system, run)
+        study = ErrorStudy(quantities=(WholeBody("block"),))
+        stated = state_errors(system, run, solution, study).errors["block"]
+    exact = 3.0 / 2.0 * np.maximum(solution.times - 0.1, 0.0) ** 2 / 2.0
+    true = float(np.abs(solution.bodies["block"].position[:, 0] - exact).max())
+    step = float("nan") if stated.step is None else stated.step.value
+    return [Comparison("stated error of the step", step, true, "closed form", 0.1)]
+
+
+CASES: tuple[ValidationCase, ...] = (
+    ValidationCase("error statement, strip bent far", _bent_far),
+    ValidationCase("error statement, strip that tips sideways", _tips_sideways, quick=False),
+    ValidationCase("error statement, a force that jumps", _jumps),
+)
