@@ -9,9 +9,9 @@ from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.explicit.coupling import dual_against_primal, multi_time_steps
 from supple_benchmarks.explicit.crash import crash
 from supple_benchmarks.explicit.free_flight import free_flight, step_limit
-from supple_benchmarks.explicit.taylor_bar import taylor_bar
 from supple_benchmarks.explicit.throughput import throughput
 from supple_benchmarks.progress import Announce
+from supple_benchmarks.taylor_bar import taylor_bar
 
 __all__ = ["run_explicit"]
 

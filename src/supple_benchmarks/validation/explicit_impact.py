@@ -27,7 +27,7 @@ from supple.fem import Isotropic, solid_model
 from supple.integrate import Run, Solution
 from supple.machine import At
 from supple.mesh import CellType, block
-from supple_benchmarks.explicit.taylor_bar import taylor_bar_end
+from supple_benchmarks.taylor_bar import taylor_bar_end
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
 __all__ = ["CASES"]
