@@ -1,4 +1,4 @@
-"""The validation: what its command promises, and every case of the quick form."""
+"""The validation: what its command promises, and every case; the longest with `make soak`."""
 
 from __future__ import annotations
 
@@ -133,11 +133,13 @@ def test_the_page_has_every_case():
     assert [case.name for case in every_case.CASES if f"| {case.name} |" not in page] == []
 
 
-QUICK = [case for case in every_case.CASES if case.quick]
+MARKED = [
+    pytest.param(case, id=case.name, marks=pytest.mark.slow if case.quick else pytest.mark.soak)
+    for case in every_case.CASES
+]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("case", QUICK, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", MARKED)
 def test_every_case_is_within_what_it_allows(case):
     for each in case.compare():
         assert each.holds, f"{each.quantity}: {each.value} beside {each.reference}, error {each.error:.2g}"
