@@ -43,10 +43,10 @@ class CompleteMotion(NamedTuple):
     system: System
     solution: Solution
     shown: Solution
-    found: Array
+    found: NDArray[np.bool_]
 
 
-def complete_motion(system: System, solution: Solution, rows: Array) -> CompleteMotion:
+def complete_motion(system: System, solution: Solution, rows: NDArray[np.intp]) -> CompleteMotion:
     """The elastic amplitudes of all modes at which accelerations and strain rates are those of the run.
 
         0 = W q + N(q) q + eta - A (q' of the run)

@@ -36,6 +36,7 @@ class JoinedEngine:
     """An `Engine` of intrinsic, rigid and reduced bodies and their joints; `JoinedState` is its state."""
 
     def __init__(self, system: System, run: Run) -> None:
+        run = with_chosen_step(system, run)
         if not isinstance(run.method, GeneralizedAlpha):
             raise ModelError(
                 f"joints that connect intrinsic bodies do not take {type(run.method).__name__}: give "
@@ -45,7 +46,7 @@ class JoinedEngine:
             raise ModelError(
                 "intrinsic bodies are stepped with FixedStep(size): an adaptive step is not for them"
             )
-        self._run = run = with_chosen_step(system, run)
+        self._run = run
         self._machine: JoinedMachine = joined_machine(system, run.start)
         self._arrays = self._machine.arrays
         self._coefficients = first_order_coefficients(run.method.rho_inf)

@@ -83,7 +83,7 @@ def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
     strains = whole.strains[..., :n_lowest] / omega[:n_lowest] * tree.lengths[:, None, None]
     left_out = whole.forces[..., n_lowest:].reshape(-1, e - n_lowest).T
     gram = np.zeros((e - n_lowest, e - n_lowest))
-    extent = np.linalg.norm(np.ptp(tree.points, axis=0))
+    extent = float(np.linalg.norm(np.ptp(tree.points, axis=0)))
     fields = whole.velocities[..., k + n_lowest :] * np.repeat([1.0, extent], 3)[:, None]
     sizes = np.linalg.qr(fields.reshape(-1, e - n_lowest), mode="r")
     for a in range(middle.shape[2]):

@@ -109,7 +109,7 @@ def _flying() -> Sequence[Comparison]:
     body = slender_beam(12, FREE)
     spin = np.array([0.3, 0.5, 2.0])
     rates = np.zeros(body.n_coordinates)
-    rates[:2] = 4.0, 2.0
+    rates[:2] = 1.5, 0.7
     about_centre = -np.cross(spin, [0.5, 0, 0])
     placed = Placed(body, coordinate_rates=rates, angular_velocity=spin, velocity=about_centre)
     machine = System([placed])
