@@ -81,11 +81,8 @@ def correct_at_rest(
     ModelError              nothing to reduce, a body that is not full; errors of `equilibrium` and `reduce`
     ConvergenceError        no equilibrium
     """
-    if isinstance(target, Mapping):
-        starts = target
-    else:
-        start = ReductionStart(target) if isinstance(target, SelfCorrection) else target
-        starts = dict.fromkeys(system.bodies_of(FullBody), start)
+    start = ReductionStart(target) if isinstance(target, SelfCorrection) else target
+    starts = start if isinstance(start, Mapping) else dict.fromkeys(system.bodies_of(FullBody), start)
     found: list[Equilibrium] = []
 
     def look(reduced: System, fulls: Mapping[str, FullBody]) -> Mapping[str, Missed]:

@@ -10,8 +10,13 @@ __all__ = ["CASES", "TOPICS"]
 
 TOPICS = (
     "driven_starts",
+    "intrinsic_lines",
     "rotors",
     "damping",
+    "rest_and_modes",
+    "readings",
+    "error_statements",
+    "explicit_impact",
     "rigid_machines",
     "rigid_rotation",
     "beams_at_rest",
@@ -19,7 +24,7 @@ TOPICS = (
     "elements_at_rest",
     "flexible_motion",
     "machine_elements",
-)  # fmt: skip
+)
 """Files of this folder that end in `CASES`, in the order of the table."""
 
 CASES: tuple[ValidationCase, ...] = tuple(
