@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from supple.arguments import check_fields
 from supple.errors import ModelError
 from supple.explicit.elements.mean_gradient import SolidPoints
-from supple.explicit.tensor3 import Tensor, cofactor, determinant, tensor
+from supple.explicit.tensor3 import Tensor, cofactor, determinant
 from supple.fem import Isotropic
 
 __all__ = ["BulkArrays", "BulkViscosity", "bulk_arrays", "bulk_pressure", "bulk_share"]
@@ -94,14 +94,12 @@ def bulk_arrays(
     return BulkArrays(*(jnp.asarray(each) for each in numbers))
 
 
-def bulk_pressure(of: BulkArrays, F: Tensor, dF: Tensor, J: Array, h: Array) -> tuple[Array, Array]:
-    """Q (g, E), Pa, after an increment dF to F of volume J in a step h, and its work per volume, J/m^3.
+def bulk_pressure(of: BulkArrays, J: Array, before: Array, h: Array) -> tuple[Array, Array]:
+    """Pressure q (g, E), Pa, where det F went from `before` to J in a step h, and its work per volume, J/m^3.
 
     The rate of volume is that between both ends of the step, which no rotation of any size changes.
     """
-    before = tensor(lambda i, j: F[i][j] - dF[i][j])
-    mean = 0.5 * (J + determinant(before, cofactor(before)))
-    swelling = 2 * (J - mean) / mean
+    swelling = 2 * (J - before) / (J + before)
     bears = jnp.maximum(0.5 * (of.times / h - h / of.times) / of.shares, 0.0)
     q = -of.modulus * of.times * jnp.minimum(of.coefficients(swelling / h), bears) * swelling / h
     return q, -J * q * swelling

@@ -42,7 +42,7 @@ class BlockForce(NamedTuple):
 
     force : (3, N)          on the nodes (minus the internal force), without hourglass
     hourglass : (3, N)
-    state : of the law
+    state : of the law;   ratios : (g, E) det F
     plastic, viscous : work of the step, J
     smallest : det F of the worst point
     """
@@ -50,6 +50,7 @@ class BlockForce(NamedTuple):
     force: Array
     hourglass: Array
     state: Any
+    ratios: Array
     plastic: Array
     viscous: Array
     smallest: Array
@@ -97,11 +98,19 @@ def deformation(block: SolidBlock, corners: Array) -> Tensor:
 
 
 def block_force(
-    law: Law, block: SolidBlock, x: Array, dx: Array, state: Any, alive: Array, beta: Array | None, h: Array
+    law: Law,
+    block: SolidBlock,
+    x: Array,
+    dx: Array,
+    state: Any,
+    ratios: Array,
+    alive: Array,
+    beta: Array | None,
+    h: Array,
 ) -> BlockForce:
     """Forces at positions x (3, N), reached by the increment dx in a step h.
 
-    alive : (E,) 1, or 0 where an element has been deleted
+    ratios : (g, E) det F before;   alive : (E,) 1, or 0 where an element has been deleted
     beta : stiffness damping, s; None leaves its operations out
     """
     g, gamma = block.gradients, block.gamma
@@ -117,7 +126,7 @@ def block_force(
         P = tensor(lambda i, j: P[i][j] + viscous[i][j])
     if block.bulk is not None:
         bulk = block.bulk
-        q, against = worked_out(lambda of: bulk_pressure(bulk, *of, h), (F, dF, J))
+        q, against = worked_out(lambda of: bulk_pressure(bulk, *of, h), (J, ratios))
         lost = lost + against
         cof = cofactor(F)
         P = tensor(lambda i, j: P[i][j] - q * cof[i][j])
@@ -140,6 +149,7 @@ def block_force(
         gathered(forces, block.table),
         against,
         state,
+        J,
         jnp.sum(volumes * dissipated),
         jnp.sum(volumes * lost),
         jnp.min(jnp.where(alive > 0, J, 1.0)),

@@ -205,6 +205,7 @@ def _start(
         materials=tuple(
             law.initial(block.volumes.shape) for law, block in zip(methods.laws, model.blocks, strict=True)
         ),
+        ratios=tuple(jnp.ones(block.volumes.shape) for block in model.blocks),
         alive=tuple(jnp.ones(block.volumes.shape[1]) for block in model.blocks),
         layers=tuple(None if shell.layers is None else rest_layers(shell) for shell in model.shells),
         shells_alive=tuple(jnp.ones(shell.nodes.shape[1]) for shell in model.shells),

@@ -147,7 +147,7 @@ class MarchState(NamedTuple):
 
     before, frame_before : the last step of the explicit nodes and of the frames, s; zero at the start
     x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
-    materials, alive : of each block;   layers, shells_alive : of each block of shells
+    materials, ratios (det F), alive : of each block;   layers, shells_alive : of each block of shells
     smallest : det F of the worst point so far
     obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
     ratio_bound : explicit steps in one of the frames, at most, as the interface bears them
@@ -161,6 +161,7 @@ class MarchState(NamedTuple):
     v: Array
     forces: Array
     materials: tuple[Any, ...]
+    ratios: tuple[Array, ...]
     alive: tuple[Array, ...]
     layers: tuple[LayerState | None, ...]
     shells_alive: tuple[Array, ...]

@@ -20,13 +20,14 @@ class NodalForces(NamedTuple):
     """At t_n.
 
     forces : (4, 3, N) internal, hourglass, contact, external
-    materials, alive : of the blocks;   layers, shells_alive : of those of shells
+    materials, ratios, alive : of the blocks;   layers, shells_alive : of those of shells
     on_obstacles : (o, 3);   moments : (3, r) on the triads of shells
     plastic, viscous : work of the step that led here, J;   smallest : det F of the worst point
     """
 
     forces: Array
     materials: tuple[Any, ...]
+    ratios: tuple[Array, ...]
     alive: tuple[Array, ...]
     layers: tuple[LayerState | None, ...]
     shells_alive: tuple[Array, ...]
@@ -45,6 +46,7 @@ def nodal_forces(
     dx: Array,
     h: Array,
     materials: tuple[Any, ...],
+    ratios: tuple[Array, ...],
     alive: tuple[Array, ...],
     layers: tuple[LayerState | None, ...],
     shells_alive: tuple[Array, ...],
@@ -54,15 +56,16 @@ def nodal_forces(
     """At positions x (3, N), reached by the increment dx in a step h (any number where dx is zero)."""
     internal, hourglass = jnp.zeros_like(x), jnp.zeros_like(x)
     plastic, viscous, smallest = jnp.zeros(()), jnp.zeros(()), jnp.ones(())
-    states, living = [], []
-    for law, limit, block, beta, state, live in zip(
-        methods.laws, methods.deletions, model.blocks, model.betas, materials, alive, strict=True
+    states, reached, living = [], [], []
+    for law, limit, block, beta, state, ratio, live in zip(
+        methods.laws, methods.deletions, model.blocks, model.betas, materials, ratios, alive, strict=True
     ):
-        out = block_force(law, block, x, dx, state, live, beta, h)
+        out = block_force(law, block, x, dx, state, ratio, live, beta, h)
         internal, hourglass = internal + out.force, hourglass + out.hourglass
         plastic, viscous = plastic + out.plastic, viscous + out.viscous
         smallest = jnp.minimum(smallest, out.smallest)
         states.append(out.state)
+        reached.append(out.ratios)
         strain = law.plastic_strain(out.state)
         if strain is not None and limit != float("inf"):
             live = live * (strain.max(axis=0) < limit)  # noqa: PLW2901 - the next step's
@@ -96,6 +99,7 @@ def nodal_forces(
     return NodalForces(
         jnp.stack([internal, hourglass, contact, external]),
         tuple(states),
+        tuple(reached),
         tuple(living),
         tuple(bent),
         tuple(standing),
