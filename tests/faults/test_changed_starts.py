@@ -48,7 +48,8 @@ def test_two_equal_bodies_of_which_one_moves_lose_half(rod):
     bodies = (Placed(rod("a", 1.0), velocity=[4.0, 0, 0], angular_velocity=[0, 0, 0]), standing)
     weld = Fixed(first=At("a", "right"), second=At("b", "left"), name="weld")
     with pytest.warns(
-        StartWarning, match=r"\(-50 %\); body 'a' starts with a speed of 2 instead of 4, body 'b' starts with .*"
+        StartWarning,
+        match=r"\(-50 %\); body 'a' starts with a speed of 2 instead of 4, body 'b' starts with .*",
     ):
         solution = simulate(System(bodies, (weld,)), RUN)
     np.testing.assert_allclose(solution.bodies["b"].velocity[0], [2.0, 0, 0], atol=1e-12)
