@@ -40,7 +40,7 @@ class Rod:
 
     def tip(self, force: ArrayLike, *, n_steps: int = 5) -> tuple[Array, Array]:
         """Place (3,) and rotation (3, 3) of the tip under a dead force, raised in steps."""
-        turn = self._unloaded_tip()
+        turn, load = self._unloaded_tip(), np.zeros(3)
         for share in np.arange(1, n_steps + 1) / n_steps:
             load = share * np.asarray(force, dtype=float)
             before = turn

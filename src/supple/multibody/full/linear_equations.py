@@ -76,6 +76,8 @@ def full_linear_equations(machine: FullSystem, turning: Turning, terms: Evaluati
 def _turning_parts(interior: FullInterior, state: InteriorState) -> tuple[Any, Any, Any]:
     """`M`, `C` and `K` (6 + n, 6 + n) of one full body, seen in its axes, which turn along."""
     mass, damping, stiffness = interior.linear_parts(state)
+    if not state.angular_velocity.any():
+        return mass, damping, stiffness
     spin, n = cross_matrix(state.angular_velocity), 6 + interior.full.n_coordinates
     frame = csr_array(block_diag([spin, spin, csr_array((n - 6, n - 6))]))
     translation = csr_array(block_diag([spin, csr_array((n - 3, n - 3))]))
