@@ -192,10 +192,11 @@ def search_equilibrium(
         progress(iteration, residual)
 
     try:
-        return _downhill(machine, state, time, replace(search, max_iterations=enough), counted)
+        direct_only = replace(search, max_iterations=enough)
+        return _downhill(machine, state, time, direct_only, counted, lost=_LOST)
     except ConvergenceError as error:
         direct = error
-    held = machine.at_rest().residual(state, time)
+    begun, held = state, machine.at_rest().residual(state, time)
     share, step, iterations = 0.0, _FIRST_SHARE, len(tried)
     while share < 1 and step >= _SMALLEST_SHARE and iterations < search.max_iterations:
         asked = min(share + step, 1.0)
@@ -210,11 +211,15 @@ def search_equilibrium(
             step, iterations = step / 2, iterations + most
             continue
         share, step, iterations = asked, _FASTER * step, iterations + used
-    if share < 1:
+    if share == 1:
+        return state, iterations
+    # A free body that spins falls outwards before Newton's method brings it back: then only patience helps.
+    try:
+        return _downhill(machine, begun, time, search, progress)
+    except ConvergenceError:
         raise ConvergenceError(
             f"{direct}. Load and spin, followed up in steps, came to {share:.3g} of what they are"
-        )
-    return state, iterations
+        ) from None
 
 
 def _counted(progress: Callable[[int, float], None], before: int, iteration: int, residual: float) -> None:
@@ -229,9 +234,11 @@ def _downhill(
     progress: Callable[[int, float], None],
     *,
     careful: bool = False,
+    lost: float = np.inf,
 ) -> tuple[StaticState, int]:
     """The equilibrium downhill by implicit steps; errors as above.
 
+    lost : what a residual may be over the smallest before, without giving up
     careful : shorten steps that leave far more than there was, as where membranes stiffen on the way, and
         those that go uphill, as Newton's method does where walls are about to wrinkle
     """
@@ -246,7 +253,7 @@ def _downhill(
         largest = _largest(found)
         progress(iteration, largest)
         best = min(best, largest)
-        if not np.isfinite(largest) or (not careful and largest > max(_LOST * best, _FAR)):
+        if not np.isfinite(largest) or largest > max(lost * best, _FAR):
             break
         # A move that arithmetic cannot tell from none, in a step that went far from the start, is none too:
         # where the terms of a kind all vanish, what is left of them has no size to be compared with.
