@@ -161,7 +161,7 @@ def test_every_number_of_stations_that_the_mesh_carries_works(n_stations):
     """Of 20 cells: 12, 15, 18 to 20 stations shared a line of nodes between two slices of two lines."""
     model = shell_model(strip(1.0, 0.1, 20, 2), HomogeneousSection(Isotropic(2.1e11, 0.0, 7850.0), 5e-3))
     body = flexible_body("strip", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
-    found = condense(body, LoadPath("root", "tip", n_stations), n_modes=2).modes.omega
+    found = condense(body, LoadPath("root", "tip", n_stations), n_modes=2).modes.omega[:2]
     beam = np.sqrt(2.1e11 * 5e-3**2 / 12 / 7850.0)
     np.testing.assert_allclose(found, np.array([1.87510, 4.69409]) ** 2 * beam, rtol=1e-2)
 

@@ -22,7 +22,7 @@ from supple.reduction import ReducedBody
 
 @pytest.fixture
 def placed(rod):
-    return Placed(rod("link", 1.0))
+    return Placed(rod("link", 1.0), velocity=np.zeros(3), angular_velocity=np.zeros(3))
 
 
 def test_rotation_as_vector_and_matrix_are_the_same(rod, turned):

@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 
 INSTANTS = 8
 
+STIFF = 1e-3
+"""Of the length: a body that deflects less hardly drifts, and what it drifts is not seen against the rest."""
+
 
 @dataclass(frozen=True, eq=False)
 class TruncationError:
@@ -33,6 +36,7 @@ class TruncationError:
     forces, velocities : (t,)   square roots of shares of strain energy and kinetic energy
     drift : float           of the centre of mass of a free body, from where its loads bring it, m
     deflection : float      largest displacement of a station seen from the root, m
+    length : float          extent of the undeformed body, m
     """
 
     times: Array
@@ -41,12 +45,14 @@ class TruncationError:
     velocities: Array
     drift: float
     deflection: float
+    length: float
 
     @property
     def largest(self) -> float:
-        """Of places, drift included, over the deflection."""
-        size = max(float(self.places.max(initial=0.0)), self.drift)
-        return size / self.deflection if self.deflection else 0.0
+        """Of places over the deflection; of the drift over it, or over a share `STIFF` of the length."""
+        size = float(self.places.max(initial=0.0))
+        of_places = size / self.deflection if self.deflection else 0.0
+        return max(of_places, self.drift / max(self.deflection, STIFF * self.length))
 
 
 def instants_of(system: System, solution: Solution) -> NDArray[np.intp]:
@@ -105,6 +111,7 @@ def truncation_error(
             velocities=_share(other.rates - shown.rates, other.rates),
             drift=centre_drift(machine, solution, body.name),
             deflection=_deflection(body, solution),
+            length=float(np.linalg.norm(np.ptp(body.line.tree.points, axis=0))),
         )
     return found
 

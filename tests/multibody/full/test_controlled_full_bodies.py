@@ -148,9 +148,8 @@ def slowest(machine, number):
 
 
 def test_sampled_controllers_stay_away_from_full_bodies(body):
-    sampled = m.SampledController(
-        reads={}, drives=CONTROLLER.drives, law=lambda *_: ({}, {}), every=0.1, name="clock"
-    )
+    own = {"motor": m.TorqueBetween(first="ground", second="strip.tip", axis=AXIS)}
+    sampled = m.SampledController(reads={}, drives=own, law=lambda *_: ({}, {}), every=0.1, name="clock")
     with pytest.raises(ModelError, match=r"controller 'clock' is sampled, and body 'strip' is full"):
         simulate(hinged(full(body), [sampled]), RUN)
     both = replace(CONTROLLER, name="own"), sampled
