@@ -181,9 +181,9 @@ def princeton() -> Sequence[Comparison]:
 
 CASES = (
     ValidationCase("45 degree bend", bend_of_45_degrees),
-    ValidationCase("roll-up of a cantilever", roll_up),
+    ValidationCase("roll-up of a cantilever", roll_up, quick=False),
     ValidationCase("elastica", elastica),
-    ValidationCase("buckled column", buckled_column),
-    ValidationCase("follower force on a cantilever", follower_force),
+    ValidationCase("buckled column", buckled_column, quick=False),
+    ValidationCase("follower force on a cantilever", follower_force, quick=False),
     ValidationCase("Princeton beam", princeton),
 )
