@@ -1,0 +1,113 @@
+"""The flying spaghetti: a free flexible beam, pushed and turned at one end, as an intrinsic line.
+
+J. C. Simo and L. Vu-Quoc, "On the dynamics of flexible beams under large overall motions - the plane case",
+part II, J. Appl. Mech. 53 (1986) 855-863. Reference: their beam in quadratic elements of the plane, in an
+inertial frame and with a constant mass matrix, by DOP853 to 1e-7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from supple.fem import BeamSection, Isotropic, lumped_mass, shell_model
+from supple.integrate import FixedStep, GeneralizedAlpha, Run
+from supple.intrinsic import FREE, IntrinsicBody, condensed_line, intrinsic_body
+from supple.machine import DeadForce, FollowerTorque, System
+from supple.mesh import CellType, Mesh
+from supple.simulation import simulate
+from supple_benchmarks.planar_beam import BeamElements, PlanarBeam
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+
+__all__ = ["CASES"]
+
+Array = NDArray[np.float64]
+
+BEAM = PlanarBeam(
+    length=10.0,
+    axial_stiffness=1e4,
+    shear_stiffness=1e4,
+    bending_stiffness=500.0,
+    mass_per_length=1.0,
+    rotary_inertia_per_length=10.0,
+)
+ROOT, TIP = np.array([6.0, 0.0, 0.0]), np.array([0.0, 8.0, 0.0])
+FORCE, TORQUE = 8.0, -80.0
+"""On the root, along x and about z."""
+LOADED, DURATION = 2.5, 5.0
+N_SEGMENTS, STEP = 16, 0.0125
+
+
+def _reference() -> Array:
+    """Places (2, 2, 2) of root and tip in the plane, when the load ends and at the end."""
+    elements = BeamElements(BEAM, 6)
+    N = elements.n_nodes
+    unit = np.eye(3 * N).reshape(3 * N, N, 3)
+    inverse = np.linalg.inv(elements.momentum(unit).reshape(3 * N, 3 * N))
+    start = elements.straight(np.arctan2(*(TIP - ROOT)[1::-1])) + np.append(ROOT[:2], 0.0)
+    state, found = np.concatenate([start.ravel(), np.zeros(3 * N)]), []
+    for span, share in (((0.0, LOADED), 1.0), ((LOADED, DURATION), 0.0)):
+        load = np.zeros(3 * N)
+        load[[0, 2]] = share * FORCE, share * TORQUE
+
+        def rates(_: float, state: Array, load: Array = load) -> Array:
+            force = load - elements.internal_force(state[: 3 * N].reshape(N, 3))
+            return np.concatenate([state[3 * N :], inverse @ force])
+
+        state = solve_ivp(rates, span, state, method="DOP853", rtol=1e-7, atol=1e-8).y[:, -1]
+        found.append(state[: 3 * N].reshape(N, 3)[[0, -1], :2])
+    return np.array(found)
+
+
+def _line() -> IntrinsicBody:
+    """The beam in all its modes; a section of area 0.01 with the stiffnesses of the problem."""
+    n = N_SEGMENTS
+    points = ROOT + np.linspace(0, 1, n + 1)[:, None] * (TIP - ROOT)
+    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
+    section = BeamSection(Isotropic(1e6, 0.0, 100.0), 1e-2, 5e-4, 5e-4, 1e-3, 2.0, 2.0, orientation=(0, 0, 1))
+    model = shell_model(Mesh(points, {CellType.LINE2: cells}), section)
+    mass = lumped_mass(model).reshape(-1, 6)[:, :1]
+    rotary = BEAM.rotary_inertia_per_length / BEAM.mass_per_length * mass
+    masses = np.hstack([np.tile(mass, 3), np.tile(rotary, 3)])
+    return intrinsic_body(condensed_line("beam", points, model.stiffness, np.diag(masses.ravel())), FREE)
+
+
+def _while_loaded(load: Sequence[float]) -> Callable[[Any], Any]:
+    return lambda time: jnp.where(time < LOADED, 1.0, 0.0) * jnp.array(load)
+
+
+def _flown() -> Sequence[Comparison]:
+    body = _line()
+    push = DeadForce(at="beam.root", force=_while_loaded((FORCE, 0.0, 0.0)))
+    turn = FollowerTorque(first="beam.root", torque=_while_loaded((0.0, 0.0, TORQUE)))
+    run = Run(DURATION, LOADED, step=FixedStep(STEP), method=GeneralizedAlpha(1.0))
+    solution = simulate(System([body], loads=[push, turn]), run)
+    places = body.places(solution.bodies["beam"])[1]
+    weights = np.full(N_SEGMENTS + 1, 1 / N_SEGMENTS)
+    weights[[0, -1]] /= 2
+    centre = float(weights @ places[-1, :, 0])
+    # Constant acceleration F / m while loaded, then constant velocity.
+    gained = FORCE * LOADED / BEAM.length * (LOADED / 2 + DURATION - LOADED)
+    source = "Simo and Vu-Quoc (1986), beam elements in the plane by DOP853"
+    found = [
+        Comparison(
+            "centre of mass along x after 5, over L", centre, 3 + gained, "impulse of the load", 2e-3, 10.0
+        )
+    ]
+    for time, own, exact in zip((LOADED, DURATION), places[1:, [0, -1], :2], _reference(), strict=True):
+        for end, place, expected in zip(("root", "tip"), own, exact, strict=True):
+            found += [
+                Comparison(
+                    f"{end} along {axis} after {time:g}, over L", float(a), float(b), source, 1e-2, 10.0
+                )
+                for axis, a, b in zip("xy", place, expected, strict=True)
+            ]
+    return found
+
+
+CASES: tuple[ValidationCase, ...] = (ValidationCase("flying spaghetti", _flown, quick=False),)
