@@ -129,7 +129,7 @@ def _run_case(
 ) -> CaseResult:
     warn_of_units(case)
     inputs = case.inputs
-    # What is wrong with sensors is said now, not when the run is over.
+    # Faults of sensors are reported before the run, not after it.
     _ = case.system, case.sensors
     if changed := changes(inputs, case.inputs):
         raise CaseError(f"{case.path} was changed while it was read ({changed}): run it again")
