@@ -60,6 +60,7 @@ def test_a_case_without_sizes_corrects_itself(case):
     assert [each["round"] for each in rounds] == list(range(len(rounds)))
     assert [each["size"] for each in rounds] == [10 + 4 * number for number in range(len(rounds))]
     keys = {"body", "round", "size", "estimated_error", "allowed", "indicator", "seconds", "useless"}
+    keys |= {"unconfirmed"}
     assert set(rounds[0]) == keys
     assert rounds[-1]["estimated_error"] <= rounds[-1]["allowed"]
     deflection = np.linalg.norm(report["tracked"]["strip.TIP"]["largest deflection"])

@@ -111,6 +111,7 @@ def test_a_run_writes_its_motion_numbers_pictures_and_films(bar, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # beyond the yield stress of the nose
 def test_a_run_that_was_cut_off_is_resumed_to_the_last_bit(bar, tmp_path):
     path = bar(PLAIN)
     run_explicit_case(read_explicit_case(path), tmp_path / "whole")

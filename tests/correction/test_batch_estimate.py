@@ -68,8 +68,10 @@ def test_results_carry_their_statements(batch):
     stated = state_batch_errors(cases, RUN, solutions, fulls)
     told = estimate_batch_errors(cases, RUN, solutions, fulls)
     for solution, own in zip(stated, told, strict=True):
-        assert solution.bodies["strip"].error.basis.value == own.bodies["strip"].estimate
-        assert solution.errors["strip"].at_least >= own.bodies["strip"].estimate
+        # The strip locks, so that a richer run states its error instead.
+        of_basis = solution.bodies["strip"].error.basis.value
+        assert of_basis == pytest.approx(own.bodies["strip"].estimate, rel=1e-3)
+        assert solution.errors["strip"].at_least >= of_basis
 
 
 def test_bodies_that_differ_are_refused(batch):

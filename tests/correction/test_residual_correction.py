@@ -64,7 +64,7 @@ def hanging(body):
     lump = RigidBody("lump", 10.0, [0, 0, 0], 0.2 * np.eye(3), {"eye": [-0.2, 0, 0]})
     return System(
         bodies=(
-            Placed(body, angular_velocity=[0.5, -1.0, 2.0]),
+            Placed(body, angular_velocity=[2.0, -4.0, 8.0]),
             Placed(lump, position=[LENGTH + 0.2, 0, 0]),
         ),
         joints=(

@@ -115,6 +115,7 @@ def test_beside_it_a_parallelogram_stays_one(rod):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::supple.errors.StepCutWarning")  # a step ends in the dead point
 def test_beside_it_a_slider_crank_follows_its_path(rod):
     """x = 2 cos(angle) for equal links, through the dead point at pi / 2 where inertia carries it on."""
     system = slider_crank(rod, 1.2)

@@ -201,6 +201,7 @@ def test_a_prescribed_turn_at_constant_speed_stretches_as_the_formula_says():
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # few modes, on purpose
 def test_residual_modes_are_nearer_to_the_whole_than_truncated_ones():
     """A moment at the middle, of which few modes are not enough."""
     load = [
