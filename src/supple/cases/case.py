@@ -30,12 +30,10 @@ from supple.integrate import Run
 from supple.machine import At, ForceElement, SplitBody, System
 from supple.mesh import Mesh
 from supple.reduction import BodyModes, body_modes
+from supple.results.run_summary import N_DRAWN_MODES
 from supple.sensors import Sensor
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
-
-N_MODES = 6
-"""Drawn of a body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -332,7 +330,7 @@ class Case:
         found = {}
         for name, full in self.fulls.items():
             held = full.interfaces[0].motion if full.interfaces else full.frame.constraint(full.body)
-            found[name] = body_modes(full.body, held, n_modes=N_MODES)
+            found[name] = body_modes(full.body, held, n_modes=N_DRAWN_MODES)
         return found
 
     @property

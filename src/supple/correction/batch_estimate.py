@@ -24,6 +24,7 @@ from supple.correction.error_estimate import (
     deformed_rows,
     is_smooth,
     modal_damping,
+    reduced_form,
     untold,
 )
 from supple.correction.error_study import ErrorStudy, statements
@@ -176,9 +177,7 @@ class _Batch:
 
     def _body(self, name: str) -> ReducedBody:
         """The same in all runs."""
-        body = self.cases[0].bodies[self.cases[0].body_index(name)].body
-        assert isinstance(body, ReducedBody)
-        return body
+        return reduced_form(self.cases[0], name)
 
     def _judged(self, name: str, corrections: np.ndarray) -> JudgedBody:
         """A body along all runs, one after the other."""

@@ -47,6 +47,7 @@ __all__ = [
     "estimate_error",
     "is_smooth",
     "modal_damping",
+    "reduced_form",
     "untold",
 ]
 
@@ -197,7 +198,7 @@ class ErrorEstimator:
                 steps.outputs,
                 fields[name][:, len(looked) :],
                 indicator=float(missed[name].rms.max()),
-                withheld=withheld(_reduced(reduced, name)),
+                withheld=withheld(reduced_form(reduced, name)),
             )
             for name, history in histories.items()
         }
@@ -242,7 +243,7 @@ class ErrorEstimator:
     ) -> JudgedBody:
         if name not in self._modes:
             self._modes[name] = modes_in_frame(full.body, full.frame)
-        body = _reduced(reduced, name)
+        body = reduced_form(reduced, name)
         motion = run_columns(full.body, body, basis, steps.bodies[name])
         corrections = missed.deformation[:, :n_looked]
         if name in start:
@@ -281,7 +282,8 @@ class ErrorEstimator:
         }
 
 
-def _reduced(system: System, name: str) -> ReducedBody:
+def reduced_form(system: System, name: str) -> ReducedBody:
+    """A body of a run as it was reduced; ModelError for another form."""
     body = system.bodies[system.body_index(name, "error estimate")].body
     if not isinstance(body, ReducedBody):
         raise ModelError(f"error estimate: body '{name}' ran as a {type(body).__name__}, not reduced")

@@ -39,6 +39,7 @@ from supple.multibody.equations.configuration import Configuration
 from supple.multibody.full.full_state import FullState
 from supple.multibody.full.full_system import FullSystem
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
+from supple.simulation.full_rest import holds_all
 
 __all__ = [
     "ExpandedStates",
@@ -180,7 +181,7 @@ def corrections_of(
     rotations = np.array([state.configuration.rotations for state in states])
     times = np.array([state.time for state in states])
     prepared = seen.prepared
-    determined = _holds_all(prepared)
+    determined = holds_all(prepared.system, prepared.model)
     return {
         full.name: _of_body(
             full,
@@ -238,7 +239,9 @@ def expanded_states(
     }
     prepared = FullSystem(replace(system, bodies=placed), active)
     lowest = min(body.lowest_frequency() for body in reduced)
-    slowness = _SLOWNESS if _holds_all(prepared) else _slowness_in_flight(solution, lowest)
+    slowness = (
+        _SLOWNESS if holds_all(prepared.system, prepared.model) else _slowness_in_flight(solution, lowest)
+    )
     return ExpandedStates(
         prepared=prepared,
         indices=indices,
@@ -253,11 +256,6 @@ def _slowness_in_flight(solution: Solution, lowest: float) -> float:
     """How many times slower than the body's lowest vibration, by how fast the bodies spin."""
     spins = [float(np.linalg.norm(own.angular_velocity, axis=1).max()) for own in solution.bodies.values()]
     return float(np.clip(lowest / (_SLOWER_THAN_SPIN * max([*spins, 1e-300])), *_SLOWNESS_IN_FLIGHT))
-
-
-def _holds_all(machine: FullSystem) -> bool:
-    """Whether the joints determine all rigid motion."""
-    return len(machine.model.active) >= 6 * len(machine.system.bodies)
 
 
 def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, BodyForm]:

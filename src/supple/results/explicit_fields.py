@@ -14,7 +14,7 @@ from supple.explicit.elements import SolidPoints
 from supple.explicit.explicit_shell import ShellElements
 from supple.explicit.modal_stress import modal_von_mises, stress_of_modes
 
-__all__ = ["LargestStress", "element_means", "largest_stress", "nodal_von_mises"]
+__all__ = ["PartStress", "element_means", "largest_stress", "nodal_von_mises"]
 
 FloatArray = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ def _elements(subdomain: ExplicitSubdomain | ExplicitShell) -> Sequence[SolidPoi
     return subdomain.elements if isinstance(subdomain, ExplicitShell) else subdomain.points
 
 
-class LargestStress(NamedTuple):
+class PartStress(NamedTuple):
     """Von Mises', Pa, when, and where: the id of a node of a modal part, or of a cell of an explicit one."""
 
     value: float
@@ -55,14 +55,14 @@ def largest_stress(
     subdomain: ModalSubdomain | ExplicitSubdomain | ExplicitShell,
     times: FloatArray,
     motion: FourPointMotion | NodalMotion,
-) -> LargestStress | None:
+) -> PartStress | None:
     """Of all output times (t,); None of a modal part that has matrices alone."""
     if isinstance(motion, NodalMotion):
         assert not isinstance(subdomain, ModalSubdomain)
         mesh = subdomain.model.mesh
         ids = np.concatenate([mesh.cell_ids[own.cell_type][own.cells] for own in subdomain.model.sections])
         row, cell = np.unravel_index(motion.von_mises.argmax(), motion.von_mises.shape)
-        return LargestStress(float(motion.von_mises[row, cell]), float(times[row]), int(ids[cell]))
+        return PartStress(float(motion.von_mises[row, cell]), float(times[row]), int(ids[cell]))
     assert isinstance(subdomain, ModalSubdomain)
     model = subdomain.body.model
     if model is None or not subdomain.n_modes:
@@ -71,7 +71,7 @@ def largest_stress(
     for time, coordinates in zip(times, motion.coordinates, strict=True):
         (stress,) = modal_von_mises(of_modes, coordinates[None])
         node = int(stress.argmax())
-        found.append(LargestStress(float(stress[node]), float(time), int(model.mesh.node_ids[node])))
+        found.append(PartStress(float(stress[node]), float(time), int(model.mesh.node_ids[node])))
     return max(found, key=lambda each: each.value)
 
 

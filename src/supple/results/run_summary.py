@@ -22,6 +22,8 @@ from supple.results.tracked_motion import TrackedMotion
 from supple.units import UNNAMED, UnitSystem, headed
 
 N_FREQUENCIES = 5
+N_DRAWN_MODES = 6
+"""Of a body: frequencies in tables, modes in pictures."""
 _QUANTITIES = ("length", "mass", "time", "force", "moment", "stress", "energy")
 
 

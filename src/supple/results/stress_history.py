@@ -64,7 +64,7 @@ def von_mises_history(
     ------
     ModelError   as for stress_modes
     """
-    if _has_modes(body):
+    if has_modes(body):
         return stress_modes(body, model, nodes).von_mises(coordinates)
     return _measured(body, stress_recovery(model), von_mises, coordinates, nodes)
 
@@ -76,7 +76,7 @@ def von_mises_strain_history(
     nodes: ArrayLike | None = None,
 ) -> Array:
     """Von Mises equivalent strain (t, N): as von_mises_history, with the same parameters and errors."""
-    if _has_modes(body):
+    if has_modes(body):
         return strain_modes(body, model, nodes).von_mises(coordinates)
     return _measured(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
 
@@ -89,7 +89,7 @@ def stress_blocks(
     Components xx yy zz yz xz xy in the body's axes, of l layers: 1 of solids, 3 of shells (bottom, middle,
     top). Every pair of an instant and a node is in one block.
     """
-    if _has_modes(body):
+    if has_modes(body):
         return _of_modes(body, lambda some: stress_modes(body, model, some), coordinates, nodes)
     return _recovered(body, stress_recovery(model), coordinates, nodes)
 
@@ -98,7 +98,7 @@ def strain_blocks(
     body: ElasticForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
 ) -> Iterator[TensorBlock]:
     """Strain with engineering shears: as stress_blocks."""
-    if _has_modes(body):
+    if has_modes(body):
         return _of_modes(body, lambda some: strain_modes(body, model, some), coordinates, nodes)
     return _recovered(body, strain_recovery(model), coordinates, nodes)
 
@@ -186,7 +186,8 @@ def _of_modes(
             yield TensorBlock(times, some, modes.at(coordinates[times]))
 
 
-def _has_modes(body: ElasticForm) -> TypeGuard[ReducedBody]:
+def has_modes(body: ElasticForm) -> TypeGuard[ReducedBody]:
+    """Whether its stress comes from stress modes: of a reduced body whose tensors hold all its strains."""
     return isinstance(body, ReducedBody) and not body.elastic_elsewhere
 
 

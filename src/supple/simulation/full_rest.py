@@ -20,7 +20,8 @@ import numpy as np
 from supple.algebra import read_only
 from supple.body import FullBody, MeanAxisFrame, frame_projector
 from supple.errors import AccuracyError, ConvergenceError
-from supple.machine import Placed
+from supple.machine import Placed, System
+from supple.multibody.equations.model import Model
 from supple.multibody.equations.static_search import (
     StaticSearch,
     StaticState,
@@ -33,7 +34,7 @@ from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.kept_basis import kept_bases
 from supple.simulation.resting_state import RestingState, placed_at_rest
 
-__all__ = ["FullRest", "RestError", "full_rest", "rest_errors"]
+__all__ = ["FullRest", "RestError", "full_rest", "holds_all", "rest_errors"]
 
 SLOWNESS = 1e3
 """How many times slower than the lowest vibration the correction is taken to be."""
@@ -160,7 +161,7 @@ def full_rest(
 
 def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: FullRest) -> dict[str, RestError]:
     """What the basis of each body costs, by name."""
-    held = len(reduced.model.active) >= 6 * len(reduced.system.bodies)
+    held = holds_all(reduced.system, reduced.model)
     before = placed_at_rest(reduced).bodies
     after = before if full.found is None else placed_at_rest(full.found).bodies
     errors = {}
@@ -188,6 +189,11 @@ def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: Full
             full.second,
         )
     return errors
+
+
+def holds_all(system: System, model: Model) -> bool:
+    """Whether the joints determine all rigid motion."""
+    return len(model.active) >= 6 * len(system.bodies)
 
 
 def _in_full(placed: Placed, full: FullBody, basis: ReductionBasis) -> Placed:

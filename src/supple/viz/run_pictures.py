@@ -26,6 +26,7 @@ from supple.results import (
     von_mises_history,
     without_noise,
 )
+from supple.results.run_summary import N_DRAWN_MODES
 from supple.storage import file_name
 from supple.units import UNNAMED, UnitSystem, labelled, measured
 from supple.viz.animation import Traces, animate
@@ -43,7 +44,6 @@ from supple.viz.time_history import Panel, Series, plot_time_history
 ElasticBody = ReducedBody | FullBody | IntrinsicBody
 Elements = Mapping[str, FiniteElementModel]
 
-N_MODES = 6
 N_FRAMES = 60
 FRAMES_PER_SECOND = 12.0
 # A picture of the deformed body searches so many instants for the largest deflection.
@@ -232,12 +232,12 @@ def _draw_modes(
         titles = mode_titles(modes.frequencies / (2 * np.pi), units)
         return plot_mode_shapes(path, body.nodes, surface, _of_one_sign(modes.shapes), titles)
     if body.interfaces:
-        modes = clamped_modes(body, body.interfaces[0].name, n_modes=N_MODES)
+        modes = clamped_modes(body, body.interfaces[0].name, n_modes=N_DRAWN_MODES)
         titles = _of_basis(mode_titles(modes.frequencies / (2 * np.pi), units))
         return plot_mode_shapes(path, body.nodes, surface, _of_one_sign(modes.shapes), titles)
     values, vectors = np.linalg.eigh(body.stiffness)
-    titles = _of_basis(mode_titles(np.sqrt(values[:N_MODES]) / (2 * np.pi), units))
-    lowest = vectors[:, :N_MODES].T
+    titles = _of_basis(mode_titles(np.sqrt(values[:N_DRAWN_MODES]) / (2 * np.pi), units))
+    lowest = vectors[:, :N_DRAWN_MODES].T
     shapes = _of_one_sign(body.expand_rates(np.zeros_like(lowest), lowest))
     return plot_mode_shapes(path, body.nodes, surface, shapes, titles)
 
@@ -260,7 +260,7 @@ def _of_one_sign(shapes: np.ndarray) -> np.ndarray:
 
 def _draw_intrinsic_modes(path: Path, body: IntrinsicBody, surface: Skin, units: UnitSystem) -> Path:
     """Its lowest elastic modes on the support of its root."""
-    number = min(N_MODES, body.n_coordinates)
+    number = min(N_DRAWN_MODES, body.n_coordinates)
     titles = mode_titles(body.modes.omega[body.modes.n_rigid :][:number] / (2 * np.pi), units)
     shapes = body.expand(np.eye(body.n_coordinates)[:number])
     return plot_mode_shapes(path, body.nodes, surface, shapes, titles)
