@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -18,9 +17,8 @@ from supple.body.mass_properties import centre_of_gram
 from supple.errors import ModelError
 from supple.integrate.motion import FloatingMotion
 from supple.reduction.condensed_motion import CondensedMotion
-from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
-from supple.reduction.locking import Locking
 from supple.reduction.pair_blocks import PairBlocks, pair_blocks
+from supple.reduction.reduction_report import ReductionReport
 from supple.reduction.tensors import InternalForceTensors
 
 if TYPE_CHECKING:
@@ -51,41 +49,6 @@ class ReducedInterface:
 
     def __post_init__(self):
         _set_read_only(self)
-
-
-@dataclass(frozen=True, eq=False)
-class ReductionReport:
-    """How the basis came about: what was kept, what was dropped, and what it cost.
-
-    linear : labels of the linear columns (modes and static columns) that span the linear subspace
-    derivatives : labels of the columns added for the quadratic motion
-    corrections : labels of the columns added because a run of the reduced body missed them
-    dropped : labels of the columns left out because others, or the frame, already hold their motion
-    singular_values_kept, singular_values_dropped : of the weighted derivatives, relative to the first
-        (both empty unless the derivatives were compressed)
-    seconds : wall time of each offline step
-    certificate : what is proven of the body's eigenvalues, by a basis that proves it (ErrorControlled)
-    locking : what stiff motion outside the columns would withhold, and does; None of a linear body
-    """
-
-    linear: tuple[str, ...]
-    derivatives: tuple[str, ...] = ()
-    corrections: tuple[str, ...] = ()
-    dropped: tuple[str, ...] = ()
-    singular_values_kept: np.ndarray = field(default_factory=lambda: np.empty(0))
-    singular_values_dropped: np.ndarray = field(default_factory=lambda: np.empty(0))
-    seconds: Mapping[str, float] = field(default_factory=dict)
-    certificate: EigenvalueCertificate | None = None
-    locking: Locking | None = None
-
-    def __post_init__(self):
-        _set_read_only(self)
-
-    def __str__(self) -> str:
-        counts = [f"{len(self.linear)} linear columns", f"{len(self.derivatives)} derivatives"]
-        counts += [f"{len(self.corrections)} corrections"] if self.corrections else []
-        left_out = f"; left out: {', '.join(self.dropped)}" if self.dropped else ""
-        return ", ".join(counts) + left_out
 
 
 @dataclass(frozen=True, eq=False, repr=False)
