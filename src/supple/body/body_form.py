@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body.interface import Interface
+from supple.body.point_motion import InterfaceMotion, NodeMotion
 
 
 class BodyForm(Protocol):
@@ -71,6 +72,14 @@ class BodyForm(Protocol):
 
         Raises ModelError for a node number outside the body.
         """
+        ...
+
+    def node_motion(self, motion: Any, nodes: ArrayLike) -> NodeMotion:
+        """Positions, velocities and accelerations (t, k, 3) of some nodes in space."""
+        ...
+
+    def interface_motion(self, motion: Any, name: str) -> InterfaceMotion:
+        """Pose, velocities and acceleration (t, ...) of an interface in space: all that joints see of it."""
         ...
 
     @property

@@ -12,17 +12,16 @@ from scipy.sparse import csr_array, vstack
 from supple.arguments import check_fields
 from supple.body.damping import Damping
 from supple.body.flexible_body import FlexibleBody
-from supple.body.floating_kinematics import floating_positions
 from supple.body.frame import Frame
 from supple.body.interface import BodyInterface
 from supple.body.mass_properties import rigid_mass_properties
-from supple.integrate.motion import FloatingMotion
+from supple.body.point_motion import FloatingForm
 
 __all__ = ["FullBody"]
 
 
 @dataclass(frozen=True, eq=False)
-class FullBody:
+class FullBody(FloatingForm):
     """All coordinates of a flexible body in a floating frame, fixed to the frame by six multipliers.
 
     body : FlexibleBody    nonlinear where it has quadratic strains; `body.linearized()` otherwise
@@ -94,10 +93,6 @@ class FullBody:
     ) -> np.ndarray:
         """Their rates (..., k, 3) at rates (..., n), whatever the coordinates are."""
         return self.expand(rates, nodes)
-
-    def positions(self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
-        """Positions r = R + A (x + u) (t, k, 3) in space of some nodes, or all."""
-        return floating_positions(self, motion, nodes)
 
     @property
     def is_linear(self) -> bool:

@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra import read_only
-from supple.body.floating_kinematics import floating_positions
 from supple.body.interface import interface_named
 from supple.body.mass_properties import centre_of_gram
+from supple.body.point_motion import FloatingForm
 from supple.errors import ModelError
-from supple.integrate.motion import FloatingMotion
 from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.pair_blocks import PairBlocks, pair_blocks
 from supple.reduction.reduction_report import ReductionReport
@@ -52,7 +51,7 @@ class ReducedInterface:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ReducedBody:
+class ReducedBody(FloatingForm):
     """A flexible body in r coordinates gamma, whose columns V are M-orthonormal (V^T M V = I, D V = 0).
 
         u_nodal = nodal_basis @ gamma + z(gamma),   z: of the condensed tensors, quadratic in gamma
@@ -192,10 +191,6 @@ class ReducedBody:
         known = self.condensed.fields
         fields = known.reshape(len(self.nodes), self.dofs_per_node, known.shape[-1])
         return _combine(fields[nodes, :3], amplitudes)
-
-    def positions(self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
-        """Positions r = R + A (x + u) (t, k, 3) in space of some nodes, or all."""
-        return floating_positions(self, motion, nodes)
 
     def lowest_frequency(self) -> float:
         """Of the undeformed body fixed in its frame, rad/s."""
