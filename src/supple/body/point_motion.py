@@ -14,6 +14,7 @@ from supple.body.floating_kinematics import (
     node_numbers,
     time_slices,
 )
+from supple.body.form_defaults import FormDefaults
 from supple.body.interface import Interface, place_in_frame
 from supple.integrate.motion import FloatingMotion
 
@@ -52,7 +53,7 @@ class InterfaceMotion(NamedTuple):
     angular_velocity: Array
 
 
-class FloatingForm:
+class FloatingForm(FormDefaults):
     """What rigid, reduced and full bodies share: points that a floating frame carries."""
 
     def positions(

@@ -96,6 +96,12 @@ class RigidBody(FloatingForm):
         """No velocity, likewise."""
         return self.expand(rates, nodes)
 
+    def nodal_fields(
+        self, coordinates: NDArray[np.float64], freedoms: NDArray[np.intp] | slice = slice(None)
+    ) -> tuple[NDArray[np.float64], None]:
+        """No displacement, (3 N, t)."""
+        return np.zeros((self.nodes.size, len(coordinates)))[freedoms], None
+
     @property
     def is_linear(self) -> bool:
         """True: there is no internal force."""

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from supple.algebra import read_only
 from supple.body import Damping
 from supple.body.floating_kinematics import node_numbers
+from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
 from supple.body.mass_properties import centre_of_gram
 from supple.body.point_motion import InterfaceMotion, NodeMotion
@@ -58,9 +59,14 @@ class Station:
         """None: stations turn as far as they like."""
         return 0.0
 
+    @property
+    def tied_nodes(self) -> NDArray[np.int64]:
+        """None."""
+        return np.empty(0, dtype=np.int64)
+
 
 @dataclass(frozen=True, eq=False)
-class IntrinsicBody:
+class IntrinsicBody(FormDefaults):
     """A slender body that turns and bends by any angle, from its linear modes; build it with `intrinsic_body`
     or `condense`.
 
@@ -134,10 +140,21 @@ class IntrinsicBody:
         """The arrays of its equations."""
         return line_model(self.modes, self.damping)
 
-    @cached_property
-    def nodal_basis(self) -> Array:
-        """(N d, e) linear displacement of the nodal freedoms in elastic modes."""
-        return self.expansion.modes.reshape(-1, self.n_coordinates)
+    @property
+    def dofs_per_node(self) -> int:
+        """Freedoms of a node."""
+        return self.expansion.modes.shape[1]
+
+    @property
+    def has_linear_strains(self) -> bool:
+        """True: stress is that of the static shapes that carry its section loads."""
+        return True
+
+    def nodal_fields(
+        self, coordinates: Array, freedoms: NDArray[np.intp] | slice = slice(None)
+    ) -> tuple[Array, None]:
+        """Linear displacements (N d, t) of elastic amplitudes (t, e), into which strains alone enter."""
+        return self.expansion.modes.reshape(-1, self.n_coordinates)[freedoms] @ coordinates.T, None
 
     def truncated(self, n_modes: int) -> IntrinsicBody:
         """The same body with its lowest elastic modes, and the second-order modes that belong to them.

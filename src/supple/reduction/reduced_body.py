@@ -15,6 +15,7 @@ from supple.body.interface import interface_named
 from supple.body.mass_properties import centre_of_gram
 from supple.body.point_motion import FloatingForm
 from supple.errors import ModelError
+from supple.reduction.condensed_inertia import missing_centrifugal_stiffness
 from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.pair_blocks import PairBlocks, pair_blocks
 from supple.reduction.reduction_report import ReductionReport
@@ -191,6 +192,29 @@ class ReducedBody(FloatingForm):
         known = self.condensed.fields
         fields = known.reshape(len(self.nodes), self.dofs_per_node, known.shape[-1])
         return _combine(fields[nodes, :3], amplitudes)
+
+    def nodal_fields(
+        self, gamma: np.ndarray, freedoms: NDArray[np.intp] | slice = slice(None)
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """V gamma (n_nodal, t) of gamma (t, r), and z(gamma) likewise; some nodal freedoms, or all."""
+        moved = self.nodal_basis[freedoms] @ gamma.T
+        if self.condensed is None:
+            return moved, None
+        return moved, self.condensed.fields[freedoms] @ self.condensed.amplitudes_at(gamma).T
+
+    @property
+    def has_stress_modes(self) -> bool:
+        """Whether its tensors hold all its strains."""
+        return not self.elastic_elsewhere
+
+    def section_softness(self, interface: str) -> np.ndarray:
+        """C / C (3,) of the section of an averaging interface; zeros of any other."""
+        return self.interface(interface).softness
+
+    @property
+    def missing_centrifugal_stiffness(self) -> np.ndarray:
+        """(3,) of its condensed motion, whose inertia it may lack."""
+        return missing_centrifugal_stiffness(self)
 
     def lowest_frequency(self) -> float:
         """Of the undeformed body fixed in its frame, rad/s."""
