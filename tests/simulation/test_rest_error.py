@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
-from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
+from supple.body import (
+    FullBody,
+    MeanAxisFrame,
+    ModalDamping,
+    NodalFixedFrame,
+    RigidBody,
+    RigidInterface,
+    flexible_body,
+)
 from supple.errors import BasisWarning, ModelError
 from supple.fem import Isotropic, solid_model
 from supple.linearization import linearize, machine_modes
@@ -131,3 +141,23 @@ def test_nor_is_a_full_body(bar, up, stable):
     hinge = Revolute(first=GROUND, second=At("bar", "root"), axis=(0, 1, 0))
     standing = Placed(FullBody(bar, ROOT), rotation=(0, -up * np.pi / 2, 0))
     assert equilibrium(System((standing,), (hinge,), gravity=(0, 0, -0.01))).stable is stable
+
+
+def test_a_reduced_body_knows_the_one_it_was_made_of(bar):
+    """By reference, until it goes to another process: errors are stated unless they are left out."""
+    reduced = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives(), loads=NoLoads)
+    assert reduced.full.body is bar
+    with pytest.warns(BasisWarning, match="at rest a node is off by"):
+        found = equilibrium(turned(reduced), spin=SPIN)
+    assert found.errors["bar"].relative > 0.5
+    assert equilibrium(turned(reduced), spin=SPIN, fulls=()).errors == {}
+    assert pickle.loads(pickle.dumps(reduced)).full is None
+
+
+def test_modal_damping_of_all_modes_is_counted_in_full(bar):
+    """As many modes as the reduced body has are damped: the whole of its basis."""
+    reduced = reduce(bar, ROOT, CraigBampton(3), derivatives=NoDerivatives(), damping=ModalDamping(0.02))
+    assert reduced.full.damping.n_modes == reduced.r
+    modes = machine_modes(linearize(turned(reduced)), 2)
+    assert modes.damping_ratios == pytest.approx([0.02, 0.02], rel=1e-6)
+    assert modes.error.eigenvalues == pytest.approx(modes.eigenvalues, rel=1e-5)

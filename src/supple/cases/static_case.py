@@ -90,7 +90,7 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
     case.notify("searching the equilibrium")
     traced = tuple(each for each in system.controllers if isinstance(each, Controller))
     acting = replace(system, controllers=traced)
-    found = equilibrium(acting, time=case.run.start, spin=spin_of(case)).system
+    found = equilibrium(acting, time=case.run.start, spin=spin_of(case), fulls=()).system
     resting = iter(found.controllers)
     controllers = tuple(next(resting) if isinstance(own, Controller) else own for own in system.controllers)
     return replace(found, controllers=controllers)
@@ -149,7 +149,7 @@ def static_case(
     if case.starts:
         found, _ = correct_at_rest(system, case.starts, time=time, spin=spin_of(case))
     else:
-        fulls = case.fulls if errors else {}
+        fulls = None if errors else ()
         found = equilibrium(system, time=time, spin=spin_of(case), fulls=fulls, progress=searching)
     progress("searching the equilibrium", 1.0)
     places = {name: case.place(name) for name in case.parts.output.track}
