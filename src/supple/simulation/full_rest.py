@@ -190,7 +190,8 @@ def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: Full
         if held:
             displacement = new.positions() - old.positions()
         else:
-            displacement = own.expand(frame_projector(own.body, MeanAxisFrame())(deformation))
+            missing = new.coordinates - began  # what condensed tensors let follow is no error
+            displacement = own.expand(frame_projector(own.body, MeanAxisFrame())(missing))
         errors[name] = RestError(
             displacement,
             deformation,
