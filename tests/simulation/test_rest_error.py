@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,12 +23,16 @@ from supple.linearization import linearize, machine_modes
 from supple.machine import GROUND, At, Fixed, Placed, PrescribedRotation, Revolute, Spin, System
 from supple.mesh import CellType, block, strip
 from supple.reduction import (
+    CompressedDerivatives,
     CraigBampton,
     NoDerivatives,
     NoLoads,
     NormalModes,
+    PlainQuartic,
     Rubin,
+    project,
     reduce,
+    reduction_basis,
 )
 from supple.simulation import equilibrium
 
@@ -175,3 +180,24 @@ def test_condensed_motion_is_no_error_of_a_machine_that_may_turn():
     )
     assert turning.relative < 3e-4  # with the shortening by the sag 6e-3
     assert 0.5 < turning.rms / clamped.rms < 2
+
+
+@pytest.mark.filterwarnings("ignore::supple.errors.LockingWarning")
+def test_a_fixed_size_that_locks_under_a_uniform_load_says_by_how_much():
+    """Ten modes, ten derivatives, tip at 12 % of the length: plain tensors err by 1.4 %, condensed 0.01 %."""
+    wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
+    mesh = strip(1.0, 0.1, 8, 2)
+    body = flexible_body("strip", shell_model(mesh, wall), (RigidInterface("root", "root"),))
+    clamp = Fixed(name="clamp", first=GROUND, second=At("strip", "root"))
+    columns = reduction_basis(body, ROOT, CraigBampton(10), derivatives=CompressedDerivatives(10))
+    machine = System((project(body, columns, quartic=PlainQuartic()),), (clamp,), gravity=(0, 0, -8.0))
+    with pytest.warns(BasisWarning, match="at rest a node is off by"):
+        locked = equilibrium(machine)
+    followed = equilibrium(replace(machine, bodies=(project(body, columns),)), fulls=())
+    exact, plain, condensed = (
+        system.bodies[0].positions()[mesh.nodes_of("tip"), 2].mean()
+        for system in (locked.full[0], locked.system, followed.system)
+    )
+    assert 1 - plain / exact == pytest.approx(locked.errors["strip"].relative, rel=0.05)
+    assert 0.01 < 1 - plain / exact < 0.02
+    assert abs(condensed / exact - 1) < 3e-4
