@@ -94,8 +94,8 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     Of a machine with full bodies the slowest are found by shift and invert (`slowest_motions`); with damping
     or gyroscopic terms these are the slowest of which iteration shows any.
 
-    Of a machine linearised with `fulls`, and a number given, the same modes are found with all coordinates of
-    its bodies (`MachineModes.error`).
+    Where the full bodies of reduced ones are known (`linearize`), and a number is given, the same modes are
+    found with all coordinates (`MachineModes.error`).
 
     Warns BasisWarning of modes whose eigenvalue is off by 1 % or more, and of modes that the bases lack.
 
