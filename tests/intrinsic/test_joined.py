@@ -18,7 +18,6 @@ from supple.intrinsic import (
     intrinsic_modes,
     line_rest,
     released,
-    truncation_error,
 )
 from supple.machine import (
     Ball,
@@ -253,10 +252,7 @@ def test_what_cannot_be_joined_is_refused_with_the_remedy():
     apart = System([released(clamped), Placed(other, position=[1.1, 0, 0])], [HINGE, ELBOW])
     refused(apart, "joint 'elbow' is open .* position x is off by 0.1")
     refused(good, "stepped with FixedStep", step=AdaptiveStep())
-    alone = System([clamped], [Fixed(first="ground", second="a.root")])
-    moved = simulate(alone, Run(1e-3, 1e-3, step=FixedStep(1e-3), method=RungeKutta4()))
-    for look in (line_rest, lambda system: truncation_error(system, moved, [other])):
-        with pytest.raises(ModelError, match=r"whose roots the ground alone holds.*Simulate, with damping"):
-            look(good)
+    with pytest.raises(ModelError, match=r"whose roots the ground alone holds.*Simulate, with damping"):
+        line_rest(good)
     with pytest.raises(ModelError, match=r"where the machine rests by a run with damping"):
         equilibrium(good)
