@@ -192,7 +192,7 @@ def with_modes(placed: Placed, number: int | None) -> Placed:
 
 def _rates(lines: _Lines, time: Any, states: States, wrenches: jax.Array | None) -> States:
     rates = system_rates(lines.system, time, states)
-    if lines.joined is None:
+    if lines.joined is None or wrenches is None:
         return rates
     pushed = held_forces(lines.joined, states, wrenches)
     return tuple(replace(rate, q1=rate.q1 + own) for rate, own in zip(rates, pushed, strict=True))
