@@ -98,6 +98,7 @@ def test_a_ball_joint_holds_a_free_root_as_a_support_does():
     assert tips[1] == pytest.approx(tips[0], abs=1e-10)
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # few modes, on purpose
 @pytest.mark.slow
 def test_stiff_beams_are_the_double_pendulum():
     """Against Lagrange's equations of two rods, their inertia as lumped."""
@@ -122,6 +123,7 @@ def test_stiff_beams_are_the_double_pendulum():
     assert found[:, 1] == pytest.approx(tip, abs=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # few modes, on purpose
 @pytest.mark.slow
 def test_joints_stay_closed_and_energy_is_kept_to_the_order_of_the_step():
     drifts = []
@@ -135,6 +137,7 @@ def test_joints_stay_closed_and_energy_is_kept_to_the_order_of_the_step():
     assert np.log2(drifts[0] / drifts[1]) > 1.7
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # few modes, on purpose
 @pytest.mark.slow
 def test_a_rigid_hub_turns_a_blade_that_is_fixed_to_it():
     """Stiff: torque over inertia; the hinge carries no moment about its axis, the weld the blade's."""
@@ -197,6 +200,7 @@ def test_a_beam_held_at_both_ends_sags_as_the_formula_says():
     assert solution.joint_forces["far"][-1, 2] == pytest.approx(-0.05, rel=1e-2)
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # few modes, on purpose
 @pytest.mark.slow
 def test_an_arm_in_a_floating_frame_carries_an_intrinsic_beam():
     """Small motion, so that the arm may as well be intrinsic: the same swing of the tip."""
@@ -226,6 +230,7 @@ def test_an_arm_in_a_floating_frame_carries_an_intrinsic_beam():
     assert tips[1] == pytest.approx(tips[0], abs=0.02 * np.abs(tips[0]).max())
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # few modes, on purpose
 @pytest.mark.slow
 def test_a_run_in_two_parts_is_the_run_in_one():
     bodies = [beam(name, n_modes=4, damping=UNDAMPED) for name in "ab"]

@@ -175,13 +175,15 @@ def test_modes_of_a_released_body_are_those_on_its_support(whole):
     assert back.coordinate_rates == pytest.approx(-coordinates, abs=1e-9)
 
 
-def test_the_part_of_the_modes_is_computed_once_a_run(whole, monkeypatch):
-    """The error statement takes what the end of the run found."""
+@pytest.mark.parametrize("kept", [False, True])
+def test_the_part_of_the_modes_is_computed_once_a_run(whole, monkeypatch, tmp_path, kept):
+    """The error statement takes what the end of the run found, in memory or in a file."""
     few = whole.truncated(4)
-    solution = simulate(bent(few), Run(0.3, 0.1, step=FixedStep(0.02), method=GeneralizedAlpha(0.8)))
+    system = System([few], [CLAMP], [DeadForce(at="beam.tip", force=(0.0, 0.0, 1.0))])
+    solution = simulate(system, RUN, file=tmp_path / "run.h5" if kept else None)
     monkeypatch.setattr("supple.intrinsic.report_truncation.truncation_error", None)
     study = ErrorStudy(integration=False, model=False)
-    stated = state_errors(bent(few), RUN, solution, study).errors["beam"]
+    stated = state_errors(system, RUN, solution, study).errors["beam"]
     assert stated.basis == solution.truncation["beam"]
     assert stated.basis.value > 0
 
