@@ -90,7 +90,9 @@ def linearized_at(equation, row):
     ]
     motion = jax.tree.map(lambda leaf: leaf[row], point.motion)
     none = np.zeros(equation.model.n_velocities)
-    return _linearized(equation.model, bodies, here, motion, none, StepFactors(1.0, 1.0), (none, none))
+    return jax.jit(_linearized)(
+        equation.model, bodies, here, motion, none, StepFactors(1.0, 1.0), (none, none)
+    )
 
 
 @pytest.mark.parametrize(
