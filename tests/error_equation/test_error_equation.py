@@ -112,6 +112,7 @@ def test_a_complete_basis_has_no_error(frame):
     assert history.rms.max() < 1e-9 * np.abs(solution.bodies["strip"].coordinates).max()
 
 
+@pytest.mark.slow
 def test_once_more_about_the_corrected_motion_the_error_is_of_higher_order(spun):
     """Against the full run, place and phase included: what is left of 1e-4 m is a hundredth, then less."""
     system, small, bases, run, solution = spun
