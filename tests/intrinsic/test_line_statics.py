@@ -65,6 +65,7 @@ def test_a_follower_force_turns_the_tip_by_158_degrees():
     assert np.log2(errors[0] / errors[1]) > 1.8
 
 
+@pytest.mark.slow
 def test_the_bend_of_45_degrees_stands_where_it_is_published():
     """Dead load 600 on the tip of an arc of radius 100; [SimoVuQuoc1986], part I: (15.79, 47.23, 53.37)."""
     angles = np.linspace(0, np.pi / 4, 17)
