@@ -396,6 +396,7 @@ def test_a_run_without_a_step_resolves_the_periods_of_the_modes_kept():
     assert with_chosen_step(stone, Run(1.0, 0.5)).step is None
 
 
+@pytest.mark.slow
 def test_residual_modes_are_found_where_few_of_many_are_kept():
     """16 of 48 under a load that bends by half the length; sweeps that put the last values in diverge."""
     body = beam(CLAMPED, n_modes=None)

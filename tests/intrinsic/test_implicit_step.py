@@ -53,7 +53,7 @@ def tip_after():
     return jax.jit(tip)
 
 
-@pytest.mark.parametrize("direction", [jax.jacfwd, jax.jacrev])
+@pytest.mark.parametrize("direction", [pytest.param(jax.jacfwd, marks=pytest.mark.slow), jax.jacrev])
 def test_implicit_steps_are_differentiated_in_either_direction(tip_after, direction):
     force, step = jnp.array([0.1, 0.2, 3.0]), 1e-5
     slope = np.asarray(jax.jit(direction(tip_after))(force))
