@@ -24,7 +24,7 @@ from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, Mesh, block
-from supple.reduction import NoDerivatives, NormalModes, reduce
+from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
 from supple.results import node_positions
 from supple.simulation import simulate
 
@@ -41,7 +41,9 @@ def bar() -> tuple[Mesh, FlexibleBody]:
 
 
 def in_supple(mesh: Mesh, body: FlexibleBody) -> TimedRun:
-    small = reduce(body.linearized(), MeanAxisFrame(), NormalModes(N_MODES), derivatives=NoDerivatives())
+    small = reduce(
+        body.linearized(), MeanAxisFrame(), NormalModes(N_MODES), derivatives=NoDerivatives(), loads=NoLoads
+    )
     system = System(
         bodies=(Placed(small),),
         joints=(Ball(first=GROUND, second=At("bar", "root")),),

@@ -27,7 +27,7 @@ from supple.export import interface_nodes, write_exudyn
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import System
 from supple.mesh import CellType
-from supple.reduction import ErrorControlled, NoDerivatives, ReducedBody, reduce
+from supple.reduction import ErrorControlled, NoDerivatives, NoLoads, ReducedBody, reduce
 from supple.results import node_positions
 from supple.simulation import simulate
 from supple_benchmarks.machines.quadruple_pendulum import GRAVITY, QuadruplePendulum
@@ -134,7 +134,11 @@ def main() -> None:
     march_as_long_runs_do()
     machine = QuadruplePendulum(cell_type=CellType.TETRA4).machine()
     link = reduce(
-        machine.body, machine.frame, ErrorControlled(0.01, machine.n_modes), derivatives=NoDerivatives()
+        machine.body,
+        machine.frame,
+        ErrorControlled(0.01, machine.n_modes),
+        derivatives=NoDerivatives(),
+        loads=NoLoads,
     )
     system = machine.system(link)
     end = int(machine.model.mesh.nodes_of("tip")[0])

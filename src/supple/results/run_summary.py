@@ -77,7 +77,7 @@ def stress_numbers(
         model = elements.get(body.name)
         if model is None or not has_stress(model):
             continue
-        if isinstance(body, ReducedBody | FullBody | IntrinsicBody):
+        if body.n_coordinates:
             largest = largest_stress(body, model, solution.bodies[body.name].coordinates)
             found[body.name] = {
                 "largest von Mises stress": largest.value,
