@@ -100,18 +100,15 @@ def test_a_stress_that_is_none_is_found_while_reading(case):
 
 
 def test_a_sensor_that_its_body_cannot_serve_is_found_before_the_run(case):
-    """The velocity of an intrinsic body: said with its line, not when the run is over."""
+    """A section of a rigid body: refused with its line, not when the run is over."""
+    inertia = "[[1,0,0],[0,1,0],[0,0,1]]"
+    rigid = f'[[body]]\nname = "hub"\nrigid = {{ mass = 1.0, inertia = {inertia} }}\n'
+    eye = '[[body.interface]]\nname = "eye"\nposition = [0, 0, 0]\n'
+    sensor = '\n[[sensor]]\nname = "v"\nkind = "section-force"\nat = "hub.eye"\nnormal = [1, 0, 0]\n'
     text = case.read_text()
-    keys = 'frame = { kind = "mean-axis" }\n', "reduction = "
-    text = text.replace(keys[0], 'condense = { root = "root", tip = "tip", stations = 5 }\n')
-    text = "\n".join(line for line in text.splitlines() if not line.startswith(keys[1]))
-    text = text.replace("\n[[joint]]", '\n[[body.interface]]\nname = "tip"\nnodes = "TIP"\n\n[[joint]]', 1)
-    text = text[: text.index("[[sensor]]")]
-    case.write_text(text + '\n[[sensor]]\nname = "v"\nkind = "velocity"\nat = "strip.tip"\n')
+    case.write_text(text[: text.index("[[sensor]]")].replace("[[joint]]", rigid + eye + "[[joint]]") + sensor)
     line = line_of(case, "[[sensor]]")
-    with pytest.raises(
-        CaseError, match=rf"line {line}, sensor\[1\]: sensor 'v': body 'strip' has no floating"
-    ):
+    with pytest.raises(CaseError, match=rf"line {line}, sensor\[1\]: sensor 'v': body 'hub' is rigid"):
         _ = read_case(case).sensors
 
 

@@ -230,14 +230,13 @@ class Case:
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
         loads = [table.build(*self.place(table.at), self.folder) for table in tables.load]
-        springs = [table.build(unloaded) for table in tables.spring]
-        elements = [table.build(self.folder) for table in tables.element]
+        elements = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
         frictions = [
             table.friction.build(joint)
             for table, joint in zip(tables.joint, joints, strict=True)
             if table.friction is not None
         ]
-        return replace(unloaded, loads=(*loads, *springs, *elements, *frictions))
+        return replace(unloaded, loads=(*loads, *elements, *frictions))
 
     def controlled(self, system: System, *, allow_code: bool) -> System:
         """The system with the controllers that the case names.

@@ -34,7 +34,7 @@ from supple.cases.output import Output
 from supple.cases.sensors import SensorTable
 from supple.cases.simulation import Simulation
 from supple.cases.spin import SpinTable
-from supple.cases.springs import Spring
+from supple.cases.springs import SpringTable
 from supple.cases.stated_error import StatedError
 from supple.errors import ModelError
 from supple.importers.text_file import is_file
@@ -54,7 +54,7 @@ class CaseTables(CheckedTable):
     body: Annotated[tuple[Body, ...], Field(strict=False)]
     joint: Annotated[tuple[Joint, ...], Field(strict=False)] = ()
     load: Annotated[tuple[Load, ...], Field(strict=False)] = ()
-    spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
+    spring: Annotated[tuple[SpringTable, ...], Field(strict=False)] = ()
     element: Annotated[tuple[ElementTable, ...], Field(strict=False)] = ()
     control: str | None = Field(None, description="FILE.py:FUNCTION; runs with --allow-code")
     sensor: Annotated[tuple[SensorTable, ...], Field(strict=False)] = ()

@@ -14,8 +14,7 @@ def ends_exist(raw: Raw) -> Mistakes:
     """The rule that every end and place is there."""
     for key in ("joint", "spring"):
         for path, item in tables(raw, key):
-            ground = item.get("kind") != "straight"
-            yield from _exists(raw, (*path, "first"), item.get("first"), ground=ground)
+            yield from _exists(raw, (*path, "first"), item.get("first"), ground=True)
             yield from _exists(raw, (*path, "second"), item.get("second"))
     for path, item in tables(raw, "element"):
         yield from _exists(raw, (*path, "first"), item.get("first"), ground=True)
@@ -39,7 +38,7 @@ def _exists(
         return
     if place == "ground":
         if not ground:
-            yield path, "ground cannot stand here, only as first end of a joint or torsion spring"
+            yield path, "ground cannot stand here, only as first end of a joint or spring"
         return
     bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
     name, dot, where = place.partition(".")

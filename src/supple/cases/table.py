@@ -1,22 +1,171 @@
-"""A table of a case file that stands for one object of the library."""
+"""Tables of a case file, made from the classes of the objects that they stand for."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, ClassVar
+import inspect
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache, reduce
+from operator import or_
+from types import NoneType, UnionType
+from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
-from supple.importers.toml import CheckedTable
+from pydantic import Field, GetCoreSchemaHandler, create_model
+from pydantic_core import CoreSchema
+
+from supple import arguments
+from supple.importers.toml import CheckedTable, NonNegative, Positive
+
+
+@dataclass(frozen=True)
+class Key:
+    """The key of a parameter, where it differs from the parameter.
+
+    type : of its values; that of the parameter if None
+    description : in messages; from the docstring of the class if empty and the type is the parameter's
+    name : that of the parameter if empty
+    default : that of the parameter unless given
+    """
+
+    type: Any = None
+    description: str = ""
+    name: str = ""
+    default: Any = inspect.Parameter.empty
+
+
+@dataclass(frozen=True)
+class Plan:
+    """An object that a table stands for: its class, and for each parameter its key, or the keys of a part."""
+
+    makes: Callable[..., Any]
+    parameters: Mapping[str, str | Plan]
+
+    def made(self, table: CheckedTable, *context: Any) -> Any:
+        """The object; None for a part that lacks what it needs."""
+        given = {}
+        for parameter, source in self.parameters.items():
+            value = source.made(table, *context) if isinstance(source, Plan) else getattr(table, source)
+            value = value.build(*context) if isinstance(value, Made) else value
+            if value is not None or NoneType in get_args(_hints(self.makes)[parameter]):
+                given[parameter] = value
+            elif _parameters(self.makes)[parameter].default is inspect.Parameter.empty:
+                return None
+        return self.makes(**given)
 
 
 class Made(CheckedTable):
-    """A table that stands for one object, whose parameters begin with the keys of the table, in order."""
+    """A table that stands for one object, whose parameters begin with its keys, in order, without a plan."""
 
     makes: ClassVar[Callable[..., Any]]
     """The class of the object."""
-    chosen_by: ClassVar[tuple[str, ...]] = ("kind", "basis")
-    """Keys that choose among tables; they are no parameters."""
+    plan: ClassVar[Plan | None] = None
 
-    def build(self, *_: Any) -> Any:
-        """The object; what other tables of the same choice need besides their keys does not matter."""
-        keys = (key for key in type(self).model_fields if key not in self.chosen_by)
-        return type(self).makes(*(getattr(self, key) for key in keys))
+    def build(self, *context: Any) -> Any:
+        """The object; in context, what tables of the same choice need: of laws the folder of their files."""
+        kind = type(self)
+        keys = (key for key in kind.model_fields if key not in ("kind", "basis"))
+        plan = kind.plan or Plan(kind.makes, dict(zip(_parameters(kind.makes), keys, strict=False)))
+        return plan.made(self, *context)
+
+
+def part(makes: Callable[..., Any], **by_hand: Any) -> tuple[Callable[..., Any], dict[str, Any]]:
+    """A parameter that is an object, whose own parameters are keys of the table; as `table_of`."""
+    return makes, by_hand
+
+
+def table_of(
+    makes: Callable[..., Any], kind: str | None = None, base: type[Made] = Made, **by_hand: Any
+) -> Any:
+    """The table of a class: its parameters are the keys, with their types, ranges, defaults and descriptions.
+
+    Descriptions are lines `name : text` of the docstrings of the class and those it inherits from.
+
+    kind : value of the key that chooses the table among others
+    base : table with keys that all tables of a section have; parameters of these names are theirs
+    by_hand : by parameter, what differs: a type, a `Key`, a `part`, or None for a parameter without key
+    """
+    fields: dict[str, Any] = {} if kind is None else {"kind": (Literal[kind], ...)}
+    plan = _planned(makes, by_hand, fields, base.model_fields)
+    made = create_model(makes.__name__, __base__=base, __doc__=(makes.__doc__ or "").split("\n")[0], **fields)
+    made.makes, made.plan = makes, plan
+    return made
+
+
+def _planned(
+    makes: Callable[..., Any],
+    by_hand: Mapping[str, Any],
+    fields: dict[str, Any],
+    shared: Mapping[str, Any],
+) -> Plan:
+    """The plan of a class; adds its keys to `fields`."""
+    plan: dict[str, str | Plan] = {}
+    hints, descriptions = _hints(makes), _descriptions(makes)
+    for name, parameter in _parameters(makes).items():
+        own = by_hand.get(name, Key())
+        if own is None:
+            continue
+        if isinstance(own, tuple):
+            inner, its_own = own
+            plan[name] = _planned(inner, its_own, fields, shared)
+            continue
+        own = own if isinstance(own, Key) else Key(own)
+        key = plan[name] = own.name or name
+        if key in shared or key in fields:
+            continue
+        default = parameter.default if own.default is inspect.Parameter.empty else own.default
+        if default is inspect.Parameter.empty:
+            default = ...
+        kind = _of_toml(hints[name] if own.type is None else own.type)
+        description = own.description or (descriptions.get(name) if own.type is None else None)
+        if default is None or default in (float("inf"), -float("inf")):
+            kind, default = kind | None, None  # what is left out is the class's own default
+        fields[key] = (kind, Field(default, description=description))
+    return Plan(makes, plan)
+
+
+@cache
+def _parameters(makes: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
+    return inspect.signature(makes).parameters
+
+
+@cache
+def _hints(makes: Callable[..., Any]) -> Mapping[str, Any]:
+    return get_type_hints(makes, include_extras=True)
+
+
+_DESCRIBED = re.compile(
+    r"(?:^ {4}| {4,})(\w+(?:, \w+)*) : +((?:(?! {4,}\w+(?:, \w+)* : )(?:.|\n {8,}(?=\S)))+)", re.MULTILINE
+)
+
+
+@cache
+def _descriptions(makes: Any) -> Mapping[str, str]:
+    """Texts of lines `name, name : text`, which go on where a line is indented further."""
+    found: dict[str, str] = {}
+    for each in reversed(inspect.getmro(makes)):
+        for names, text in _DESCRIBED.findall(each.__doc__ or ""):
+            found |= dict.fromkeys(names.split(", "), " ".join(text.split()))
+    return found
+
+
+def _of_toml(hint: Any) -> Any:
+    """The type of a parameter as that of a key: an array may fill a tuple, and numbers keep their range."""
+    ranges = {arguments.Positive: Positive, arguments.NotNegative: NonNegative}
+    if hint in ranges:
+        return ranges[hint]
+    inner = tuple(map(_of_toml, get_args(hint)))
+    if get_origin(hint) is tuple:
+        return Annotated[tuple[inner], Field(strict=False)]
+    return reduce(or_, inner) if get_origin(hint) in (Union, UnionType) else hint
+
+
+class OneOf:
+    """The choice among tables by their `kind`, for `Annotated[Made, OneOf(...)]`."""
+
+    def __init__(self, *tables: Any, by: str = "kind") -> None:
+        self.tables, self.by = tables, by
+
+    def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Of the union of the tables."""
+        return handler.generate_schema(Annotated[reduce(or_, self.tables), Field(discriminator=self.by)])
