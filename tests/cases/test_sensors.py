@@ -159,6 +159,11 @@ def test_what_is_read_of_a_set(case, given, component, over):
         ('measure = "xx"', 'measure = "xxx"', "measure"),
         ('measure = "xx"', 'component = "xx"\nmeasure = "yy"', "beside component, measure is one of max"),
         ("normal = [1, 0, 0]", "", "normal"),
+        (
+            'kind = "energy"',
+            'kind = "angular-velocity"\nat = "strip.TIP"',
+            "no interface of 'strip' named 'TIP'",
+        ),
     ],
 )
 def test_a_mistake_is_named(case, before, after, cause):

@@ -299,7 +299,7 @@ class Case:
         Bodies of a fixed size are judged where that is asked for; the integration of machines with bodies in
         full too, for each of the two runs costs as much as the first.
         """
-        given = self.tables.error
+        given = self.parts.error
         in_full = any(name not in self.starts for name in self.system.bodies_of(FullBody))
         return ErrorStudy(
             basis=bool(given.basis),

@@ -31,7 +31,7 @@ from supple.cases.joints import Joint
 from supple.cases.laws import tables_suit_the_run
 from supple.cases.loads import Load
 from supple.cases.output import Output
-from supple.cases.sensors import SensorTable
+from supple.cases.sensors import Sensor
 from supple.cases.simulation import Simulation
 from supple.cases.spin import SpinTable
 from supple.cases.springs import SpringTable
@@ -57,7 +57,7 @@ class CaseTables(CheckedTable):
     spring: Annotated[tuple[SpringTable, ...], Field(strict=False)] = ()
     element: Annotated[tuple[ElementTable, ...], Field(strict=False)] = ()
     control: str | None = Field(None, description="FILE.py:FUNCTION; runs with --allow-code")
-    sensor: Annotated[tuple[SensorTable, ...], Field(strict=False)] = ()
+    sensor: Annotated[tuple[Sensor, ...], Field(strict=False)] = ()
     simulation: Simulation
     spin: SpinTable | None = None
     error: StatedError = Field(default_factory=lambda: StatedError.model_validate({}))

@@ -5,6 +5,19 @@ from __future__ import annotations
 from supple.importers.toml import KeyPath, Mistakes, Raw, tables
 
 
+def joint_label(kind: object, first: object, second: object) -> str:
+    """What a joint without a name is called: its kind without hyphens, and its ends."""
+    return f"{str(kind).replace('-', '')} {first} - {second}"
+
+
+def joint_names(raw: Raw) -> list[str]:
+    """What the joints of a case are called."""
+    return [
+        str(each.get("name") or joint_label(each.get("kind"), each.get("first"), each.get("second")))
+        for _, each in tables(raw, "joint")
+    ]
+
+
 def usable_names(raw: Raw, key: str, path: KeyPath = ()) -> Mistakes:
     """The rule that names of bodies, interfaces or joints differ, and can stand in `BODY.INTERFACE`."""
     taken: set[str] = set()

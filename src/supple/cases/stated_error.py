@@ -7,9 +7,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from supple.cases.shared_rules import joint_names
 from supple.correction import Deflection, JointForce, JudgedQuantity
 from supple.fem import FiniteElementModel
-from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, names, table, tables, unknown
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, table, tables, unknown
 from supple.results.judged_stress import JudgedStress
 
 Place = Callable[[str], tuple[str, Any]]
@@ -88,7 +89,7 @@ def _listed(given: Any) -> list[Raw]:
 
 def _judged_joints_exist(raw: Raw) -> Mistakes:
     """The rule that a joint whose force is judged is there."""
-    joints = list(names(raw, "joint"))
+    joints = joint_names(raw)
     for path, each in judged_places(raw):
         name = each.get("joint")
         if isinstance(name, str) and name not in joints:

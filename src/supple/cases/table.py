@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, reduce
 from operator import or_
 from types import NoneType, UnionType
@@ -26,27 +26,31 @@ class Key:
     description : in messages; from the docstring of the class if empty and the type is the parameter's
     name : that of the parameter if empty
     default : that of the parameter unless given
+    through : the argument from the value and the context of `build`; the value itself if None
     """
 
     type: Any = None
     description: str = ""
     name: str = ""
     default: Any = inspect.Parameter.empty
+    through: Callable[..., Any] | None = None
 
 
 @dataclass(frozen=True)
 class Plan:
-    """An object that a table stands for: its class, and for each parameter its key, or the keys of a part."""
+    """An object that a table stands for: its class, and for each parameter its key, or the plan of a part."""
 
     makes: Callable[..., Any]
-    parameters: Mapping[str, str | Plan]
+    parameters: Mapping[str, Key | Plan]
 
     def made(self, table: CheckedTable, *context: Any) -> Any:
         """The object; None for a part that lacks what it needs."""
         given = {}
         for parameter, source in self.parameters.items():
-            value = source.made(table, *context) if isinstance(source, Plan) else getattr(table, source)
+            value = source.made(table, *context) if isinstance(source, Plan) else getattr(table, source.name)
             value = value.build(*context) if isinstance(value, Made) else value
+            if isinstance(source, Key) and source.through is not None:
+                value = source.through(value, *context)
             if value is not None or NoneType in get_args(_hints(self.makes)[parameter]):
                 given[parameter] = value
             elif _parameters(self.makes)[parameter].default is inspect.Parameter.empty:
@@ -64,7 +68,7 @@ class Made(CheckedTable):
     def build(self, *context: Any) -> Any:
         """The object; in context, what tables of the same choice need: of laws the folder of their files."""
         kind = type(self)
-        keys = (key for key in kind.model_fields if key not in ("kind", "basis"))
+        keys = (Key(name=key) for key in kind.model_fields if key not in ("kind", "basis"))
         plan = kind.plan or Plan(kind.makes, dict(zip(_parameters(kind.makes), keys, strict=False)))
         return plan.made(self, *context)
 
@@ -99,7 +103,7 @@ def _planned(
     shared: Mapping[str, Any],
 ) -> Plan:
     """The plan of a class; adds its keys to `fields`."""
-    plan: dict[str, str | Plan] = {}
+    plan: dict[str, Key | Plan] = {}
     hints, descriptions = _hints(makes), _descriptions(makes)
     for name, parameter in _parameters(makes).items():
         own = by_hand.get(name, Key())
@@ -110,7 +114,8 @@ def _planned(
             plan[name] = _planned(inner, its_own, fields, shared)
             continue
         own = own if isinstance(own, Key) else Key(own)
-        key = plan[name] = own.name or name
+        key = own.name or name
+        plan[name] = replace(own, name=key)
         if key in shared or key in fields:
             continue
         default = parameter.default if own.default is inspect.Parameter.empty else own.default
