@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import ClassVar, Literal
@@ -29,7 +29,18 @@ from supple.fem import (
     solid_model,
 )
 from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, NODE_SUFFIXES, read_mesh
-from supple.importers.toml import ZERO, CheckedTable, Matrix, Positive, Raw, Vector
+from supple.importers.toml import (
+    ZERO,
+    CheckedTable,
+    KeyPath,
+    Matrix,
+    Mistakes,
+    Positive,
+    Raw,
+    Vector,
+    names,
+    tables,
+)
 from supple.mesh import Mesh
 
 Kinematics = Literal["green-lagrange", "von-karman"]
@@ -227,3 +238,28 @@ def is_elastic(body: Raw) -> bool:
 def kinds_that(fact: str) -> list[str]:
     """Keys of the kinds of which a fact is true, such as `has_elements`."""
     return [key for key, kind in KINDS.items() if getattr(kind, fact)]
+
+
+def at_elements(
+    raw: Raw, given: Iterable[tuple[KeyPath, Raw]], kinds: Mapping[str, tuple[str, str]]
+) -> Mistakes:
+    """The rule that tables of some kinds are at node sets of bodies with elements.
+
+    kinds : by kind, what it would be of a body without elements, and what it is
+    """
+    bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
+    for path, each in given:
+        name, _, where = str(each.get("at")).partition(".")
+        would_be, is_of = kinds.get(str(each.get("kind")), ("", ""))
+        if not is_of or name not in bodies:
+            continue
+        kind = kind_of(bodies[name])
+        if kind is not None and not kind.has_elements:
+            able = ", ".join(kinds_that("has_elements"))
+            yield (*path, "at"), f"body {name!r} has no elements, {would_be} ({able} have)"
+        elif where in names(bodies[name], "interface"):
+            yield (
+                (*path, "at"),
+                f"{where!r} is an interface, and {is_of} elements: this is no node set of a body with "
+                "elements; name one",
+            )

@@ -229,7 +229,7 @@ class Case:
         bodies = [table.build(flexible.get(table.name), self.folder, self.notify) for table in tables.body]
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
-        loads = [table.build(*self.place(table.at), self.folder) for table in tables.load]
+        loads = [table.build(self.folder, self.place, self.meshes) for table in tables.load]
         elements = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
         frictions = [
             table.friction.build(joint)
@@ -359,7 +359,9 @@ class Case:
                     yield ("body", i, "interface", j, "nodes"), body.name, interface.nodes
         interfaces = {f"{body.name}.{interface.name}" for body in tables.body for interface in body.interface}
         places: list[tuple[KeyPath, str]] = [
-            (("load", i, "at"), load.at) for i, load in enumerate(tables.load)
+            (("load", i, "at"), at)
+            for i, load in enumerate(tables.load)
+            if (at := getattr(load, "at", None)) is not None
         ]
         places += [(("output", "track", i), place) for i, place in enumerate(tables.output.track)]
         raw = tomllib.loads(self.text)

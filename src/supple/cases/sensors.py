@@ -9,12 +9,13 @@ import numpy as np
 from pydantic import Field
 
 from supple import sensors
-from supple.cases.body_kinds import kind_of, kinds_that
+from supple.cases.body_kinds import at_elements
 from supple.cases.shared_rules import joint_names, usable_names
+from supple.cases.stated_error import OF_STRESS
 from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
-from supple.importers.toml import KeyPath, Mistakes, Raw, names, tables, unknown
+from supple.importers.toml import KeyPath, Mistakes, Raw, tables, unknown
 from supple.machine import At, ForceElement, as_end
 
 
@@ -165,25 +166,6 @@ def _names_differ(raw: Raw) -> Mistakes:
             yield (*path, "name"), "the name of a sensor is empty; give it one, for the heads of its columns"
 
 
-def _stress_is_of_elements(raw: Raw) -> Mistakes:
-    """The rule that stress and strain are read at node sets of bodies with elements."""
-    bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
-    for path, each in tables(raw, "sensor"):
-        name, _, where = str(each.get("at")).partition(".")
-        if each.get("kind") not in ("stress", "strain") or name not in bodies:
-            continue
-        kind = kind_of(bodies[name])
-        if kind is not None and not kind.has_elements:
-            able = ", ".join(kinds_that("has_elements"))
-            yield (*path, "at"), f"body {name!r} has no elements, whose stress it would be ({able} have)"
-        elif where in names(bodies[name], "interface"):
-            yield (
-                (*path, "at"),
-                f"{where!r} is an interface, and stress is that of elements: this is no node set of a body "
-                "with elements; name one",
-            )
-
-
 def _one_component(raw: Raw) -> Mistakes:
     for path, each in tables(raw, "sensor"):
         stated = each.get("measure")
@@ -194,4 +176,9 @@ def _one_component(raw: Raw) -> Mistakes:
             )
 
 
-RULES = (_elements_exist, _names_differ, _stress_is_of_elements, _one_component)
+RULES = (
+    _elements_exist,
+    _names_differ,
+    lambda raw: at_elements(raw, tables(raw, "sensor"), dict.fromkeys(("stress", "strain"), OF_STRESS)),
+    _one_component,
+)

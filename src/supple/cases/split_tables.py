@@ -16,7 +16,7 @@ from supple.cases.case_tables import CaseTables
 from supple.cases.damping import Rayleigh, RayleighRatio
 from supple.cases.interfaces import Interface
 from supple.cases.joints import Joint
-from supple.cases.loads import Load
+from supple.cases.loads import Force
 from supple.cases.split import SplitSource
 from supple.errors import ModelError, SuppleWarning
 from supple.machine import At
@@ -87,7 +87,7 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
         "joint": (*map(named_at_parts, tables.joint), *(joint for each in given for joint in _ties(each))),
         "spring": tuple(map(at_parts, tables.spring)),
         "element": tuple(map(at_parts, tables.element)),
-        "load": tuple(part for load in tables.load for part in _load_parts(load, placed(load.at), by_name)),
+        "load": tuple(part for load in tables.load for part in _load_parts(load, placed, by_name)),
         "output": tables.output.model_copy(update={"track": tuple(track)}),
     }
     return tables.model_copy(update=changed)
@@ -250,7 +250,12 @@ def _read_at_part(read: Any, placed: Callable[[str], str], split: Mapping[str, _
     return read.model_copy(update=changed)
 
 
-def _load_parts(load: Load, at: str, split: Mapping[str, _SplitTable]) -> Iterator[Load]:
-    for place, share in _places(at, split):
-        vector = tuple(share * component for component in load.vector)
-        yield load.model_copy(update={"at": place, "vector": vector})
+def _load_parts(load: Any, placed: Callable[[str], str], split: Mapping[str, _SplitTable]) -> Iterator[Any]:
+    if not hasattr(load, "at"):
+        yield load
+        return
+    for place, share in _places(placed(load.at), split):
+        changed: dict[str, Any] = {"at": place}
+        if isinstance(load, Force):
+            changed["vector"] = tuple(share * component for component in load.vector)
+        yield load.model_copy(update=changed)

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from supple.cases.body_kinds import at_elements
 from supple.cases.shared_rules import joint_names
 from supple.correction import Deflection, JointForce, JudgedQuantity
 from supple.fem import FiniteElementModel
@@ -96,4 +97,8 @@ def _judged_joints_exist(raw: Raw) -> Mistakes:
             yield (*path, "joint"), unknown("joint", name, joints)
 
 
-RULES = (_judged_joints_exist,)
+OF_STRESS = ("whose stress it would be", "stress is that of")
+RULES = (
+    _judged_joints_exist,
+    lambda raw: at_elements(raw, judged_places(raw), {"stress": OF_STRESS}),
+)
