@@ -191,7 +191,7 @@ def _parts(split: _SplitTable) -> Iterator[Body]:
 
 def _frame(split: _SplitTable, part: int) -> object:
     """The frame of a part: fixed to the interface that was named, or to the cut that leads there."""
-    frame = split.body.frame
+    frame: Any = split.body.frame
     if not isinstance(frame, NodalFixed):
         return frame
     held = split.holders[frame.interface]

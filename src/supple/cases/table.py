@@ -63,12 +63,14 @@ class Made(CheckedTable):
 
     makes: ClassVar[Callable[..., Any]]
     """The class of the object."""
+    choice: ClassVar[str] = "kind"
+    """The key that chooses among tables."""
     plan: ClassVar[Plan | None] = None
 
     def build(self, *context: Any) -> Any:
         """The object; in context, what tables of the same choice need: of laws the folder of their files."""
         kind = type(self)
-        keys = (Key(name=key) for key in kind.model_fields if key not in ("kind", "basis"))
+        keys = (Key(name=key) for key in kind.model_fields if key != kind.choice)
         plan = kind.plan or Plan(kind.makes, dict(zip(_parameters(kind.makes), keys, strict=False)))
         return plan.made(self, *context)
 
@@ -85,11 +87,11 @@ def table_of(
 
     Descriptions are lines `name : text` of the docstrings of the class and those it inherits from.
 
-    kind : value of the key that chooses the table among others
-    base : table with keys that all tables of a section have; parameters of these names are theirs
+    kind : value of the key by which the base chooses the table among others
+    base : table with keys that all tables of a section have
     by_hand : by parameter, what differs: a type, a `Key`, a `part`, or None for a parameter without key
     """
-    fields: dict[str, Any] = {} if kind is None else {"kind": (Literal[kind], ...)}
+    fields: dict[str, Any] = {} if kind is None else {base.choice: (Literal[kind], ...)}
     plan = _planned(makes, by_hand, fields, base.model_fields)
     made = create_model(makes.__name__, __base__=base, __doc__=(makes.__doc__ or "").split("\n")[0], **fields)
     made.makes, made.plan = makes, plan
@@ -105,6 +107,9 @@ def _planned(
     """The plan of a class; adds its keys to `fields`."""
     plan: dict[str, Key | Plan] = {}
     hints, descriptions = _hints(makes), _descriptions(makes)
+    unknown = [name for name, own in by_hand.items() if own is not None and name not in _parameters(makes)]
+    if unknown:
+        raise TypeError(f"{makes.__name__} has no parameter {', '.join(unknown)}")
     for name, parameter in _parameters(makes).items():
         own = by_hand.get(name, Key())
         if own is None:
@@ -116,7 +121,7 @@ def _planned(
         own = own if isinstance(own, Key) else Key(own)
         key = own.name or name
         plan[name] = replace(own, name=key)
-        if key in shared or key in fields:
+        if key in fields or (key in shared and name not in by_hand):
             continue
         default = parameter.default if own.default is inspect.Parameter.empty else own.default
         if default is inspect.Parameter.empty:
