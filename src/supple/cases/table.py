@@ -59,20 +59,15 @@ class Plan:
 
 
 class Made(CheckedTable):
-    """A table that stands for one object, whose parameters begin with its keys, in order, without a plan."""
+    """A table that stands for one object."""
 
-    makes: ClassVar[Callable[..., Any]]
-    """The class of the object."""
     choice: ClassVar[str] = "kind"
     """The key that chooses among tables."""
-    plan: ClassVar[Plan | None] = None
+    plan: ClassVar[Plan]
 
     def build(self, *context: Any) -> Any:
         """The object; in context, what tables of the same choice need: of laws the folder of their files."""
-        kind = type(self)
-        keys = (Key(name=key) for key in kind.model_fields if key != kind.choice)
-        plan = kind.plan or Plan(kind.makes, dict(zip(_parameters(kind.makes), keys, strict=False)))
-        return plan.made(self, *context)
+        return type(self).plan.made(self, *context)
 
 
 def part(makes: Callable[..., Any], **by_hand: Any) -> tuple[Callable[..., Any], dict[str, Any]]:
@@ -94,7 +89,7 @@ def table_of(
     fields: dict[str, Any] = {} if kind is None else {base.choice: (Literal[kind], ...)}
     plan = _planned(makes, by_hand, fields, base.model_fields)
     made = create_model(makes.__name__, __base__=base, __doc__=(makes.__doc__ or "").split("\n")[0], **fields)
-    made.makes, made.plan = makes, plan
+    made.plan = plan
     return made
 
 
