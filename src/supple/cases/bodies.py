@@ -37,7 +37,7 @@ from supple.cases.interfaces import Interface
 from supple.cases.line_on_grids import line_on_grids as built_on_grids
 from supple.cases.notify import Notify
 from supple.cases.reductions import FullOrder, Reduced, Reduction, derivative_choice, quartic_choice
-from supple.cases.shared_rules import usable_names
+from supple.cases.shared_rules import FileName, usable_names
 from supple.cases.split import Split
 from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import ModelError
@@ -70,7 +70,7 @@ class Body(CheckedTable):
     """A rigid or elastic body and where it starts."""
 
     name: str = Field(min_length=1, description="used as NAME.INTERFACE by joints, loads and output")
-    mesh: str | None = Field(
+    mesh: FileName | None = Field(
         None,
         description="mesh file beside the case file: Gmsh .msh, Abaqus/CalculiX .inp or Nastran .bdf; "
         "for matrices also HDF5 .h5",
@@ -81,7 +81,7 @@ class Body(CheckedTable):
     matrices: Matrices | None = None
     superelement: Superelement | None = None
     rigid: Rigid | None = None
-    reduced: str | None = Field(
+    reduced: FileName | None = Field(
         None, description="file of a reduced body, made by supple reduce, beside the case file"
     )
     interface: Annotated[tuple[Interface, ...], Field(strict=False)] = ()

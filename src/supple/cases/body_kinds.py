@@ -19,6 +19,7 @@ from supple.body import (
     matrices_source,
     nastran_source,
 )
+from supple.cases.shared_rules import FileName
 from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
@@ -52,8 +53,6 @@ class BodyKind(CheckedTable):
 
     mesh_suffixes: ClassVar[tuple[str, ...]] = ()
     """Of its mesh file; none if it takes no mesh."""
-    file_keys: ClassVar[tuple[str, ...]] = ()
-    """Keys that name further files."""
     is_elastic: ClassVar[bool] = False
     """True of what the case builds, and may reduce: it has a frame, a reduction and a damping."""
     has_elements: ClassVar[bool] = False
@@ -137,13 +136,12 @@ class Matrices(ElasticKind):
     """A linear body from matrices exported by another program, with the nodes of its mesh file."""
 
     mesh_suffixes = NODE_SUFFIXES
-    file_keys = ("stiffness", "mass")
     has_connections = True
 
-    stiffness: str = Field(
+    stiffness: FileName = Field(
         description="DMIG .pch, OUTPUT4 .op4, HDF5 .h5, Abaqus .mtx or CalculiX .sti, beside the case file"
     )
-    mass: str = Field(description="likewise, or CalculiX .mas; may be the same file")
+    mass: FileName = Field(description="likewise, or CalculiX .mas; may be the same file")
     stiffness_name: str | None = Field(
         None, description="matrix to take from a DMIG or OUTPUT4 file; the one with K.. if left out"
     )
@@ -167,11 +165,11 @@ class Matrices(ElasticKind):
 class Superelement(ElasticKind):
     """A linear body from matrices made elsewhere."""
 
-    file_keys = ("stiffness", "mass", "nodes")
-
-    stiffness: str = Field(description="Matrix Market file of the stiffness matrix, beside the case file")
-    mass: str = Field(description="Matrix Market file of the mass matrix, beside the case file")
-    nodes: str = Field(description="Matrix Market file of the node positions, an array of 3 columns")
+    stiffness: FileName = Field(
+        description="Matrix Market file of the stiffness matrix, beside the case file"
+    )
+    mass: FileName = Field(description="Matrix Market file of the mass matrix, beside the case file")
+    nodes: FileName = Field(description="Matrix Market file of the node positions, an array of 3 columns")
     dofs_per_node: Literal[3, 6] = Field(
         description="freedoms per node: 3 (translations) or 6 (and rotations)"
     )

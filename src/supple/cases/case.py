@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from supple.body import BodySource, FlexibleBody, FullBody, ModalDamping
 from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
-from supple.cases.case_tables import CaseTables, files_named
+from supple.cases.case_tables import CaseTables, files_named, places_named
 from supple.cases.control import controllers_of
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
-from supple.cases.sensors import SensedCase, sensed_places
+from supple.cases.sensors import SensedCase
 from supple.cases.split import SplitSource, split_source
 from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
-from supple.cases.stated_error import Judged, judged_places
+from supple.cases.stated_error import Judged
 from supple.correction import ErrorStudy, JudgedQuantity, ReductionStart
 from supple.errors import CaseError, ModelError, SuppleError
 from supple.fem import FiniteElementModel, stress_recovery
@@ -358,21 +358,8 @@ class Case:
                 if interface.nodes is not None:
                     yield ("body", i, "interface", j, "nodes"), body.name, interface.nodes
         interfaces = {f"{body.name}.{interface.name}" for body in tables.body for interface in body.interface}
-        places: list[tuple[KeyPath, str]] = [
-            (("load", i, "at"), at)
-            for i, load in enumerate(tables.load)
-            if (at := getattr(load, "at", None)) is not None
-        ]
-        places += [(("output", "track", i), place) for i, place in enumerate(tables.output.track)]
-        raw = tomllib.loads(self.text)
-        for path, key, place, is_set in sensed_places(raw):
-            if is_set and isinstance(place, str):
-                places.append(((*path, key), place))
-        for path, each in judged_places(raw):
-            if isinstance(each.get("at"), str):
-                places.append(((*path, "at"), each["at"]))
-        for path, place in places:
-            if place not in interfaces:
+        for path, place, may_be in places_named(tomllib.loads(self.text)):
+            if may_be == "node set" and place not in interfaces:
                 body, _, name = place.partition(".")
                 yield path, body, name
 

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from supple import machine
 from supple.cases.laws import ONE, LoadLaw
-from supple.cases.shared_rules import axes_with_length, usable_names
+from supple.cases.shared_rules import End, axes_with_length, usable_names
 from supple.cases.table import Key, Made, OneOf, part, table_of
 from supple.importers.toml import Mistakes, NonNegative, Positive, Raw, on_each, tables
 
@@ -24,8 +24,8 @@ class Element(Made):
     """What all elements share."""
 
     name: str | None = Field(None, description="for sensors")
-    first: str = Field(description="ground or BODY.INTERFACE")
-    second: str = Field("ground", description="ground or BODY.INTERFACE")
+    first: End = Field(description="ground or BODY.INTERFACE")
+    second: End = Field("ground", description="ground or BODY.INTERFACE")
 
 
 def _element(makes: Any, kind: str, **by_hand: Any) -> Any:

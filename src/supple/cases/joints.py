@@ -12,7 +12,7 @@ from pydantic import Field
 
 from supple import machine
 from supple.cases.laws import Law
-from supple.cases.shared_rules import axes_with_length, joint_label, usable_names
+from supple.cases.shared_rules import End, InterfaceOf, axes_with_length, joint_label, usable_names
 from supple.cases.table import Made
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Positive, Raw, Vector, on_each
 
@@ -67,8 +67,8 @@ class Joint(CheckedTable):
 
     kind: JointKind
     name: str | None = Field(None, description="label in results; made from kind and ends if left out")
-    first: str = Field(description="ground or BODY.INTERFACE")
-    second: str = Field(description="BODY.INTERFACE")
+    first: End = Field(description="ground or BODY.INTERFACE")
+    second: InterfaceOf = Field(description="BODY.INTERFACE")
     axis: Vector | None = Field(
         None, description="direction at the start, global axes; its length does not matter"
     )

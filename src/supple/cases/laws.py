@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from supple import machine
+from supple.cases.shared_rules import FileName
 from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import ImportFormatError, ModelError
 from supple.importers.text_file import is_file
@@ -38,7 +39,7 @@ class TableLaw(Made):
     """Values from a file, joined by straight lines (loads) or by a cubic spline (prescribed motions)."""
 
     kind: Literal["table"]
-    file: str = Field(description="CSV file of time,value rows beside the case file")
+    file: FileName = Field(description="CSV file of time,value rows beside the case file")
 
     def build(self, *context: Any) -> TimeLaw:
         """The smooth curve through the rows of the file; context: the folder where it lies.

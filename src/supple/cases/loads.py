@@ -11,6 +11,7 @@ from pydantic import Field
 
 from supple.cases.body_kinds import at_elements
 from supple.cases.laws import ONE, LoadLaw
+from supple.cases.shared_rules import PlaceOf
 from supple.cases.table import Key, Made, OneOf, part, table_of
 from supple.errors import ModelError
 from supple.explicit.outer_faces import outer_triangles
@@ -36,7 +37,7 @@ class Force(Made):
     """A force or torque in time."""
 
     kind: Literal["force", "torque"]
-    at: str = Field(description="BODY.INTERFACE; or BODY.NODE_SET, whose nodes share a force evenly")
+    at: PlaceOf = Field(description="BODY.INTERFACE; or BODY.NODE_SET, whose nodes share a force evenly")
     vector: Vector = Field(description="a force or moment, along global axes (at the start, if it follows)")
     follower: bool = Field(False, description="true turns the load with its interface")
     law: LoadLaw = Field(ONE, description="factor on vector against time")
@@ -79,7 +80,7 @@ Pressure = table_of(
     FollowerPressure,
     "pressure",
     body=Key(
-        str,
+        PlaceOf,
         "BODY.NODE_SET, whose outer faces it pushes against",
         "at",
         through=lambda at, *_: at.partition(".")[0],

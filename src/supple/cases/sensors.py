@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
@@ -10,12 +10,12 @@ from pydantic import Field
 
 from supple import sensors
 from supple.cases.body_kinds import at_elements
-from supple.cases.shared_rules import joint_names, usable_names
+from supple.cases.shared_rules import InterfaceOf, PlaceOf, joint_names, usable_names
 from supple.cases.stated_error import OF_STRESS
 from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
-from supple.importers.toml import KeyPath, Mistakes, Raw, tables, unknown
+from supple.importers.toml import Mistakes, Raw, tables, unknown
 from supple.machine import At, ForceElement, as_end
 
 
@@ -50,8 +50,10 @@ class _Deflection(SensorTable):
     """How a place is deflected."""
 
     kind: Literal["deflection"]
-    at: str = Field(description="BODY.INTERFACE or BODY.NODE_SET, whose mean is taken")
-    seen_from: str | None = Field(None, description="BODY.INTERFACE; the body's first one if left out")
+    at: PlaceOf = Field(description="BODY.INTERFACE or BODY.NODE_SET, whose mean is taken")
+    seen_from: InterfaceOf | None = Field(
+        None, description="BODY.INTERFACE; the body's first one if left out"
+    )
 
     def build(self, *context: Any) -> sensors.Sensor:
         """The sensor."""
@@ -65,7 +67,7 @@ class TensorSensor(SensorTable):
     """Stress or strain at nodes of a body's elements; of a shell at its bottom, middle and top."""
 
     kind: Literal["stress", "strain"]
-    at: str = Field(description="BODY.NODE_SET")
+    at: PlaceOf = Field(description="BODY.NODE_SET")
     component: _Component | None = Field(
         None, description="von-mises if left out; components are in the axes of the body"
     )
@@ -114,7 +116,7 @@ def _sensor(makes: Any, kind: str, **by_hand: Any) -> Any:
     return table_of(makes, kind, SensorTable, **by_hand)
 
 
-_AT = {"place": Key(str, "BODY.INTERFACE or BODY.NODE_SET, whose mean is taken", "at", through=_place)}
+_AT = {"place": Key(PlaceOf, "BODY.INTERFACE or BODY.NODE_SET, whose mean is taken", "at", through=_place)}
 _JOINT = {"joint": Key(description="its name")}
 _ELEMENT = {
     "element": Key(
@@ -128,7 +130,7 @@ Sensor = Annotated[
         _sensor(sensors.PositionSensor, "position", **_AT),
         _sensor(sensors.VelocitySensor, "velocity", **_AT),
         _sensor(sensors.AccelerationSensor, "acceleration", **_AT),
-        _sensor(sensors.AngularVelocitySensor, "angular-velocity", at=Key(str, "BODY.INTERFACE")),
+        _sensor(sensors.AngularVelocitySensor, "angular-velocity", at=Key(InterfaceOf, "BODY.INTERFACE")),
         _Deflection,
         _sensor(sensors.JointMotionSensor, "joint-motion", **_JOINT),
         _sensor(sensors.JointForceSensor, "joint-force", **_JOINT),
@@ -139,13 +141,6 @@ Sensor = Annotated[
         _sensor(sensors.EnergySensor, "energy"),
     ),
 ]
-
-
-def sensed_places(raw: Raw) -> Iterator[tuple[KeyPath, str, Any, bool]]:
-    """Every place that a sensor names: table, key, what stands there, whether it may be a node set."""
-    for path, each in tables(raw, "sensor"):
-        yield path, "at", each.get("at"), each.get("kind") != "angular-velocity"
-        yield path, "seen_from", each.get("seen_from"), False
 
 
 def _elements_exist(raw: Raw) -> Mistakes:

@@ -1,8 +1,16 @@
-"""Rules that several sections of a case share: on names, and on directions."""
+"""What several sections of a case share: types of keys that name places and files, rules on names."""
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from supple.importers.toml import KeyPath, Mistakes, Raw, tables
+
+End = Annotated[str, "ground"]
+InterfaceOf = Annotated[str, "interface"]
+PlaceOf = Annotated[str, "node set"]
+FileName = Annotated[str, "file"]
+"""What a key names, and what it may name besides an interface."""
 
 
 def joint_label(kind: object, first: object, second: object) -> str:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from supple.cases.shared_rules import axes_with_length, usable_names
+from supple.cases.shared_rules import End, InterfaceOf, axes_with_length, usable_names
 from supple.cases.table import Key, Made, OneOf, table_of
 from supple.importers.toml import Mistakes, Raw, on_each
 from supple.machine import SpringDamper, TorsionSpringDamper
@@ -16,8 +16,8 @@ class Spring(Made):
     """A spring and damper between two interfaces, or one and the ground."""
 
     name: str | None = Field(None, description="for sensors")
-    first: str = Field(description="ground or BODY.INTERFACE")
-    second: str = Field(description="BODY.INTERFACE")
+    first: End = Field(description="ground or BODY.INTERFACE")
+    second: InterfaceOf = Field(description="BODY.INTERFACE")
 
 
 _STIFFNESS = Key(default=...)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from supple.cases.body_kinds import at_elements
-from supple.cases.shared_rules import joint_names
+from supple.cases.shared_rules import PlaceOf, joint_names
 from supple.correction import Deflection, JointForce, JudgedQuantity
 from supple.fem import FiniteElementModel
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, table, tables, unknown
@@ -22,7 +22,7 @@ class DeflectionOf(CheckedTable):
     """Positions of an interface, or of the nodes of a set."""
 
     kind: Literal["deflection"]
-    at: str = Field(description="BODY.INTERFACE or BODY.NODE_SET")
+    at: PlaceOf = Field(description="BODY.INTERFACE or BODY.NODE_SET")
 
     def quantity(self, place: Place, _: Mapping[str, FiniteElementModel]) -> JudgedQuantity:
         """What is judged."""
@@ -34,7 +34,7 @@ class StressOf(CheckedTable):
     """Von Mises stress at the nodes of a set."""
 
     kind: Literal["stress"]
-    at: str = Field(description="BODY.NODE_SET")
+    at: PlaceOf = Field(description="BODY.NODE_SET")
 
     def quantity(self, place: Place, elements: Mapping[str, FiniteElementModel]) -> JudgedQuantity:
         """What is judged."""

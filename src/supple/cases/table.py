@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, reduce
 from operator import or_
@@ -15,7 +15,7 @@ from pydantic import Field, GetCoreSchemaHandler, create_model
 from pydantic_core import CoreSchema
 
 from supple import arguments
-from supple.importers.toml import CheckedTable, NonNegative, Positive
+from supple.importers.toml import CheckedTable, KeyPath, NonNegative, Positive
 
 
 @dataclass(frozen=True)
@@ -165,11 +165,41 @@ def _of_toml(hint: Any) -> Any:
     return reduce(or_, inner) if get_origin(hint) in (Union, UnionType) else hint
 
 
+def named_in(table: Any, value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any, str]]:
+    """What a file names under keys of types `Annotated[str, WORD]`: path, what stands there, the word.
+
+    table : class of the table, or type of the value, that stands at the path
+    """
+    while get_origin(table) is Annotated:
+        table, *metadata = get_args(table)
+        yield from ((path, value, word) for word in metadata if isinstance(word, str))
+        table = next((each.chosen(value) for each in metadata if isinstance(each, OneOf)), None) or table
+    if get_origin(table) in (Union, UnionType):
+        for option in get_args(table):
+            yield from named_in(option, value, path)
+    elif get_origin(table) is tuple and isinstance(value, list):
+        for position, item in enumerate(value):
+            yield from named_in(get_args(table)[0], item, (*path, position))
+    elif isinstance(table, type) and issubclass(table, CheckedTable) and isinstance(value, Mapping):
+        for key, field in table.model_fields.items():
+            if key in value:
+                yield from named_in(
+                    Annotated[field.annotation, *field.metadata, None], value[key], (*path, key)
+                )
+
+
 class OneOf:
     """The choice among tables by their `kind`, for `Annotated[Made, OneOf(...)]`."""
 
     def __init__(self, *tables: Any, by: str = "kind") -> None:
         self.tables, self.by = tables, by
+
+    def chosen(self, value: Any) -> Any:
+        """The table that what stands in a file chooses; None where it chooses none."""
+        chosen = value.get(self.by) if isinstance(value, Mapping) else None
+        return next(
+            (each for each in self.tables if chosen in get_args(each.model_fields[self.by].annotation)), None
+        )
 
     def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Of the union of the tables."""
