@@ -91,6 +91,13 @@ def test_a_stress_that_is_none_is_found_while_reading(case):
     line = line_of(case, 'at = "strip.root"')
     with pytest.raises(CaseError, match=rf"line {line}, sensor\[3\].at: 'root' is an interface"):
         read_case(case)
+    text = case.read_text()
+    case.write_text(text + '[error]\nof = [{ kind = "stress", at = "strip.root" }]\n')
+    with pytest.raises(
+        CaseError, match=r"error.of\[1\].at: 'root' is an interface, and stress is that of elements"
+    ):
+        read_case(case)
+    case.write_text(text)
     inertia = "[[1,0,0],[0,1,0],[0,0,1]]"
     rigid = f'[[body]]\nname = "hub"\nrigid = {{ mass = 1.0, centre = [0,0,0], inertia = {inertia} }}\n'
     text = case.read_text().replace('at = "strip.root"', 'at = "hub.eye"')

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -38,6 +38,7 @@ class Wheel:
     rim: Any = None
     slip: NotNegative | None = 0.5
     limit: float = np.inf
+    spokes: tuple[float, ...] = field(default_factory=lambda: (1.0,))
     cache: Any = 7
 
 
@@ -60,11 +61,11 @@ GIVEN = {"kind": "wheel", "at": "car.axle", "radius": 0.3, "centre": [1.0, 2.0, 
 
 def test_keys_are_the_parameters_but_for_what_is_said_by_hand():
     keys = TABLE.model_fields
-    assert list(keys) == ["at", "kind", "radius", "centre", "rim_width", "slip", "limit"]
+    assert list(keys) == ["at", "kind", "radius", "centre", "rim_width", "slip", "limit", "spokes"]
     assert keys["radius"].description == "a length, of the tyre; half of what is called its size"
     assert keys["centre"].description == "place of the centre, global axes"
     assert keys["rim_width"].description == "a length"
-    assert [key for key, field in keys.items() if field.is_required()] == ["at", "kind", "radius", "centre"]
+    assert [key for key, own in keys.items() if own.is_required()] == ["at", "kind", "radius", "centre"]
     assert TABLE.__doc__ == "Rolls."
 
 
@@ -93,8 +94,8 @@ def test_it_builds_what_a_script_would_write():
 
 
 def test_a_parameter_that_the_class_lacks_is_refused():
-    with pytest.raises(TypeError, match="Wheel has no parameter spokes"):
-        table_of(Wheel, "wheel", spokes=Key())
+    with pytest.raises(TypeError, match="Wheel has no parameter tyre"):
+        table_of(Wheel, "wheel", tyre=Key())
 
 
 def test_what_a_file_names_is_found_also_where_other_keys_are_wrong():

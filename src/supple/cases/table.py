@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -66,7 +67,10 @@ class Made(CheckedTable):
     plan: ClassVar[Plan]
 
     def build(self, *context: Any) -> Any:
-        """The object; in context, what tables of the same choice need: of laws the folder of their files."""
+        """The object.
+
+        context : what tables of the same choice need, such as the folder of the files of laws
+        """
         return type(self).plan.made(self, *context)
 
 
@@ -119,14 +123,21 @@ def _planned(
         if key in fields or (key in shared and name not in by_hand):
             continue
         default = parameter.default if own.default is inspect.Parameter.empty else own.default
-        if default is inspect.Parameter.empty:
-            default = ...
         kind = _of_toml(hints[name] if own.type is None else own.type)
         description = own.description or (descriptions.get(name) if own.type is None else None)
-        if default is None or default in (float("inf"), -float("inf")):
-            kind, default = kind | None, None  # what is left out is the class's own default
+        if default is inspect.Parameter.empty:
+            default = ...
+        elif not (default is ... or isinstance(default, str | int | tuple | Made) or _is_finite(default)):
+            kind, default = (
+                kind | None,
+                None,
+            )  # no file can hold it: what is left out is the class's own default
         fields[key] = (kind, Field(default, description=description))
     return Plan(makes, plan)
+
+
+def _is_finite(default: Any) -> bool:
+    return isinstance(default, float) and math.isfinite(default)
 
 
 @cache
@@ -189,7 +200,7 @@ def named_in(table: Any, value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPa
 
 
 class OneOf:
-    """The choice among tables by their `kind`, for `Annotated[Made, OneOf(...)]`."""
+    """The choice among tables by a key, for `Annotated[Made, OneOf(...)]`."""
 
     def __init__(self, *tables: Any, by: str = "kind") -> None:
         self.tables, self.by = tables, by
