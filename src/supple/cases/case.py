@@ -15,6 +15,7 @@ from supple.body import BodySource, FlexibleBody, FullBody, ModalDamping
 from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
 from supple.cases.case_tables import CaseTables, files_named
+from supple.cases.contacts import part_places
 from supple.cases.control import controllers_of
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
@@ -115,7 +116,7 @@ class Case:
         """
         self.notify("reading meshes")
         sources = {
-            body.name: body.elastic.source(self.folder, body.mesh or "")
+            body.name: body.elastic.source(self.folder, body.mesh or "", body.cells)
             for body in self.tables.body
             if body.elastic is not None
         }
@@ -193,7 +194,7 @@ class Case:
         """
         flexible = {}
         for table in self.parts.body:
-            if table.name in self.sources:
+            if table.name in self.sources and table.explicit is None:
                 self.notify(f"assembling body '{table.name}'")
                 flexible[table.name] = table.flexible(self.sources[table.name])
                 self.notify(checked_line(flexible[table.name]))
@@ -226,18 +227,27 @@ class Case:
         tables, flexible = self.parts, self.flexible
         if tables.output.colour == "von-mises":
             self._check_stress()
-        bodies = [table.build(flexible.get(table.name), self.folder, self.notify) for table in tables.body]
+        bodies = []
+        for table in tables.body:
+            elements = None if table.explicit is None else self.elements[table.name]
+            bodies.append(table.build(flexible.get(table.name), self.folder, self.notify, elements))
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
         loads = [table.build(*self.place(table.at), self.folder) for table in tables.load]
         springs = [table.build(unloaded) for table in tables.spring]
-        elements = [table.build(self.folder) for table in tables.element]
+        forces = [table.build(self.folder) for table in tables.element]
         frictions = [
             table.friction.build(joint)
             for table, joint in zip(tables.joint, joints, strict=True)
             if table.friction is not None
         ]
-        return replace(unloaded, loads=(*loads, *springs, *elements, *frictions))
+        return replace(
+            unloaded,
+            loads=(*loads, *springs, *forces, *frictions),
+            ties=[table.build() for table in tables.tie],
+            contacts=[table.build() for table in tables.contact],
+            supports=[table.build() for table in tables.support],
+        )
 
     def controlled(self, system: System, *, allow_code: bool) -> System:
         """The system with the controllers that the case names.
@@ -364,6 +374,7 @@ class Case:
         ]
         places += [(("output", "track", i), place) for i, place in enumerate(tables.output.track)]
         raw = tomllib.loads(self.text)
+        places += list(part_places(raw))
         for path, key, place, is_set in sensed_places(raw):
             if is_set and isinstance(place, str):
                 places.append(((*path, key), place))

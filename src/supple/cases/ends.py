@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from supple.cases.body_kinds import kind_of
+from supple.cases.contacts import part_places
 from supple.cases.sensors import sensed_places
 from supple.cases.stated_error import judged_places
 from supple.importers.toml import KeyPath, Mistakes, Raw, did_you_mean, names, table, tables, unknown
@@ -25,6 +26,8 @@ def ends_exist(raw: Raw) -> Mistakes:
     tracked = table(raw, "output").get("track")
     for position, place in enumerate(tracked if isinstance(tracked, list) else []):
         yield from _exists(raw, ("output", "track", position), place, node_sets=True)
+    for path, place in part_places(raw):
+        yield from _exists(raw, path, place, node_sets=True)
     for path, key, place, node_sets in sensed_places(raw):
         yield from _exists(raw, (*path, key), place, node_sets=node_sets)
     for path, judged in judged_places(raw):
