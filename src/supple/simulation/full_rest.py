@@ -154,7 +154,11 @@ def full_rest(
         except ConvergenceError:
             return FullRest(None, bases, began, second)
     found = reduced._replace(
-        system=machine.system, model=machine.model, slices=tuple(machine.slices), state=state
+        system=machine.system,
+        model=machine.model,
+        slices=tuple(machine.slices),
+        state=state,
+        machine=statics,
     )
     return FullRest(found, bases, began, second)
 

@@ -7,10 +7,6 @@ import scipy.linalg
 
 from supple.algebra.bordered_factor import bordered_factor
 from supple.body import FullBody
-from supple.multibody import FullStatics
-from supple.multibody.compiled.statics import balanced
-from supple.multibody.equations.steady_motion import linear_equations, steady_motion
-from supple.multibody.full.full_system import FullSystem
 from supple.simulation.resting_state import RestingState
 
 __all__ = ["is_stable"]
@@ -41,9 +37,7 @@ def is_stable(found: RestingState, time: float) -> bool | None:
 
 def _falling(found: RestingState, time: float) -> int | None:
     """Number of negative directions; None where the stiffness is not symmetric."""
-    model, state = found.model, found.state
-    motion = steady_motion(model, found.turning, time, state.configuration, state.multipliers, state.control)
-    equations = linear_equations(model, found.turning, motion, balanced(model, motion))
+    equations = found.machine.linear_equations(found.state, time)
     size = 1 / np.sqrt(np.diag(equations.mass))
     free = size[:, None] * scipy.linalg.null_space(equations.jacobian * size)
     mass, stiffness = (free.T @ part @ free for part in (equations.mass, equations.stiffness))
@@ -56,8 +50,7 @@ def _falling(found: RestingState, time: float) -> int | None:
 
 
 def _falling_in_full(found: RestingState, time: float) -> int | None:
-    machine = FullSystem(found.system, found.model.active)
-    equations = FullStatics(machine, found.turning).linear_equations(found.state, time)
+    equations = found.machine.linear_equations(found.state, time)
     stiffness = equations.stiffness
     if _is_skew(stiffness):
         return None
