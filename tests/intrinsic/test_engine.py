@@ -29,7 +29,6 @@ from supple.intrinsic import (
 )
 from supple.intrinsic.chosen_step import with_chosen_step
 from supple.intrinsic.expansion import expansion_of_stations
-from supple.linearization import linearize
 from supple.machine import (
     Ball,
     DeadForce,
@@ -335,13 +334,6 @@ def test_implicit_steps_that_do_not_converge_end_the_run():
         method=GeneralizedAlpha(1.0),
         step=FixedStep(0.1),
     )
-
-
-def test_equilibrium_names_what_intrinsic_bodies_have_instead():
-    with pytest.raises(ModelError, match="a line whose root is free to move has no equilibrium of its own"):
-        equilibrium(System([beam(FREE, n_modes=6)]))
-    with pytest.raises(ModelError, match=r"is intrinsic: such a machine is not linearised"):
-        linearize(System([beam(CLAMPED, n_modes=6)], [CLAMP]))
 
 
 def test_supports_say_what_is_wrong_with_them():

@@ -31,7 +31,7 @@ from supple.machine import (
 )
 from supple.mesh import CellType, Mesh
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
-from supple.simulation import equilibrium, simulate
+from supple.simulation import simulate
 
 SOFT = {"EA": 1e4, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.05}
 STIFF = {"EA": 1e6, "EI": 1e5, "GJ": 1e5, "mass_per_length": 1.0, "radius": 0.05}

@@ -29,7 +29,15 @@ from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.model import BodyGroup, Model
 
-__all__ = ["JoinedArrays", "JoinedMachine", "held_places", "joined_machine", "seen_model", "supported_machine", "with_stations"]
+__all__ = [
+    "JoinedArrays",
+    "JoinedMachine",
+    "held_places",
+    "joined_machine",
+    "seen_model",
+    "supported_machine",
+    "with_stations",
+]
 
 STATIC = {"static": True}
 

@@ -38,9 +38,7 @@ def joined_solution(
     of_joints = joint_multipliers(seen, model.active, multipliers)
     bodies: dict[str, Any] = {
         placed.body.name: line_motion(placed, own, None, state, rate.q1, times)
-        for placed, own, state, rate in zip(
-            machine.lines, arrays.lines, now.lines, rates.lines, strict=True
-        )
+        for placed, own, state, rate in zip(machine.lines, arrays.lines, now.lines, rates.lines, strict=True)
     }
     names = [placed.body.name for placed in machine.system.bodies]
     bodies |= {name: motion for name, motion in floating.items() if name in names}

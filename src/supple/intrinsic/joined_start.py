@@ -39,7 +39,14 @@ from supple.multibody.equations.joint_force import constraints
 from supple.multibody.equations.start_change import StartChange, StartEnergies
 from supple.multibody.equations.start_velocity import given_parts, levels_of_body, rigid_fit
 
-__all__ = ["ClosedMachine", "JoinedStart", "closed_machine", "instant_rates", "joined_start", "velocity_metric"]
+__all__ = [
+    "ClosedMachine",
+    "JoinedStart",
+    "closed_machine",
+    "instant_rates",
+    "joined_start",
+    "velocity_metric",
+]
 
 OPEN = 1e-6
 """Of the machine's size, and rad."""

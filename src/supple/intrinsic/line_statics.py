@@ -7,9 +7,8 @@ from functools import cached_property
 
 import jax
 import numpy as np
-from scipy.linalg import block_diag, null_space
+from scipy.linalg import block_diag
 
-from supple.algebra.cross import cross_matrix
 from supple.algebra.rotation import euler_parameters
 from supple.errors import AccuracyError, ModelError
 from supple.integrate import Solution, Statistics
@@ -18,8 +17,8 @@ from supple.intrinsic.joined_equations import Instant
 from supple.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine, supported_machine
 from supple.intrinsic.joined_solution import joined_solution
 from supple.intrinsic.joined_start import closed_machine
-from supple.intrinsic.line_steady import SmallMotions, line_shapes, moved_by, small_motions, steady, unbalanced_at
 from supple.intrinsic.line_model import LineState
+from supple.intrinsic.line_steady import SmallMotions, moved_by, small_motions, steady, unbalanced_at
 from supple.intrinsic.machine_of_lines import MachineOfLines
 from supple.intrinsic.root_drive import RootDrive
 from supple.intrinsic.root_reaction import reactions
@@ -96,7 +95,9 @@ class LineStatics:
         bordered = np.block([[matrix, size * rows.T], [size * rows, np.zeros((m, m))]])
         gaps = unbalanced_at(*self._terms, state.configuration, state.multipliers).gaps
         try:
-            change = -np.linalg.solve(bordered, np.concatenate([unbalance.terms, size / k * np.asarray(gaps)]))
+            change = -np.linalg.solve(
+                bordered, np.concatenate([unbalance.terms, size / k * np.asarray(gaps)])
+            )
         except np.linalg.LinAlgError as error:
             raise AccuracyError(f"no equilibrium at t = {time:g}: the tangent is singular") from error
         return StaticCorrection(k * change[:n], size * change[n:])
@@ -105,9 +106,9 @@ class LineStatics:
         """The machine after an increment (N,)."""
         return moved_by(self.machine.arrays, configuration, increment)
 
-    @cached_property
+    @property
     def position_scale(self) -> np.ndarray:
-        """What counts as a large change of each freedom, (N,): a turn of 1, or a shift of the system's size."""
+        """What counts as a large change of each freedom, (N,): a turn of 1, a shift of the system's size."""
         arrays = self.machine.arrays
         found = [np.asarray(position_scale(arrays.model))[: arrays.n_floating]]
         for model in arrays.lines:
@@ -119,8 +120,8 @@ class LineStatics:
     def linear_equations(self, state: StaticState, time: float) -> LinearEquations:  # noqa: ARG002
         """The equations of motion, linearised about a state, for motions p of bodies in their order.
 
-        p holds the translation and rotation of each body's axes, along these, and its elastic amplitudes. What
-        the support of a root holds stands among the joints' equations.
+        p holds the translation and rotation of each body's axes, along these, and its elastic amplitudes.
+        What the support of a root holds stands among the joints' equations.
         """
         linear, arrays = self._small_motions(state), self.machine.arrays
         nb = len(arrays.model.sizes) - arrays.n_held
@@ -129,17 +130,16 @@ class LineStatics:
             arrays.model.slices[:nb], np.asarray(state.configuration.floating.rotations), strict=False
         ):
             axes[own.start : own.start + 3, own.start : own.start + 3] = rotation
-        parts = [_LineFreedoms.of(*line) for line in zip(self._lines, state.configuration.lines, strict=True)]
+        parts = [
+            body_of(placed).freedoms(np.asarray(own.q2))
+            for placed, own in zip(self._lines, state.configuration.lines, strict=True)
+        ]
         # Behind the amplitudes of each line come motions that its support holds: rows and columns of zeros.
-        chosen = block_diag(axes, *(np.eye(part.m, len(part.shapes)) for part in parts))
-        chosen = np.asarray(chosen)
-        held = block_diag(*(np.eye(len(part.shapes))[part.m :] for part in parts))
-        held = np.hstack([np.zeros((len(held), arrays.n_floating)), held])
-        back = np.linalg.inv(block_diag(np.eye(arrays.n_floating), *(part.shapes for part in parts)))
+        chosen = _blocks(axes, *(np.eye(part.m, len(part.shapes)) for part in parts))
+        held = _blocks(np.zeros((0, len(axes))), *(np.eye(len(part.shapes))[part.m :] for part in parts))
+        extra = _blocks(np.zeros_like(axes), *(part.held_mass for part in parts))
+        back = np.linalg.inv(_blocks(np.eye(len(axes)), *(part.shapes for part in parts)))
         back = back[:, self._order]
-        extra = block_diag(
-            np.zeros((arrays.n_floating, arrays.n_floating)), *(part.held_mass for part in parts)
-        )
 
         def of_bodies(matrix: np.ndarray) -> np.ndarray:
             return back.T @ (chosen.T @ matrix @ chosen) @ back
@@ -247,7 +247,7 @@ class LineStatics:
 
     @property
     def _kinds(self) -> np.ndarray:
-        """(3, N) forces, moments and deformations of floating bodies; amplitudes of lines are deformations."""
+        """(3, N) forces, moments, deformations of floating bodies; amplitudes of lines are deformations."""
         arrays = self.machine.arrays
         lines = sum(np.shape(model.velocities)[1] for model in arrays.lines)
         of_lines = np.repeat([[0.0], [0.0], [1.0]], lines, axis=1)
@@ -269,35 +269,8 @@ class LineStatics:
         return jax.device_get(small_motions(*self._terms, state.configuration, state.multipliers))
 
 
-@dataclass(frozen=True, eq=False)
-class _LineFreedoms:
-    """From amplitudes of a line, and what its support holds, to motions of its axes and elastic amplitudes.
-
-    m : amplitudes
-    shapes : (6 + e, 6 + e)
-    held_mass : (6 + e, 6 + e)  of the motions that are held, and between these and the others
-    """
-
-    m: int
-    shapes: np.ndarray
-    held_mass: np.ndarray
-
-    @classmethod
-    def of(cls, placed: Placed, state: LineState) -> _LineFreedoms:
-        body = body_of(placed)
-        model, m = body.model, body.modes.n_modes
-        held = null_space(body.support.free.T)
-        twist, rates = map(np.asarray, line_shapes(model, np.asarray(state.q2)))
-        every = np.asarray(block_diag(np.eye(m), held))
-        from_root = np.eye(6)
-        from_root[:3, 3:] = cross_matrix(body.line.tree.points[0])
-        shapes = np.vstack([from_root @ twist, -rates / np.asarray(model.omega)[:, None]]) @ every
-        mass = np.zeros((m + 6, m + 6))
-        momenta = np.asarray(model.twist_momenta)
-        mass[:m, m:] = np.asarray(model.velocities).T @ momenta
-        mass[m:, :m] = mass[:m, m:].T
-        mass[m:, m:] = np.asarray(model.twists).T @ momenta
-        return cls(m, shapes, every.T @ mass @ every)
+def _blocks(*parts: np.ndarray) -> np.ndarray:
+    return np.asarray(block_diag(*parts))
 
 
 def line_statics(
@@ -328,7 +301,10 @@ def _driven(state: LineState, drive: RootDrive | None, time: float) -> LineState
 def _steady_drive(
     placed: Placed, drive: RootDrive | None, root: np.ndarray, w: np.ndarray, point: np.ndarray, time: float
 ) -> RootDrive | None:
-    """A drive that stays where it is, or goes on at the rate of the spin; ModelError for a root held against it."""
+    """A drive that stays where it is, or goes on at the rate of the spin.
+
+    Raises ModelError for a root that is held against the spin.
+    """
     rotation = placed.rotation if drive is None else np.asarray(drive.pose(time)[0])
     twist = np.concatenate([np.cross(w, root - point) @ rotation, w @ rotation])
     ways = body_of(placed).support.free if drive is None else np.asarray(drive.screw)[:, None]

@@ -44,7 +44,7 @@ from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.joint_force import constraints
 from supple.multibody.equations.steady_motion import Turning
 
-__all__ = ["SmallMotions", "Unbalanced", "line_shapes", "moved_by", "small_motions", "steady", "unbalanced_at"]
+__all__ = ["SmallMotions", "Unbalanced", "moved_by", "small_motions", "steady", "unbalanced_at"]
 
 
 class Unbalanced(NamedTuple):
@@ -138,7 +138,9 @@ def _near(
     now = _moved_by(arrays, at, y)
     (floating, own), (faster, own_faster) = _parts(arrays, dy), _parts(arrays, ddy)
     velocity, acceleration = _turning_frames(arrays, turning, now, floating, faster)
-    steady, changes = jax.jvp(lambda s: _turning_lines(arrays, turning, _moved_by(arrays, at, s)), (y,), (dy,))
+    steady, changes = jax.jvp(
+        lambda s: _turning_lines(arrays, turning, _moved_by(arrays, at, s)), (y,), (dy,)
+    )
     lines, rates = [], []
     for state, q1, by_change, first, second in zip(now.lines, steady, changes, own, own_faster, strict=True):
         still = jax.tree.map(jnp.zeros_like, state)
@@ -201,20 +203,7 @@ def _steady(arrays: JoinedArrays, turning: Turning | None, at: Instant) -> tuple
     return now, rates, all_velocities(arrays, now)
 
 
-def _line_shapes(model: LineModel, q2: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Twist of the root (6, m + 6) and rates of q_2 (e, m + 6) by q_1 and a drive's twist of the root."""
-    m, e = model.velocities.shape[1], section_strains(model, q2)
-
-    def rates(both: jax.Array) -> tuple[jax.Array, jax.Array]:
-        q1, driven = both[:m], both[m:]
-        x1 = station_velocities(model, q1, RootTwist(driven, jnp.zeros(6)))
-        return x1[0], force_rates(model, x1, q1, e)
-
-    return jax.jacfwd(rates)(jnp.zeros(m + 6))
-
-
 moved_by = KeptProgram(_moved_by, STARTING)
 unbalanced_at = KeptProgram(_unbalanced, STARTING)
 small_motions = KeptProgram(_small_motions, STARTING)
 steady = KeptProgram(_steady, STARTING)
-line_shapes = KeptProgram(_line_shapes, STARTING)

@@ -20,8 +20,8 @@ from supple.linearization.sparse_machine import SparseMachine
 from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
 from supple.machine.forces import JointFriction
 from supple.multibody import StaticSearch
-from supple.multibody.compiled.iterate import position_scale
 from supple.multibody.compiled.compiled_machine import CompiledMachine
+from supple.multibody.compiled.iterate import position_scale
 from supple.multibody.compiled.statics import CompiledStatics, balanced
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.consistent_start import placed_configuration
@@ -37,7 +37,7 @@ from supple.multibody.full.full_system import FullSystem
 from supple.multibody.full.statics import FullStatics, carried_state
 from supple.simulation.equilibrium import fulls_by_name, warn_of_rest
 from supple.simulation.full_rest import full_rest, rest_errors
-from supple.simulation.resting_state import RestingState, placed_at_rest, resting_state
+from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest, resting_state
 
 __all__ = ["linearize"]
 
@@ -176,7 +176,8 @@ def _equations(found: RestingState, time: float) -> LinearEquations:
 def _carried(system: System, found: RestingState, time: float) -> tuple[RestingState, float]:
     """A system where it is placed, its joints carrying what is unbalanced; and what part they cannot."""
     if isinstance(found.machine, LineStatics):
-        there = line_statics(system, found.turning, time, found.model.active)
+        still = replace(system, bodies=tuple(map(at_rest, system.bodies)))
+        there = line_statics(still, found.turning, time, found.model.active)
         state, left = there.carried_state()
         return found._replace(machine=there, state=state), left
     model = build_model(system, found.model.active)

@@ -110,7 +110,6 @@ class FullStatics:
         """The same."""
         return configuration
 
-
     @property
     def position_scale(self) -> np.ndarray:
         """What counts as a large change of each freedom, (n,)."""
