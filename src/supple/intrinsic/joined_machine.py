@@ -141,7 +141,7 @@ def supported_machine(system: System, time: float) -> JoinedMachine:
         model=seen_model(seen, 0, None),
         held=((0,), *((),) * len(others)),
     )
-    return JoinedMachine(system, seen, system.bodies, arrays, made.start)
+    return JoinedMachine(system, seen, tuple(system.bodies), arrays, made.start)
 
 
 def seen_model(seen: System, n_floating: int, active: tuple[int, ...] | None) -> Model:

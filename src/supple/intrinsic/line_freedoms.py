@@ -40,7 +40,7 @@ class LineFreedoms:
 
     def amplitudes(self, motions: Array) -> Array:
         """Y (..., m) of motions p (..., 6 + e)."""
-        return np.linalg.solve(self.shapes, motions.T).T[..., : self.m]
+        return np.asarray(np.linalg.solve(self.shapes, motions.T).T[..., : self.m], dtype=float)
 
 
 def line_freedoms(model: LineModel, support: RootSupport, root: Array, q2: Array) -> LineFreedoms:
