@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,8 +18,18 @@ from supple.intrinsic import (
     intrinsic_body,
 )
 from supple.intrinsic.centre_drift import centre_drift
-from supple.intrinsic.line_equations import RootTwist, line_rates
-from supple.machine import DeadForce, Fixed, FollowerTorque, ForceElement, NodalLoad, Placed, System
+from supple.linearization import linearize, machine_modes
+from supple.machine import (
+    DeadForce,
+    Fixed,
+    FollowerTorque,
+    ForceElement,
+    NodalLoad,
+    Placed,
+    PrescribedRotation,
+    Spin,
+    System,
+)
 from supple.mesh import CellType, Mesh
 from supple.simulation import equilibrium, simulate
 from supple_benchmarks.references.elastica import elastica
@@ -51,22 +59,8 @@ def slender_beam(n: int, support: RootSupport, n_modes: int | None = None) -> In
 
 def spinning_frequencies(body: IntrinsicBody, speed: float) -> Array:
     """Frequencies (m,) of a clamped body about its state at rest in axes that turn about z, rad/s."""
-    model = body.model
-    n = model.velocities.shape[1]
-    root = RootTwist(jnp.array([0.0, 0, 0, 0, 0, speed]), jnp.zeros(6))
-
-    def rates(state: jax.Array) -> jax.Array:
-        return jnp.concatenate(line_rates(model, state[:n], state[n:], None, root))
-
-    slope = jax.jit(jax.jacfwd(rates))
-    state = jnp.zeros(n + model.omega.shape[0])
-    for _ in range(10):
-        change = np.linalg.solve(slope(state), rates(state))
-        state = state - change
-        if np.linalg.norm(change) <= 1e-10 * np.linalg.norm(state):
-            break
-    values = np.linalg.eigvals(np.asarray(slope(state)))
-    return np.sort(values.imag[values.imag > 0])
+    drive = PrescribedRotation(first="ground", second="beam.root", axis=(0, 0, 1), angle=0.0)
+    return machine_modes(linearize(System([body], [drive]), spin=Spin(speed))).frequencies
 
 
 def _tip_at_rest(body: IntrinsicBody, load: ForceElement | NodalLoad) -> Array:
