@@ -229,6 +229,7 @@ def test_what_is_no_mode_is_listed_so_and_not_drawn(strip_run):
     assert drawn == set(range(1, len(errors) + 1)) - wrong
 
 
+@pytest.mark.slow
 def test_a_diagram_over_speed_keeps_to_the_accuracy_and_names_its_axes(tmp_path):
     (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 8, 2)))
     case = tmp_path / "strip.toml"

@@ -100,6 +100,7 @@ def corrected(request):
     return system, simulate(system, RUN), self_correct(system, RUN, starts())
 
 
+@pytest.mark.slow
 def test_both_bodies_meet_their_error_and_know_it(corrected):
     """Estimates of every round within 0.7 .. 1.4 of the true errors; each body is as good as was asked."""
     system, reference, result = corrected

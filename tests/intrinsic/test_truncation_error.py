@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.beam_lines import beam_line, straight
@@ -15,7 +14,7 @@ from supple.intrinsic import CLAMPED, FREE, enough_modes, intrinsic_body, releas
 from supple.intrinsic.complete_motion import with_modes
 from supple.intrinsic.expansion import expansion_of_stations
 from supple.intrinsic.intrinsic_body import body_of
-from supple.machine import DeadForce, Fixed, FollowerTorque, Placed, Revolute, System
+from supple.machine import ConstantRate, DeadForce, Fixed, FollowerTorque, Placed, Revolute, System
 from supple.simulation import simulate, simulate_batch
 
 LINE = beam_line(straight(1.0, 8), EA=1e4, EI=1.0, GJ=1.0, mass_per_length=1.0, radius=0.05)
@@ -37,7 +36,7 @@ def lowest_alone(whole, n):
 
 def bent(body):
     """By a dead force at its tip, that sets in slowly."""
-    return System([body], [CLAMP], [DeadForce(at="beam.tip", force=lambda t: jnp.array([0.0, 0.0, 5.0 * t]))])
+    return System([body], [CLAMP], [DeadForce(at="beam.tip", force=ConstantRate(np.array([0.0, 0.0, 5.0])))])
 
 
 def stations(body, solution):
@@ -74,6 +73,7 @@ def test_a_body_with_all_its_modes_leaves_nothing_out(whole):
     assert state_errors(bent(whole), RUN, solution, study).errors["beam"].basis.value == 0
 
 
+@pytest.mark.slow
 def test_as_many_modes_are_taken_as_the_tolerance_asks_for(whole):
     found = enough_modes(bent(whole), lambda machine: simulate(machine, RUN), tolerance=1e-3, first=2)
     body = body_of(found.system.bodies[0])
@@ -94,6 +94,7 @@ def test_all_modes_are_kept_where_no_fewer_are_enough(whole):
     assert found.errors == {}
 
 
+@pytest.mark.slow
 def test_the_drift_of_a_free_body_is_that_of_its_centre_of_mass():
     """A body that bends far while it turns about its centre, without loads: the centre should stay."""
     free = intrinsic_body(LINE, FREE)

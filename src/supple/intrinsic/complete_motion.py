@@ -153,7 +153,8 @@ def _motions(
     found = dict(solution.bodies)
     for placed, drive, state in zip(intrinsic_of(system), drives, states, strict=True):
         own = solution.bodies[placed.body.name]
-        motion = line_motion(placed, body_of(placed).model, drive, state, solution.times)
+        unknown = np.full(np.shape(state.q1), np.nan)
+        motion = line_motion(placed, body_of(placed).model, drive, state, unknown, solution.times)
         # Driven roots are where the drive has them; the others are the run's to the last digit.
         found[placed.body.name] = replace(motion, position=own.position, rotation=own.rotation)
     return found
