@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from supple.cases import read_case
 from supple.cli.check import print_check
@@ -54,16 +54,15 @@ def _describe_case(path: Path) -> Iterator[Row]:
         yield f"body {body.name}", f"{body.kind}{basis}; interfaces: {interfaces}"
     for joint in case.joint:
         yield f"joint {joint.name or ''}", f"{joint.kind}: {joint.first} - {joint.second}"
-    loads: Sequence[Any] = case.load  # of classes made while they are imported
-    for load in loads:
+    # Of classes made while they are imported.
+    for load in cast("Sequence[Any]", case.load):
         yield "load", f"{load.kind} at {load.at}" if hasattr(load, "at") else load.kind
     for tie in case.tie:
         yield "tie", f"{tie.nodes} on {tie.on}"
     for contact in case.contact:
         obstacle = contact.surface if contact.obstacle is None else contact.obstacle.kind
         yield "contact", f"{contact.nodes} with {obstacle}"
-    springs: Sequence[Any] = case.spring
-    for spring in springs:
+    for spring in cast("Sequence[Any]", case.spring):
         yield "spring", f"{spring.kind}: {spring.first} - {spring.second}"
     run = case.simulation
     yield (
