@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from exudyn_run import Outcome, TimedRun, best_of, exudyn, run_often, timed_run
+from exudyn_run import Outcome, TimedRun, best_of, exudyn, march_as_long_runs_do, timed_run
 from measure import keep
 
 from supple.body import RigidBody
@@ -55,7 +55,7 @@ def in_supple(system: System, link: ReducedBody, end: int, step: float) -> Timed
             node_positions(link, solution.bodies[link.name], [end])[:, 0],
         )
 
-    return run_often(run)
+    return run
 
 
 def in_exudyn(system: System, file: Path, end: int, step: float, *, modified_newton: bool) -> TimedRun:
@@ -131,6 +131,7 @@ def _add_bodies(mbs: Any, items: Any, system: System, file: Path) -> list[tuple[
 
 
 def main() -> None:
+    march_as_long_runs_do()
     machine = QuadruplePendulum(cell_type=CellType.TETRA4).machine()
     link = reduce(
         machine.body,

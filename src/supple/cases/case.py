@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body import BodySource, FlexibleBody, FullBody, ModalDamping
+from supple.body import BodySource, FlexibleBody, FullBody
 from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
 from supple.cases.case_tables import CaseTables, files_named, places_named
@@ -32,6 +32,7 @@ from supple.mesh import Mesh
 from supple.reduction import BodyModes, body_modes
 from supple.results.run_summary import N_DRAWN_MODES
 from supple.sensors import Sensor
+from supple.simulation.full_rest import known_fulls
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
 
@@ -310,18 +311,8 @@ class Case:
 
     @cached_property
     def fulls(self) -> Mapping[str, FullBody]:
-        """The bodies that are reduced here with all their coordinates, by name."""
-        made = {}
-        for table in self.parts.body:
-            if table.name in self.flexible and table.frame is not None:
-                frame = table.frame.build()
-                damped = table.damping.build(self.flexible[table.name], frame) if table.damping else None
-                if isinstance(damped, ModalDamping) and damped.n_modes is None:
-                    # All modes of the body as it is simulated: in full they are counted.
-                    form = self.system.bodies[self.system.body_index(table.name)].body
-                    damped = replace(damped, n_modes=form.n_coordinates)
-                made[table.name] = FullBody(self.flexible[table.name], frame, damped)
-        return made
+        """The bodies that are made here in a floating frame, with all their coordinates, by name."""
+        return known_fulls(self.system) | self.system.bodies_of(FullBody)
 
     @cached_property
     def held_modes(self) -> Mapping[str, BodyModes]:

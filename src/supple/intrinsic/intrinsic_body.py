@@ -75,6 +75,7 @@ class IntrinsicBody(FormDefaults):
     stations : name -> number       interfaces
     damping : Damping | None        ModalDamping or RayleighDamping
     complete : IntrinsicBody | None     the same body with all its modes; None where this is it
+    supported : IntrinsicBody | None    of a released body: the same modes on the support of its root
     """
 
     modes: IntrinsicModes
@@ -82,6 +83,7 @@ class IntrinsicBody(FormDefaults):
     stations: Mapping[str, int] = field(repr=False)
     damping: Damping | None = None
     complete: IntrinsicBody | None = field(default=None, repr=False)
+    supported: IntrinsicBody | None = field(default=None, repr=False)
 
     @property
     def name(self) -> str:

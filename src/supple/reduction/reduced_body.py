@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,7 +22,7 @@ from supple.reduction.reduction_report import ReductionReport
 from supple.reduction.tensors import InternalForceTensors
 
 if TYPE_CHECKING:
-    from supple.body import Frame
+    from supple.body import Frame, FullBody
 
 # Of the largest number of a tensor: what its sums may miss the symmetry of a potential by.
 LARGEST_ASYMMETRY = 1e-8
@@ -79,6 +79,8 @@ class ReducedBody(FloatingForm):
     condensed : the motion z outside the columns that the quartic tensor lets follow them; None where it lets
                 none
     inert : int                 coordinates that a run takes along besides, see `with_room`; not kept in files
+    full : FullBody | None      the body with all its coordinates that it was reduced from, a reference, which
+                                neither files nor other processes have
     elastic_elsewhere : bool    what deformation adds to the force is not in the tensors, though the elements
                                 are nonlinear, and so their strains; not kept in files
     Raises ModelError when the shapes disagree, a value is not finite, or the tensors have no potential.
@@ -103,9 +105,13 @@ class ReducedBody(FloatingForm):
     condensed: CondensedMotion | None = None
     inert: int = 0
     elastic_elsewhere: bool = False
+    full: FullBody | None = None
 
     def __repr__(self) -> str:
         return f"<ReducedBody '{self.name}' in {self.frame}: {self.r} coordinates; {self.report}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return vars(self) | {"full": None}
 
     def __post_init__(self):
         _set_read_only(self)

@@ -51,8 +51,7 @@ def watched_run(
     _report_rejected_steps(solution.statistics, run.step_control)
     limits.report(peaks)
     report_resolution(system, run, solution)
-    report_truncation(system, run, solution)
-    return solution
+    return report_truncation(system, run, solution)
 
 
 def report_resolution(system: System, run: Run, solution: Solution) -> None:

@@ -136,7 +136,7 @@ class CompiledEngine:
     def start(self, time: float) -> State:
         """Consistent positions, velocities, accelerations and multipliers."""
         model, state = initial_state(self._system, time, self._run.step_control.first, self._run.validity)
-        self._program = march_for(model, state, self._run.n_steps)
+        self._program = march_for(model, self._run.n_steps)
         self._model = jax.device_put(model)  # once, not with every leg
         return state
 
