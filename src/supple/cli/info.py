@@ -46,6 +46,8 @@ def _describe_case(path: Path) -> Iterator[Row]:
     for body in case.body:
         basis = f", basis {body.reduction.chosen}" if body.reduction else ""
         basis += ", corrects itself" if body.corrects_itself else ""
+        basis += f", modal in {body.modal.modes} modes" if body.modal else ""
+        basis += ", explicit elements" if body.explicit else ""
         interfaces = ", ".join(interface.name for interface in body.interface) or "none"
         yield f"body {body.name}", f"{body.kind}{basis}; interfaces: {interfaces}"
     for joint in case.joint:
@@ -53,6 +55,11 @@ def _describe_case(path: Path) -> Iterator[Row]:
     for load in case.load:
         place = getattr(load, "at", None)
         yield "load", load.chosen if place is None else f"{load.chosen} at {place}"
+    for tie in case.tie:
+        yield "tie", f"{tie.nodes} on {tie.on}"
+    for contact in case.contact:
+        obstacle = contact.surface if contact.obstacle is None else contact.obstacle.kind
+        yield "contact", f"{contact.nodes} with {obstacle}"
     for spring in case.spring:
         yield "spring", f"{spring.chosen}: {spring.first} - {spring.second}"
     run = case.simulation
