@@ -10,7 +10,6 @@ from supple.cases import Case, read_case
 from supple.cases.outputs import check_not_an_input
 from supple.errors import CaseError, did_you_mean
 from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
-from supple.machine import NodalLoad
 from supple.terminal import console, print_rows, worded
 from supple.units import headed, measured
 
@@ -35,8 +34,11 @@ def export_case(path: Path, target: Path, *, body: str | None, time: float | Non
         flexible, model = case.flexible[name], case.elements[name]
         table = next(one for one in case.tables.body if one.name == name)
         instant = case.run.start + case.run.duration if time is None else time
-        every = [table.build(case.folder, case.place, case.meshes) for table in case.tables.load]
-        loads = [load for load in every if isinstance(load, NodalLoad) and load.body == name]
+        loads = [
+            load.build(case.folder, case.place, case.meshes)
+            for load in case.tables.load
+            if getattr(load, "at", name).partition(".")[0] == name
+        ]
         nodal = static_load(
             flexible, loads, time=instant, rotation=table.rotation, gravity=case.tables.gravity
         )

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, cast
 
 from supple.cases import read_case
 from supple.cli.check import print_check
@@ -45,8 +44,7 @@ def _describe_case(path: Path) -> Iterator[Row]:
     yield "units", str(read.units) or "not said"
     yield "what", case.title
     for body in case.body:
-        reduction: Any = body.reduction
-        basis = f", basis {reduction.basis}" if reduction else ""
+        basis = f", basis {body.reduction.chosen}" if body.reduction else ""
         basis += ", corrects itself" if body.corrects_itself else ""
         basis += f", modal in {body.modal.modes} modes" if body.modal else ""
         basis += ", explicit elements" if body.explicit else ""
@@ -54,16 +52,16 @@ def _describe_case(path: Path) -> Iterator[Row]:
         yield f"body {body.name}", f"{body.kind}{basis}; interfaces: {interfaces}"
     for joint in case.joint:
         yield f"joint {joint.name or ''}", f"{joint.kind}: {joint.first} - {joint.second}"
-    # Of classes made while they are imported.
-    for load in cast("Sequence[Any]", case.load):
-        yield "load", f"{load.kind} at {load.at}" if hasattr(load, "at") else load.kind
+    for load in case.load:
+        place = getattr(load, "at", None)
+        yield "load", load.chosen if place is None else f"{load.chosen} at {place}"
     for tie in case.tie:
         yield "tie", f"{tie.nodes} on {tie.on}"
     for contact in case.contact:
         obstacle = contact.surface if contact.obstacle is None else contact.obstacle.kind
         yield "contact", f"{contact.nodes} with {obstacle}"
-    for spring in cast("Sequence[Any]", case.spring):
-        yield "spring", f"{spring.kind}: {spring.first} - {spring.second}"
+    for spring in case.spring:
+        yield "spring", f"{spring.chosen}: {spring.first} - {spring.second}"
     run = case.simulation
     yield (
         "simulation",
