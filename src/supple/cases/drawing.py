@@ -24,6 +24,7 @@ class Drawing:
     """Pictures and a film of a run, as its case asks for them; fields as for `draw_run`.
 
     pictures, film : whether they are asked for
+    colour : of the film
     """
 
     folder: Path
@@ -34,10 +35,10 @@ class Drawing:
     modes: Mapping[str, BodyModes]
     elements: Mapping[str, FiniteElementModel] | None
     bases: Mapping[str, At]
-    colour: str
     units: UnitSystem
     pictures: bool
     film: bool
+    colour: str = "deflection"
 
     def draw(self, progress: Progress = silent) -> None:
         """Draw them into the folder."""
@@ -109,8 +110,8 @@ def drawing_of(
         case.held_modes if output.pictures and system.bodies_of(ReducedBody) else {},
         case.elements if output.colour == "von-mises" else None,
         case.bases,
-        output.colour,
         case.units,
         pictures=output.pictures,
         film=output.animation,
+        colour=output.colour,
     )
