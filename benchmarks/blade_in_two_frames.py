@@ -16,7 +16,7 @@ from measure import keep
 
 from supple.body import Damping, FlexibleBody, ModalDamping
 from supple.integrate import Run
-from supple.reduction import reduce
+from supple.reduction import NoLoads, reduce
 from supple.simulation import simulate
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES
 from supple_benchmarks.blade.reduced_run import FixedBasis, bases_of
@@ -61,7 +61,9 @@ def main() -> None:
 
 def run(blade: Blade, body: FlexibleBody, basis: FixedBasis, damping: Damping | None) -> TipMotion:
     """The tip's motion in one frame, seen from the root."""
-    reduced = reduce(body, FRAMES[basis.frame], basis.recipe, derivatives=basis.derivatives, damping=damping)
+    reduced = reduce(
+        body, FRAMES[basis.frame], basis.recipe, derivatives=basis.derivatives, damping=damping, loads=NoLoads
+    )
     motion = simulate(
         blade.system(reduced, RATED, blade.loads(RATED, SECONDS)),
         Run(duration=SECONDS, output_step=OUTPUT_STEP, step=STEP, tolerances=TOLERANCES),

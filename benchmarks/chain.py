@@ -41,7 +41,7 @@ from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, block
 from supple.multibody.compiled.engine import controls, initial_state
 from supple.multibody.compiled.programs import COMPILED_MARCH, QUICK_MARCH
-from supple.reduction import CraigBampton, NoDerivatives, ReducedBody, reduce
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, ReducedBody, reduce
 from supple.simulation import simulate
 
 NUMBERS, QUICK = (1, 2, 4, 8, 16, 32, 64), (1, 8)
@@ -59,7 +59,7 @@ def flexible_rod() -> ReducedBody:
         AveragingInterface("far", np.flatnonzero(x > LENGTH - 1e-9)),
     ]
     body = flexible_body("rod", solid_model(mesh, STEEL), ends).linearized()
-    return reduce(body, MeanAxisFrame(), CraigBampton(n_modes=8), derivatives=NoDerivatives())
+    return reduce(body, MeanAxisFrame(), CraigBampton(n_modes=8), derivatives=NoDerivatives(), loads=NoLoads)
 
 
 def rigid_rod() -> RigidBody:

@@ -31,7 +31,7 @@ from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Joint, Placed, Revolute, System
 from supple.mesh import CellType, cylinder
-from supple.reduction import NoDerivatives, ReducedBody, Rubin, reduce
+from supple.reduction import NoDerivatives, NoLoads, ReducedBody, Rubin, reduce
 from supple.results import StressModes, stress_modes
 from supple.simulation import simulate
 from supple.viz import skin_of
@@ -81,7 +81,7 @@ def pendulum() -> Pendulum:
     model = solid_model(mesh, Isotropic(2.1e11, 0.3, 7850.0))
     ends = [AveragingInterface("root", "root"), AveragingInterface("tip", "tip")]
     body = flexible_body("link", model, ends).linearized()
-    link = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives())
+    link = reduce(body, MeanAxisFrame(), Rubin(n_modes=12), derivatives=NoDerivatives(), loads=NoLoads)
     surface_point = np.array([LENGTH / 2, 0.0, RADIUS])
     node = int(np.argmin(np.linalg.norm(mesh.nodes - surface_point, axis=1)))
     return Pendulum(link, stress_modes(link, model), skin_of(mesh).triangles, node)

@@ -35,6 +35,7 @@ from supple.multibody.compiled.programs import COMPILED_MARCH
 from supple.reduction import (
     CompressedDerivatives,
     NoDerivatives,
+    NoLoads,
     NormalModes,
     ReducedBody,
     Rubin,
@@ -58,7 +59,9 @@ def spun_up(body: ReducedBody) -> System:
 
 
 def hung(body: FlexibleBody) -> System:
-    linear = reduce(body.linearized(), MeanAxisFrame(), NormalModes(12), derivatives=NoDerivatives())
+    linear = reduce(
+        body.linearized(), MeanAxisFrame(), NormalModes(12), derivatives=NoDerivatives(), loads=NoLoads
+    )
     ball = Ball(first=GROUND, second=At(BODY, ROOT))
     return System(bodies=(Placed(linear),), joints=(ball,), gravity=(0.0, 0.0, -9.81))
 
@@ -138,7 +141,11 @@ def main() -> None:
     bodies = {}
     for r, (n_linear, n_added) in SIZES.items():
         bodies[r] = reduce(
-            body, MeanAxisFrame(), Rubin(n_columns=n_linear), derivatives=CompressedDerivatives(n_added)
+            body,
+            MeanAxisFrame(),
+            Rubin(n_columns=n_linear),
+            derivatives=CompressedDerivatives(n_added),
+            loads=NoLoads,
         )
         system = spun_up(bodies[r])
         for tolerance in (1e-6, 1e-9):
@@ -153,6 +160,7 @@ def main() -> None:
                 Rubin(n_columns=n_linear),
                 derivatives=CompressedDerivatives(n_added),
                 damping=damping,
+                loads=NoLoads,
             )
             rows.append(march_cost(f"the same, damped {words}, r = {damped.r}", spun_up(damped), step=STEP))
         whole = spun_up(in_one_block(bodies[r]))

@@ -67,13 +67,13 @@ def flexible_machine(more: int) -> Any:
     from supple.fem import Isotropic, solid_model
     from supple.machine import GROUND, At, Ball, Placed, System
     from supple.mesh import CellType, block
-    from supple.reduction import CraigBampton, reduce
+    from supple.reduction import CraigBampton, NoLoads, reduce
 
     mesh = block(1.0, 0.05, 0.05, 6, 1, 1, CellType.HEXA20)
     steel = Isotropic(youngs_modulus=2.1e11, poissons_ratio=0.3, density=7850.0)
     near = AveragingInterface("near", (mesh.nodes[:, 0] < 1e-9).nonzero()[0])
     body = flexible_body("rod", solid_model(mesh, steel), [near])
-    reduced = reduce(body, MeanAxisFrame(), CraigBampton(n_modes=4 + more))
+    reduced = reduce(body, MeanAxisFrame(), CraigBampton(n_modes=4 + more), loads=NoLoads)
     return System(
         [Placed(reduced)],
         [Ball(first=GROUND, second=At("rod", "near"), name="ball")],

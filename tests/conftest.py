@@ -2,7 +2,6 @@
 
 import gc
 import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,7 +23,8 @@ if "xla_backend_optimization_level" not in os.environ["XLA_FLAGS"]:
 # As wide as a file wherever the tests run: narrow tables cut words.
 os.environ.pop("COLUMNS", None)
 console.width = error_console.width = WIDTH_OF_FILES
-keep_compiled_programs(Path(__file__).parents[1] / ".pytest_cache" / "compiled")
+# In the user's cache: another clone finds them, and so do the processes and commands that tests start.
+os.environ["JAX_COMPILATION_CACHE_DIR"] = str(keep_compiled_programs())
 
 
 @pytest.fixture(autouse=True)

@@ -18,6 +18,7 @@ def test_an_example_meets_its_expectation_and_draws(name, tmp_path):
     assert picture.stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_the_slider_crank_meets_its_expectation_and_draws(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(EXAMPLES / "slider_crank.py"), run_name="__main__")

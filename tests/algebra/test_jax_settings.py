@@ -46,6 +46,7 @@ def test_unlike_machines_share_no_programs(monkeypatch):
     assert len({here, there, later}) == 3
 
 
+@pytest.mark.slow
 def test_programs_are_kept_from_python(tmp_path):
     """Importing the package is enough, and an earlier choice stays."""
     script = "import supple.multibody, jax; print(jax.config.jax_compilation_cache_dir)"

@@ -62,6 +62,17 @@ def test_broken_file_is_built_anew(kept, traced):
     assert len(traced) == 2
 
 
+def test_the_folder_is_bounded_and_the_program_read_last_stays(kept, monkeypatch):
+    monkeypatch.setattr(kept_programs, "_MOST_KEPT", 100_000)
+    (kept / "by-text").mkdir()
+    for read, name in enumerate(("of JAX", "by-text/old", "by-text/young")):
+        (kept / name).write_bytes(bytes(40_000))
+        os.utime(kept / name, (1e9 + read, 1e9 - read))
+    KeptProgram(rotation_exp)(VECTOR)
+    assert not (kept / "of JAX").exists()
+    assert len(list((kept / "by-text").iterdir())) == 3
+
+
 def value_of(law, time):
     """The value of a law, an argument like any other."""
     return jnp.asarray(law(time))

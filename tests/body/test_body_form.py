@@ -29,7 +29,7 @@ from supple.reduction import (
     project,
     reduction_basis,
 )
-from supple.results import node_motion, von_mises_history
+from supple.results import von_mises_history
 
 KINDS = ("rigid", "full", "reduced")
 MASS = 2.0 * 0.4 * 0.02 * 2700.0
@@ -158,7 +158,7 @@ def test_points_of_a_rigid_body_move_with_its_angular_velocity(forms):
     motion = moving(np.zeros((TIMES, 0)))
     turning = np.cross(motion.angular_velocity[:, None], body.nodes)
     expected = in_space(motion.velocity, motion.rotation, turning)
-    np.testing.assert_allclose(node_motion(body, motion, [0, 1]).velocity, expected, atol=1e-13)
+    np.testing.assert_allclose(body.node_motion(motion, [0, 1]).velocity, expected, atol=1e-13)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -41,6 +41,7 @@ def worth(monkeypatch):
 PICTURES = {"machine.png", "joint-forces.png", "motion.gif"}
 
 
+@pytest.mark.slow
 def test_pictures_of_the_process_are_those_drawn_here(drawing, worth, tmp_path):
     said = []
     with DrawingBeside() as beside:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fixtures.abaqus_text import abaqus_text
 
 from supple.cases import read_case, run_case
+from supple.cases.static_case import starting_system
 from supple.errors import CaseError
+from supple.mesh import strip
 
 CASE = """
 title = "slider-crank, drawn apart"
@@ -111,3 +114,19 @@ def test_the_slider_moves_as_its_crank_and_the_motor_does_the_work(written, tmp_
 def test_what_an_integrator_would_need_is_a_mistake(written):
     with pytest.raises(CaseError, match=r"simulation\.rho_inf: a kinematic run integrates nothing"):
         written(CASE.replace("kinematic = true", "kinematic = true\nrho_inf = 0.5"))
+
+
+def test_a_body_that_corrects_itself_is_refused(written, tmp_path):
+    """Only a run with forces of inertia says how many coordinates it needs."""
+    soft = """
+[[body]]
+name = "strip"
+mesh = "strip.inp"
+shell = { thickness = 0.01, youngs_modulus = 1e9, poissons_ratio = 0.3, density = 1000.0 }
+frame = { kind = "mean-axis" }
+
+[simulation]"""
+    (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 2, 2)))
+    case = written(CASE.replace("\n[simulation]", soft))
+    with pytest.raises(CaseError, match="reduced as far as its run needs: for a run with kinematic = true"):
+        starting_system(case)

@@ -9,6 +9,9 @@ import pytest
 from fixtures.abaqus_text import abaqus_text
 from typer.testing import CliRunner
 
+from supple.body import FullBody
+from supple.cases import read_case
+from supple.cases.static_case import starting_system
 from supple.cli.main import app
 from supple.mesh import strip
 
@@ -190,6 +193,21 @@ def test_a_rest_of_fixed_size_says_what_it_misses(strip_run):
     assert missing["relative"] > 0.2
 
 
+def test_a_run_of_a_body_that_corrects_itself_starts_in_its_equilibrium(tmp_path):
+    """Stretched by its spin, turning, with all its coordinates: what the bases of its rounds are to hold."""
+    (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 8, 2)))
+    path = tmp_path / "strip.toml"
+    text = STRIP.replace("REDUCTION", "").replace("PICTURES", "pictures = false").replace("FRAME", AT_ROOT)
+    text = text.replace("RATE", repr(float(RATE)))
+    path.write_text(text.replace("step = 0.01\n", 'step = 0.01\nstart = "equilibrium"\n'))
+    case = read_case(path)
+    (placed,) = starting_system(case).bodies
+    assert isinstance(placed.body, FullBody)
+    _, tip = case.place("strip.TIP")
+    assert placed.positions()[tip, 0].mean() - 1.0 == pytest.approx(STRETCH, rel=5e-3)
+    assert placed.twist[5] == pytest.approx(RATE, rel=1e-12)
+
+
 def test_modes_reach_their_accuracy_and_name_their_axes(strip_run):
     numbers, output, _ = strip_run("modes")
     assert numbers["axes"] == "turning with the machine"
@@ -211,6 +229,7 @@ def test_what_is_no_mode_is_listed_so_and_not_drawn(strip_run):
     assert drawn == set(range(1, len(errors) + 1)) - wrong
 
 
+@pytest.mark.slow
 def test_a_diagram_over_speed_keeps_to_the_accuracy_and_names_its_axes(tmp_path):
     (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 8, 2)))
     case = tmp_path / "strip.toml"

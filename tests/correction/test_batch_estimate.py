@@ -7,13 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from error_equation.machines import NODAL, reduced, run_of, soft_strip
+from error_equation.machines import NODAL, nodal_errors, reduced, rms, run_of, soft_strip
 
 from supple.body import FullBody, RayleighDamping
 from supple.correction import estimate_batch_errors, estimate_error, state_batch_errors
+from supple.correction.check_run import check_run
+from supple.correction.judged_quantity import WholeBody
 from supple.errors import LockingWarning, ModelError
-from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System, Table
-from supple.simulation import simulate_batch
+from supple.machine import GROUND, At, DeadForce, Fixed, Penalty, Placed, SlideStop, System, Table
+from supple.reduction import NoDerivatives, NormalModes, project, reduction_basis
+from supple.simulation import simulate, simulate_batch
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::supple.errors.LockingWarning")]
 
@@ -79,3 +82,43 @@ def test_bodies_that_differ_are_refused(batch):
     other, _ = reduced(wholes[1], 3, 3)
     with pytest.raises(ModelError, match="not the same object"):
         estimate_batch_errors([cases[0], other], RUN, solutions[:2], wholes[0].bodies_of(FullBody))
+
+
+def test_an_estimate_that_has_not_converged_is_replaced_by_a_richer_run():
+    """A strip with one mode that touches a stiff stop: the error equation has no finite solution."""
+    body = FullBody(soft_strip("strip", 1.0, 3), NODAL, RayleighDamping(0.5, 1e-3))
+    near = int(np.argmin(np.linalg.norm(body.nodes - [1 / 3, 0, 0], axis=1)))
+    wall = Fixed(name="wall", first=GROUND, second=At("strip", "root"))
+    stop = SlideStop(
+        first=GROUND, second=At("strip", "tip"), axis=(0, 0, 1), lower=-1e-4, penalty=Penalty(stiffness=1e5)
+    )
+    times = np.linspace(0, 0.4, 41)
+    force = -0.1 * np.sin(4 * times)[:, None] ** 2 * [0.0, 0.0, 1.0]
+    push = DeadForce(body="strip", at=[near], force=Table(times, force))
+    whole = System((Placed(body),), (wall,), (stop, push))
+    basis = reduction_basis(body.body, NODAL, NormalModes(1), derivatives=NoDerivatives())
+    small = replace(whole, bodies=(Placed(project(body.body, basis, damping=body.damping)),))
+    run = run_of(0.4, 0.02, residual=1e-10)
+    solution = simulate(small, run)
+    fulls = whole.bodies_of(FullBody)
+    (unknown,) = estimate_batch_errors([small], run, [solution], fulls)
+    assert not unknown.bodies["strip"].is_converged
+    (stated,) = state_batch_errors([small], run, [solution], fulls)
+    true = rms(nodal_errors(whole, small, simulate(whole, run), solution)["strip"]).max()
+    assert stated.errors["strip"].basis.value == pytest.approx(true, rel=0.05)
+    (stopped,) = state_batch_errors([small], run, [replace(solution, stopped="no convergence")], fulls)
+    assert stopped.errors["strip"].basis is None
+
+
+def test_a_richer_run_that_breaks_off_is_no_estimate(batch, monkeypatch):
+    """The statement says so, and what to do."""
+    wholes, cases, bases, solutions = batch
+    monkeypatch.setattr(
+        "supple.correction.check_run.watched_run",
+        lambda *_, **__: replace(solutions[0], stopped="no convergence at t = 0.1"),
+    )
+    fulls = wholes[0].bodies_of(FullBody)
+    found = check_run(cases[0], RUN, solutions[0], fulls, bases, [WholeBody("strip")])["strip"]
+    assert found.value == np.inf
+    assert found.how.startswith("no estimate: a run with 24 modes and 12 corrections more broke off: no conv")
+    assert "shorter steps" in found.remedy

@@ -74,6 +74,7 @@ def start(**options):
     return ReductionStart(SelfCorrection(relative=ALLOWED, **options), *FIRST)
 
 
+@pytest.mark.slow
 def test_a_first_round_that_locks_is_not_accepted(strip_that_tips):
     full, _ = strip_that_tips
     own = self_correct(pushed(full), RUN, start()).bodies["beam"]

@@ -10,12 +10,11 @@ import pytest
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
 from supple.correction import (
     ReductionStart,
-    RoundBases,
     SelfCorrection,
     SelfCorrectionError,
     self_correct,
 )
-from supple.correction.system_correction import _with_reduced
+from supple.correction.start_deformation import with_reduced
 from supple.errors import ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, Tolerances
@@ -101,6 +100,7 @@ def corrected(request):
     return system, simulate(system, RUN), self_correct(system, RUN, starts())
 
 
+@pytest.mark.slow
 def test_both_bodies_meet_their_error_and_know_it(corrected):
     """Estimates of every round within 0.7 .. 1.4 of the true errors; each body is as good as was asked."""
     system, reference, result = corrected
@@ -128,7 +128,7 @@ def test_an_initial_deformation_is_projected_on_the_bases(two_strips):
     )
     bent = replace(first, coordinates=basis.vectors @ np.arange(1.0, basis.r + 1))
     reduced = {"upper": project(first.body.body, basis)}
-    system = _with_reduced(replace(two_strips, bodies=(bent, second)), reduced, RoundBases({"upper": basis}))
+    system = with_reduced(replace(two_strips, bodies=(bent, second)), reduced, {"upper": basis})
     np.testing.assert_allclose(system.bodies[0].coordinates, np.arange(1.0, basis.r + 1), rtol=1e-9)
     assert system.bodies[1] is second
 

@@ -90,7 +90,9 @@ def linearized_at(equation, row):
     ]
     motion = jax.tree.map(lambda leaf: leaf[row], point.motion)
     none = np.zeros(equation.model.n_velocities)
-    return _linearized(equation.model, bodies, here, motion, none, StepFactors(1.0, 1.0), (none, none))
+    return jax.jit(_linearized)(
+        equation.model, bodies, here, motion, none, StepFactors(1.0, 1.0), (none, none)
+    )
 
 
 @pytest.mark.parametrize(
@@ -110,6 +112,7 @@ def test_a_complete_basis_has_no_error(frame):
     assert history.rms.max() < 1e-9 * np.abs(solution.bodies["strip"].coordinates).max()
 
 
+@pytest.mark.slow
 def test_once_more_about_the_corrected_motion_the_error_is_of_higher_order(spun):
     """Against the full run, place and phase included: what is left of 1e-4 m is a hundredth, then less."""
     system, small, bases, run, solution = spun

@@ -9,7 +9,7 @@ import pytest
 
 from supple.errors import StartWarning, ValidityError
 from supple.integrate import Run, Validity
-from supple.machine import GROUND, At, Fixed, Placed, PrescribedRotation, Revolute, System
+from supple.machine import GROUND, At, ConstantRate, Fixed, Placed, PrescribedRotation, Revolute, System
 from supple.simulation import simulate, simulate_batch
 
 RUN = Run(0.02, 0.01)
@@ -58,7 +58,7 @@ def test_two_equal_bodies_of_which_one_moves_lose_half(rod):
 @pytest.mark.parametrize("start", [{}, {"velocity": [0, 1.0, 0], "angular_velocity": [0, 0, 2.0]}])
 def test_velocities_that_fit_and_bodies_that_are_driven_pass(rod, start):
     """A body at rest that a joint drives starts with the joint's speed: nothing that was given is lost."""
-    motor = PrescribedRotation(first=GROUND, second=At("bar", "left"), axis=Z, angle=lambda t: 2.0 * t)
+    motor = PrescribedRotation(first=GROUND, second=At("bar", "left"), axis=Z, angle=ConstantRate(2.0))
     driven = System((Placed(rod("bar", 1.0), position=[0.5, 0, 0], **start),), (motor,))
     with warnings.catch_warnings():
         warnings.simplefilter("error")

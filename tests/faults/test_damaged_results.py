@@ -199,7 +199,7 @@ def test_a_small_damaged_file_of_a_run_that_was_killed_is_refused_at_once(tmp_pa
     began = time.perf_counter()
     with pytest.raises(DamagedResultError, match=r"run\.h5 is damaged"):
         read_header(path)
-    assert time.perf_counter() - began < 10.0
+    assert time.perf_counter() - began < 60.0  # not the minutes of such pauses, beside whatever load
 
 
 def test_the_checksum_of_the_first_bytes_is_jenkins_hash():

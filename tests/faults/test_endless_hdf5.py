@@ -41,6 +41,7 @@ def test_a_reduced_body_over_which_hdf5_never_ends():
             read(ENDLESS)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("soon")
 def test_matrices_over_which_hdf5_never_ends():
     # In both, the damage lies where the names of the root are.

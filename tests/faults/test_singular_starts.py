@@ -13,6 +13,7 @@ from supple.machine import (
     GROUND,
     At,
     Ball,
+    ConstantRate,
     Placed,
     PrescribedRotation,
     Prismatic,
@@ -45,7 +46,7 @@ def parallelogram(rod, angle):
         ),
         (
             PrescribedRotation(
-                first=GROUND, second=At("crank", "left"), axis=Z, angle=lambda t: t, name="motor"
+                first=GROUND, second=At("crank", "left"), axis=Z, angle=ConstantRate(1.0), name="motor"
             ),
             Revolute(first=At("crank", "right"), second=At("coupler", "left"), axis=Z, name="pin"),
             Revolute(first=GROUND, second=At("rocker", "left"), axis=Z, name="pivot"),
@@ -66,7 +67,7 @@ def slider_crank(rod, angle):
         ),
         (
             PrescribedRotation(
-                first=GROUND, second=At("crank", "left"), axis=Z, angle=lambda t: 0.5 * t, name="motor"
+                first=GROUND, second=At("crank", "left"), axis=Z, angle=ConstantRate(0.5), name="motor"
             ),
             Revolute(first=At("crank", "right"), second=At("rod", "left"), axis=Z, name="pin"),
             Revolute(first=At("rod", "right"), second=At("slider", "left"), axis=Z, name="wrist"),

@@ -52,6 +52,7 @@ def test_the_second_run_is_refused_and_the_first_reports_its_own_motion(tmp_path
     assert [each.name for each in tmp_path.iterdir()] == ["run.h5"]
 
 
+@pytest.mark.slow
 def test_a_lock_ends_with_the_process_that_holds_it(tmp_path):
     path = tmp_path / "run.h5"
     with started(WAITING, path) as first:

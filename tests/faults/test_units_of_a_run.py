@@ -24,8 +24,8 @@ STEPS = 12
 
 
 @pytest.fixture(
-    params=[("m-kg-s", "mm-t-s", "in-lbf-s"), pytest.param(tuple(SYSTEMS), marks=pytest.mark.slow)],
-    ids=["three", "all"],
+    params=[("m-kg-s", "mm-t-s"), pytest.param(tuple(SYSTEMS), marks=pytest.mark.slow)],
+    ids=["two", "all"],
 )
 def runs(machine, request):
     """The machine, run in several systems."""

@@ -10,14 +10,16 @@ from fixtures.beam_lines import beam_line, straight
 
 from supple.body import RigidBody
 from supple.errors import ModelError, StartWarning
-from supple.integrate import FixedStep, GeneralizedAlpha, Run
+from supple.integrate import FixedStep, GeneralizedAlpha, Run, Validity
 from supple.intrinsic import CLAMPED, intrinsic_body, line_rest, released
+from supple.intrinsic.joined_engine import JoinedEngine
 from supple.intrinsic.joined_machine import joined_machine
 from supple.intrinsic.joined_start import joined_start
 from supple.intrinsic.line_equations import force_rates, section_strains, station_velocities
 from supple.intrinsic.machine_of_lines import machine_of_lines
 from supple.machine import (
     Ball,
+    ConstantRate,
     DeadForce,
     Fixed,
     Placed,
@@ -27,12 +29,12 @@ from supple.machine import (
     Revolute,
     System,
 )
-from supple.simulation import simulate
+from supple.multibody.checks.start import report_start
 
 SOFT = {"EA": 1e4, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.05}
 SPIN = 2.0
 DRIVE = PrescribedRotation(
-    name="drive", first="ground", second="beam.root", axis=(0, 0, 1), angle=lambda t: SPIN * t
+    name="drive", first="ground", second="beam.root", axis=(0, 0, 1), angle=ConstantRate(SPIN)
 )
 
 
@@ -82,7 +84,7 @@ def test_a_turned_beam_does_not_deform(is_bent):
 
 def test_a_shaken_beam_moves_with_its_table():
     table = PrescribedTranslation(
-        name="table", first="ground", second="beam.root", axis=(0, 1, 0), displacement=lambda t: 0.3 * t
+        name="table", first="ground", second="beam.root", axis=(0, 1, 0), displacement=ConstantRate(0.3)
     )
     arrays, now, _ = joined(System([released(beam())], [table]))
     assert np.abs(now.lines[0].q1[6:]).max() < 1e-9
@@ -93,7 +95,7 @@ def test_a_shaken_beam_moves_with_its_table():
 def test_a_hub_carries_its_beam_and_a_crank_its_rod():
     hub = RigidBody("hub", 2.0, [0, 0, 0], np.eye(3), {"middle": [0, 0, 0], "rim": [0.2, 0, 0]})
     motor = PrescribedRotation(
-        name="motor", first="ground", second="hub.middle", axis=(0, 0, 1), angle=lambda t: SPIN * t
+        name="motor", first="ground", second="hub.middle", axis=(0, 0, 1), angle=ConstantRate(SPIN)
     )
     weld = Fixed(name="weld", first="hub.rim", second="beam.root")
     system = System([Placed(released(beam()), position=[0.2, 0, 0]), hub], [motor, weld])
@@ -120,20 +122,20 @@ def test_a_hub_carries_its_beam_and_a_crank_its_rod():
 
 def test_the_rest_of_a_rate_that_no_rigid_motion_meets_deforms_and_warns():
     pull = PrescribedTranslation(
-        name="pull", first="ground", second="beam.tip", axis=(1, 0, 0), displacement=lambda t: 0.01 * t
+        name="pull", first="ground", second="beam.tip", axis=(1, 0, 0), displacement=ConstantRate(0.01)
     )
     clamp = Fixed(name="clamp", first="ground", second="beam.root")
     system = System([released(beam())], [clamp, pull])
-    run = Run(0.002, 0.001, step=FixedStep(1e-3), method=GeneralizedAlpha(1.0))
+    change = joined(system)[2]
     with pytest.warns(StartWarning, match="body 'beam' deforms at a rate of kinetic energy .*'pull'"):
-        simulate(system, run)
+        report_start(change, Validity())
 
 
 def test_given_velocities_that_joints_do_not_allow_are_said_alike():
     given = Placed(released(beam()), velocity=[0, 0, 0], angular_velocity=[0, 0, 0])
     run = Run(0.002, 0.001, step=FixedStep(1e-3), method=GeneralizedAlpha(1.0))
     with pytest.warns(StartWarning, match="body 'beam' starts with a spin of 2 instead of 0"):
-        simulate(System([given], [DRIVE]), run)
+        JoinedEngine(System([given], [DRIVE]), run).start(0.0)
     with pytest.raises(ModelError, match=r"root cannot move: .* Give the velocity of its joint, or none"):
         machine_of_lines(System([Placed(beam(), angular_velocity=[0, 0, 0])], [DRIVE]), 0.0)
 

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.beam_lines import beam_line, straight
@@ -33,6 +32,7 @@ from supple.intrinsic.expansion import expansion_of_stations
 from supple.linearization import linearize
 from supple.machine import (
     Ball,
+    ConstantRate,
     DeadForce,
     DeadTorque,
     Fixed,
@@ -190,7 +190,7 @@ def test_a_prescribed_turn_at_constant_speed_stretches_as_the_formula_says():
         8,
         damping=ModalDamping(1.0),
     )
-    hub = PrescribedRotation(first="ground", second="beam.root", axis=(0, 0, 1), angle=lambda t: speed * t)
+    hub = PrescribedRotation(first="ground", second="beam.root", axis=(0, 0, 1), angle=ConstantRate(speed))
     placed = Placed(body, angular_velocity=[0, 0, speed])
     solution = simulate(
         System([placed], [hub]), Run(0.5, 0.1, step=FixedStep(1e-3), method=GeneralizedAlpha(0.8))
@@ -205,8 +205,8 @@ def test_a_prescribed_turn_at_constant_speed_stretches_as_the_formula_says():
 def test_residual_modes_are_nearer_to_the_whole_than_truncated_ones():
     """A moment at the middle, of which few modes are not enough."""
     load = [
-        FollowerTorque(first="beam.station 4", torque=lambda t: jnp.array([0, 1.2 * t, 0])),
-        FollowerForce(first="beam.tip", force=lambda t: jnp.array([0, 0, t])),
+        FollowerTorque(first="beam.station 4", torque=ConstantRate(np.array([0, 1.2, 0]))),
+        FollowerForce(first="beam.tip", force=ConstantRate(np.array([0, 0, 1.0]))),
     ]
     run = {"duration": 0.6, "output_step": 0.1, "step": FixedStep(2e-3)}
     stations = {"station 4": 4}
@@ -396,10 +396,11 @@ def test_a_run_without_a_step_resolves_the_periods_of_the_modes_kept():
     assert with_chosen_step(stone, Run(1.0, 0.5)).step is None
 
 
+@pytest.mark.slow
 def test_residual_modes_are_found_where_few_of_many_are_kept():
     """16 of 48 under a load that bends by half the length; sweeps that put the last values in diverge."""
     body = beam(CLAMPED, n_modes=None)
-    system = System([body], [CLAMP], [DeadForce(at="beam.tip", force=lambda t: jnp.array([0, 0, 15.0 * t]))])
+    system = System([body], [CLAMP], [DeadForce(at="beam.tip", force=ConstantRate(np.array([0, 0, 15.0])))])
     runs = [
         Run(0.4, 0.2, step=FixedStep(size), method=method)
         for size, method in ((2e-3, ResidualRungeKutta4(16)), (2e-3, GeneralizedAlpha(0.9)))

@@ -18,7 +18,6 @@ from supple.intrinsic import (
     intrinsic_modes,
     line_rest,
     released,
-    truncation_error,
 )
 from supple.machine import (
     Ball,
@@ -99,6 +98,7 @@ def test_a_ball_joint_holds_a_free_root_as_a_support_does():
     assert tips[1] == pytest.approx(tips[0], abs=1e-10)
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # few modes, on purpose
 @pytest.mark.slow
 def test_stiff_beams_are_the_double_pendulum():
     """Against Lagrange's equations of two rods, their inertia as lumped."""
@@ -123,6 +123,7 @@ def test_stiff_beams_are_the_double_pendulum():
     assert found[:, 1] == pytest.approx(tip, abs=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # few modes, on purpose
 @pytest.mark.slow
 def test_joints_stay_closed_and_energy_is_kept_to_the_order_of_the_step():
     drifts = []
@@ -136,6 +137,7 @@ def test_joints_stay_closed_and_energy_is_kept_to_the_order_of_the_step():
     assert np.log2(drifts[0] / drifts[1]) > 1.7
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # few modes, on purpose
 @pytest.mark.slow
 def test_a_rigid_hub_turns_a_blade_that_is_fixed_to_it():
     """Stiff: torque over inertia; the hinge carries no moment about its axis, the weld the blade's."""
@@ -198,6 +200,7 @@ def test_a_beam_held_at_both_ends_sags_as_the_formula_says():
     assert solution.joint_forces["far"][-1, 2] == pytest.approx(-0.05, rel=1e-2)
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # few modes, on purpose
 @pytest.mark.slow
 def test_an_arm_in_a_floating_frame_carries_an_intrinsic_beam():
     """Small motion, so that the arm may as well be intrinsic: the same swing of the tip."""
@@ -227,6 +230,7 @@ def test_an_arm_in_a_floating_frame_carries_an_intrinsic_beam():
     assert tips[1] == pytest.approx(tips[0], abs=0.02 * np.abs(tips[0]).max())
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # few modes, on purpose
 @pytest.mark.slow
 def test_a_run_in_two_parts_is_the_run_in_one():
     bodies = [beam(name, n_modes=4, damping=UNDAMPED) for name in "ab"]
@@ -253,10 +257,7 @@ def test_what_cannot_be_joined_is_refused_with_the_remedy():
     apart = System([released(clamped), Placed(other, position=[1.1, 0, 0])], [HINGE, ELBOW])
     refused(apart, "joint 'elbow' is open .* position x is off by 0.1")
     refused(good, "stepped with FixedStep", step=AdaptiveStep())
-    alone = System([clamped], [Fixed(first="ground", second="a.root")])
-    moved = simulate(alone, Run(1e-3, 1e-3, step=FixedStep(1e-3), method=RungeKutta4()))
-    for look in (line_rest, lambda system: truncation_error(system, moved, [other])):
-        with pytest.raises(ModelError, match=r"whose roots the ground alone holds.*Simulate, with damping"):
-            look(good)
+    with pytest.raises(ModelError, match=r"whose roots the ground alone holds.*Simulate, with damping"):
+        line_rest(good)
     with pytest.raises(ModelError, match=r"where the machine rests by a run with damping"):
         equilibrium(good)

@@ -7,7 +7,18 @@ from fixtures.beam_lines import beam_line, straight
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, Run
 from supple.intrinsic import CLAMPED, FREE, intrinsic_body, line_rest, line_statics
-from supple.machine import DeadForce, Fixed, FollowerForce, PrescribedRotation, Spin, System
+from supple.machine import (
+    Bushing,
+    ConstantRate,
+    DeadForce,
+    Fixed,
+    FollowerForce,
+    Placed,
+    PrescribedRotation,
+    Spin,
+    SpringDamper,
+    System,
+)
 from supple.simulation import equilibrium, simulate
 from supple_benchmarks.references.elastica import elastica
 
@@ -65,6 +76,7 @@ def test_a_follower_force_turns_the_tip_by_158_degrees():
     assert np.log2(errors[0] / errors[1]) > 1.8
 
 
+@pytest.mark.slow
 def test_the_bend_of_45_degrees_stands_where_it_is_published():
     """Dead load 600 on the tip of an arc of radius 100; [SimoVuQuoc1986], part I: (15.79, 47.23, 53.37)."""
     angles = np.linspace(0, np.pi / 4, 17)
@@ -98,7 +110,7 @@ def test_a_run_from_the_equilibrium_of_a_beam_stays_there():
     """Its clamp carries the weight, and its moment about the root; a drive is held where its law is."""
     sag = 0.05
     drive = PrescribedRotation(
-        name="drive", first="ground", second="beam.root", axis=(0, 0, 1), angle=lambda t: 0.3 * t
+        name="drive", first="ground", second="beam.root", axis=(0, 0, 1), angle=ConstantRate(0.3)
     )
     body = intrinsic_body(beam_line(straight(1.0, 4), **BEAM), CLAMPED)
     found = equilibrium(System([body], [CLAMP], gravity=(0, 0, -8 * sag)))
@@ -113,3 +125,21 @@ def test_a_run_from_the_equilibrium_of_a_beam_stays_there():
     assert driven.joint_forces["drive"][[0, 1, 2]] == pytest.approx([0, 0, 8 * sag], abs=1e-10)
     with pytest.raises(ModelError, match=r"nothing spins\. Leave out the spin"):
         equilibrium(System([body], [CLAMP]), spin=Spin(1.0, (0, 0, 1)))
+
+
+@pytest.mark.parametrize(
+    "element",
+    [
+        Bushing(first="a.tip", second="b.tip", stiffness=[10.0] * 6),
+        SpringDamper(first="a.tip", second="b.tip", stiffness=10.0, rest_length=None),
+    ],
+    ids=["bushing", "spring"],
+)
+def test_an_element_between_two_lines_is_undeformed_where_they_start(element):
+    """Two cantilevers a metre apart stay straight."""
+    lines = [intrinsic_body(beam_line(straight(1.0, 4), name=name, **BEAM), CLAMPED) for name in "ab"]
+    bodies = [Placed(lines[0]), Placed(lines[1], position=[0.0, 0.0, 1.0])]
+    joints = [Fixed(first="ground", second=f"{name}.root") for name in "ab"]
+    rest = line_rest(System(bodies, joints, [element]))
+    for height, name, line in zip((0.0, 1.0), "ab", lines, strict=True):
+        assert line.places(rest[name])[1][0, -1] == pytest.approx([1.0, 0.0, height], abs=1e-9)

@@ -26,7 +26,7 @@ def tip_at_rest(body, *loads):
     return body.places(rest["beam"])[1][0, -1]
 
 
-@pytest.mark.parametrize("n", [6, 12, 24])
+@pytest.mark.parametrize("n", [6, *(pytest.param(n, marks=pytest.mark.slow) for n in (12, 24))])
 def test_few_modes_stand_on_the_elastica(whole, n):
     """P L^2 / EI = 10; the lowest modes alone are off by 17 % of the length, however many up to 24."""
     along, across, _ = elastica(1.0, 1.0, 10.0)

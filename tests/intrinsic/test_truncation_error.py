@@ -2,20 +2,20 @@
 
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.beam_lines import beam_line, straight
 
-from supple.body import ModalDamping
+from supple.body import ModalDamping, RigidBody
 from supple.correction import ErrorStudy, state_errors
 from supple.errors import ModelError, ValidityError, ValidityWarning
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Validity
-from supple.intrinsic import CLAMPED, FREE, enough_modes, intrinsic_body, truncation_error
+from supple.intrinsic import CLAMPED, FREE, enough_modes, intrinsic_body, released, truncation_error
+from supple.intrinsic.complete_motion import with_modes
 from supple.intrinsic.expansion import expansion_of_stations
 from supple.intrinsic.intrinsic_body import body_of
-from supple.machine import DeadForce, Fixed, Placed, System
-from supple.simulation import simulate
+from supple.machine import ConstantRate, DeadForce, Fixed, FollowerTorque, Placed, Revolute, System
+from supple.simulation import simulate, simulate_batch
 
 LINE = beam_line(straight(1.0, 8), EA=1e4, EI=1.0, GJ=1.0, mass_per_length=1.0, radius=0.05)
 CLAMP = Fixed(first="ground", second="beam.root")
@@ -36,7 +36,7 @@ def lowest_alone(whole, n):
 
 def bent(body):
     """By a dead force at its tip, that sets in slowly."""
-    return System([body], [CLAMP], [DeadForce(at="beam.tip", force=lambda t: jnp.array([0.0, 0.0, 5.0 * t]))])
+    return System([body], [CLAMP], [DeadForce(at="beam.tip", force=ConstantRate(np.array([0.0, 0.0, 5.0])))])
 
 
 def stations(body, solution):
@@ -73,6 +73,7 @@ def test_a_body_with_all_its_modes_leaves_nothing_out(whole):
     assert state_errors(bent(whole), RUN, solution, study).errors["beam"].basis.value == 0
 
 
+@pytest.mark.slow
 def test_as_many_modes_are_taken_as_the_tolerance_asks_for(whole):
     found = enough_modes(bent(whole), lambda machine: simulate(machine, RUN), tolerance=1e-3, first=2)
     body = body_of(found.system.bodies[0])
@@ -93,6 +94,7 @@ def test_all_modes_are_kept_where_no_fewer_are_enough(whole):
     assert found.errors == {}
 
 
+@pytest.mark.slow
 def test_the_drift_of_a_free_body_is_that_of_its_centre_of_mass():
     """A body that bends far while it turns about its centre, without loads: the centre should stay."""
     free = intrinsic_body(LINE, FREE)
@@ -113,3 +115,91 @@ def test_the_drift_of_a_free_body_is_that_of_its_centre_of_mass():
         assert found.drift == pytest.approx(np.linalg.norm(centre - centre[0], axis=1).max(), rel=0.2)
         drifts.append(found.drift)
     assert drifts[1] < 0.8 * drifts[0]
+
+
+def line_on(name, make):
+    line = beam_line(straight(1.0, 4), name=name, EA=1e4, EI=1.0, GJ=1.0, mass_per_length=1.0, radius=0.05)
+    return released(make(intrinsic_body(line, CLAMPED, damping=ModalDamping(0.5))))
+
+
+def on_a_hub(make):
+    """A line on a rigid hub that a torque sets turning."""
+    ends = {"axle": np.zeros(3), "flange": [0.2, 0, 0]}
+    hub = RigidBody("hub", 2.0, np.zeros(3), 0.1 * np.eye(3), ends)
+    joints = [
+        Revolute(first="ground", second="hub.axle", axis=(0, 0, 1), name="hinge"),
+        Fixed(first="hub.flange", second="blade.root", name="weld"),
+    ]
+    blade = Placed(line_on("blade", make), position=[0.2, 0, 0])
+    return System([hub, blade], joints, [FollowerTorque(first="hub.axle", torque=(0, 0, 1.0))])
+
+
+def two_on_hinges(make):
+    """Two lines in a row that fall from the horizontal."""
+    joints = [
+        Revolute(first="ground", second="a.root", axis=(0, 1, 0), name="hinge"),
+        Revolute(first="a.tip", second="b.root", axis=(0, 1, 0), name="elbow"),
+    ]
+    placed = [line_on("a", make), Placed(line_on("b", make), position=[1.0, 0, 0])]
+    return System(placed, joints, gravity=np.array([0, 0, -9.81]))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("machine", [on_a_hub, two_on_hinges])
+def test_joined_lines_are_loaded_by_the_joint_forces_of_the_run(machine):
+    """The change of shape, seen from the root, is that of the run with all modes of every line."""
+    run = Run(0.6, 0.06, step=FixedStep(0.01), method=GeneralizedAlpha(0.8))
+    exact = simulate(machine(lambda whole: whole), run)
+    with pytest.warns(ValidityWarning, match="9 modes are too few"):
+        solution = simulate(machine(lambda whole: whole.truncated(2)), run)
+    lines = [p for p in machine(lambda whole: whole.truncated(2)).bodies if p.body.kind == "intrinsic"]
+    assert set(solution.truncation) == {placed.body.name for placed in lines}
+    for placed in lines:
+        body = body_of(placed)
+        shapes = []
+        for own, found in ((body, solution), (body.complete, exact)):
+            rotations, positions = own.places(found.bodies[body.name])
+            shapes.append(np.einsum("tij,tni->tnj", rotations[:, 0], positions - positions[:, :1]))
+        true = np.sqrt(np.mean(np.sum((shapes[1] - shapes[0]) ** 2, axis=2), axis=1)).max()
+        assert 0.5 < solution.truncation[body.name].value / true < 2.0
+
+
+def test_modes_of_a_released_body_are_those_on_its_support(whole):
+    """Strains that few modes can show survive the way to all modes and back."""
+    few = released(whole.truncated(4))
+    coordinates = 0.01 * np.arange(1.0, few.n_coordinates + 1)
+    in_all = with_modes(Placed(few, coordinates=coordinates, coordinate_rates=-coordinates), None)
+    assert body_of(in_all).n_coordinates == whole.n_coordinates
+    back = with_modes(in_all, 4)
+    assert body_of(back).modes.omega == pytest.approx(few.modes.omega)
+    assert back.coordinates == pytest.approx(coordinates, abs=1e-9)
+    assert back.coordinate_rates == pytest.approx(-coordinates, abs=1e-9)
+
+
+@pytest.mark.parametrize("kept", [False, True])
+def test_the_part_of_the_modes_is_computed_once_a_run(whole, monkeypatch, tmp_path, kept):
+    """The error statement takes what the end of the run found, in memory or in a file."""
+    few = whole.truncated(4)
+    system = System([few], [CLAMP], [DeadForce(at="beam.tip", force=(0.0, 0.0, 1.0))])
+    solution = simulate(system, RUN, file=tmp_path / "run.h5" if kept else None)
+    monkeypatch.setattr("supple.intrinsic.report_truncation.truncation_error", None)
+    study = ErrorStudy(integration=False, model=False)
+    stated = state_errors(system, RUN, solution, study).errors["beam"]
+    assert stated.basis == solution.truncation["beam"]
+    assert stated.basis.value > 0
+
+
+def test_a_batch_warns_once_of_the_case_that_is_strained_most(whole):
+    plain = lowest_alone(whole, 8)
+    cases = [
+        System([plain], [CLAMP], [DeadForce(at="beam.tip", force=(0.0, 0.0, force))])
+        for force in (0.1, 6.0, 1.0)
+    ]
+    with pytest.warns(ValidityWarning) as warned:
+        batch = simulate_batch(cases, RUN)
+    (message,) = [str(each.message) for each in warned]
+    assert message.startswith("case 1: body 'beam': 8 modes are too few")
+    alone = truncation_error(cases[1], batch.solutions[1])["beam"]
+    assert f"{alone.largest:.1%}" in message
+    with pytest.raises(ValidityError, match="case 1: body 'beam'"):
+        simulate_batch(cases, replace(RUN, validity=Validity(strict=True)))

@@ -14,6 +14,7 @@ from supple.machine import (
     GROUND,
     At,
     Ball,
+    Bushing,
     Cylindrical,
     Fixed,
     Placed,
@@ -257,3 +258,53 @@ def test_of_modes_as_slow_as_each_other_those_that_grow_come_first():
     hinge = Revolute(first=GROUND, second=At("rod", "hinge"), axis=(0, 1, 0))
     modes = machine_modes(linearize(System((rod,), (hinge,), gravity=(0, 0, -9.81))), 1)
     assert modes.unstable.all()
+
+
+@pytest.mark.parametrize("soft", [0.0, 1.0])
+def test_soft_motions_beside_a_stiff_bushing_are_those_of_a_joint(soft):
+    """1e12 N/m and N m/rad but for one angle: free, or held by 1 N m/rad; the strip's modes stay its own."""
+    wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
+    ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
+    whole = flexible_body("strip", shell_model(strip(1.0, 0.1, 4, 2), wall), ends)
+    body = Placed(reduce(whole, NodalFixedFrame("root"), CraigBampton(4)))
+    hinge = {"first": GROUND, "second": At("strip", "root"), "axis": (0.0, 0.0, 1.0)}
+    spring = Bushing(**hinge, stiffness=(0.0, 0.0, 0.0, 0.0, 0.0, soft))
+    exact = machine_modes(linearize(System((body,), (Revolute(**hinge),), (spring,))), 5)
+    stiff = Bushing(**hinge, stiffness=(1e12, 1e12, 1e12, 1e12, 1e12, soft))
+    modes = machine_modes(linearize(System((body,), (), (stiff,))), 5)
+    assert modes.frequencies == pytest.approx(exact.frequencies, rel=1e-6, abs=0.0)
+    assert np.sum(modes.frequencies == 0.0) == (1 if soft == 0.0 else 0)
+
+
+@pytest.mark.parametrize("position", [(0.0, 0.0, 0.0), (30.0, -20.0, 50.0)])
+def test_a_body_on_a_stiff_ball_of_springs_turns_freely(position):
+    """Three rotations of frequency zero, none that rounding of 1e12 N/m makes slow."""
+    stone = RigidBody(
+        name="stone",
+        mass=1e3,
+        inertia=1e3 * np.diag([0.5, 0.7, 1.1]),
+        centre=np.zeros(3),
+        points={"foot": (0.2, 0.1, -0.3)},
+    )
+    springs = Bushing(
+        first=GROUND, second=At("stone", "foot"), axis=(1.0, 2.0, 3.0), stiffness=(1e12, 1e12, 1e12, 0, 0, 0)
+    )
+    placed = Placed(stone, position=position, rotation=(0.3, 0.5, -0.7))
+    modes = machine_modes(linearize(System((placed,), (), (springs,))))
+    assert np.sum(modes.eigenvalues == 0.0) == 3
+    assert np.sum(modes.frequencies > 1e4) == 3
+
+
+def test_a_pendulum_beside_a_stiff_bushing_keeps_its_frequency():
+    """`sqrt(m g l / (I + m l^2))`, in one machine with a body held by 1e12 N/m and N m/rad."""
+    bob = RigidBody(name="bob", mass=2.0, inertia=np.eye(3), centre=np.zeros(3), points={"top": (0, 0, 9.81)})
+    stone = RigidBody(
+        name="stone", mass=2.0, inertia=np.eye(3), centre=np.zeros(3), points={"foot": (1, 2, 3)}
+    )
+    held = Bushing(first=GROUND, second=At("stone", "foot"), axis=(1.0, 2.0, 3.0), stiffness=(1e12,) * 6)
+    hinge = Revolute(first=GROUND, second=At("bob", "top"), axis=(0, 1, 0))
+    modes = machine_modes(
+        linearize(System((Placed(bob), Placed(stone)), (hinge,), (held,), gravity=(0, 0, -9.81)))
+    )
+    exact = np.sqrt(2.0 * 9.81**2 / (1.0 + 2.0 * 9.81**2))
+    assert modes.frequencies[0] == pytest.approx(exact, rel=1e-9)

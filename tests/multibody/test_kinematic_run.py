@@ -9,7 +9,7 @@ import pytest
 
 from supple.errors import ConvergenceError, ModelError, ResolutionWarning
 from supple.integrate import FixedStep, Kinematic, Run, Tolerances
-from supple.machine import GROUND, At, Placed, PrescribedRotation, Prismatic, Revolute, System
+from supple.machine import GROUND, At, ConstantRate, Placed, PrescribedRotation, Prismatic, Revolute, System
 from supple.simulation import simulate
 
 Z = (0.0, 0.0, 1.0)
@@ -110,7 +110,7 @@ def test_what_the_joints_leave_free_is_refused(rod):
 @pytest.mark.slow
 def test_a_dead_point_ends_the_run_with_its_time(rod):
     """A rod shorter than the crank cannot follow beyond the angle whose sine is its length."""
-    system = slider_crank(rod, 0.8, lambda t: t)
+    system = slider_crank(rod, 0.8, ConstantRate(1.0))
     with pytest.raises(ConvergenceError, match=r"the joints cannot be closed at t = 0\.9"):
         simulate(system, kinematic(2.0, 100))
     kept = simulate(system, kinematic(2.0, 100), check=False)
@@ -121,4 +121,4 @@ def test_a_dead_point_ends_the_run_with_its_time(rod):
 def test_a_step_that_is_too_long_is_warned_of(rod):
     """Between instants the crank turns by 1.2 rad: another configuration may be nearer than the right one."""
     with pytest.warns(ResolutionWarning, match="turn"):
-        simulate(slider_crank(rod, angle=lambda t: t), Run(6.0, 1.2, method=Kinematic()))
+        simulate(slider_crank(rod, angle=ConstantRate(1.0)), Run(6.0, 1.2, method=Kinematic()))

@@ -103,6 +103,7 @@ def pushed(step, n_steps, rho_inf):
     return swung(cantilever(4), pulse[:, None] * [0.0, 60.0, 40.0], step=step, rho_inf=rho_inf)
 
 
+@pytest.mark.slow
 def test_motion_is_of_second_order_and_keeps_its_energy():
     """Three steps' lengths to the same instant; without damping the energy varies as their square."""
     n, beam = 80, cantilever(4)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from supple.integrate import FixedStep, Run
-from supple.machine import GROUND, At, Fixed, Placed, PrescribedRotation, System
+from supple.machine import GROUND, At, ConstantRate, Fixed, Placed, PrescribedRotation, System
 from supple.results import summarize
 from supple.results.run_start import first_swing, start_lines
 from supple.simulation import equilibrium, simulate
@@ -41,7 +41,7 @@ def test_a_strip_that_begins_to_hang_swings_and_one_at_rest_does_not(clamped_bla
 
 def test_bodies_that_take_the_velocity_of_their_drive_are_named(rod):
     drive = PrescribedRotation(
-        name="drive", first=GROUND, second=At("bar", "left"), axis=(0, 0, 1), angle=lambda t: 2.0 * t
+        name="drive", first=GROUND, second=At("bar", "left"), axis=(0, 0, 1), angle=ConstantRate(2.0)
     )
     bar = Placed(rod("bar", 1.0), position=[0.5, 0, 0])
     system = System([bar, rod("stone", 1.0)], [drive])

@@ -7,7 +7,7 @@ import pytest
 
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import FixedStep, Run
-from supple.machine import GROUND, At, Placed, PrescribedRotation, Revolute, System
+from supple.machine import GROUND, At, ConstantRate, Placed, PrescribedRotation, Revolute, System
 from supple.multibody import joint_residuals
 from supple.simulation import assemble, simulate
 
@@ -60,7 +60,9 @@ def test_a_driven_crank_is_put_to_where_its_law_begins(rod):
     system = System(
         bodies=(Placed(rod("crank", 1.0), position=[0.5, 0, 0]),),
         joints=(
-            PrescribedRotation(first=GROUND, second=At("crank", "left"), axis=Z, angle=lambda t: 1.2 + t),
+            PrescribedRotation(
+                first=GROUND, second=At("crank", "left"), axis=Z, angle=ConstantRate(1.0, 1.2)
+            ),
         ),
     )
     found = assemble(system)

@@ -2,22 +2,37 @@
 
 from __future__ import annotations
 
+import pickle
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
+from supple.body import (
+    FullBody,
+    MeanAxisFrame,
+    ModalDamping,
+    NodalFixedFrame,
+    RigidBody,
+    RigidInterface,
+    flexible_body,
+)
 from supple.errors import BasisWarning, ModelError
-from supple.fem import Isotropic, solid_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.linearization import linearize, machine_modes
 from supple.machine import GROUND, At, Fixed, Placed, PrescribedRotation, Revolute, Spin, System
-from supple.mesh import CellType, block
+from supple.mesh import CellType, block, strip
 from supple.reduction import (
+    CompressedDerivatives,
     CraigBampton,
     NoDerivatives,
     NoLoads,
     NormalModes,
+    PlainQuartic,
     Rubin,
+    project,
     reduce,
+    reduction_basis,
 )
 from supple.simulation import equilibrium
 
@@ -131,3 +146,58 @@ def test_nor_is_a_full_body(bar, up, stable):
     hinge = Revolute(first=GROUND, second=At("bar", "root"), axis=(0, 1, 0))
     standing = Placed(FullBody(bar, ROOT), rotation=(0, -up * np.pi / 2, 0))
     assert equilibrium(System((standing,), (hinge,), gravity=(0, 0, -0.01))).stable is stable
+
+
+def test_a_reduced_body_knows_the_one_it_was_made_of(bar):
+    """By reference, until it goes to another process: errors are stated unless they are left out."""
+    reduced = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives(), loads=NoLoads)
+    assert reduced.full.body is bar
+    with pytest.warns(BasisWarning, match="at rest a node is off by"):
+        found = equilibrium(turned(reduced), spin=SPIN)
+    assert found.errors["bar"].relative > 0.5
+    assert equilibrium(turned(reduced), spin=SPIN, fulls=()).errors == {}
+    assert pickle.loads(pickle.dumps(reduced)).full is None
+
+
+def test_modal_damping_of_all_modes_is_counted_in_full(bar):
+    """As many modes as the reduced body has are damped: the whole of its basis."""
+    reduced = reduce(bar, ROOT, CraigBampton(3), derivatives=NoDerivatives(), damping=ModalDamping(0.02))
+    assert reduced.full.damping.n_modes == reduced.r
+    modes = machine_modes(linearize(turned(reduced)), 2)
+    assert modes.damping_ratios == pytest.approx([0.02, 0.02], rel=1e-6)
+    assert modes.error.eigenvalues == pytest.approx(modes.eigenvalues, rel=1e-5)
+
+
+def test_condensed_motion_is_no_error_of_a_machine_that_may_turn():
+    """A strip that gravity bends by 6 % of its length: nearly the same error clamped and hinged about it."""
+    wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
+    body = flexible_body("strip", shell_model(strip(1.0, 0.1, 6, 2), wall), (RigidInterface("root", "root"),))
+    reduced = reduce(body, ROOT, CraigBampton(3), derivatives=NoDerivatives())
+    ends = {"name": "support", "first": GROUND, "second": At("strip", "root")}
+    clamped, turning = (
+        equilibrium(System((reduced,), (joint,), gravity=(0, 0, -4.0))).errors["strip"]
+        for joint in (Fixed(**ends), Revolute(axis=(0, 0, 1), **ends))
+    )
+    assert turning.relative < 3e-4  # with the shortening by the sag 6e-3
+    assert 0.5 < turning.rms / clamped.rms < 2
+
+
+@pytest.mark.filterwarnings("ignore::supple.errors.LockingWarning")
+def test_a_fixed_size_that_locks_under_a_uniform_load_says_by_how_much():
+    """Ten modes, ten derivatives, tip at 12 % of the length: plain tensors err by 1.4 %, condensed 0.01 %."""
+    wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
+    mesh = strip(1.0, 0.1, 8, 2)
+    body = flexible_body("strip", shell_model(mesh, wall), (RigidInterface("root", "root"),))
+    clamp = Fixed(name="clamp", first=GROUND, second=At("strip", "root"))
+    columns = reduction_basis(body, ROOT, CraigBampton(10), derivatives=CompressedDerivatives(10))
+    machine = System((project(body, columns, quartic=PlainQuartic()),), (clamp,), gravity=(0, 0, -8.0))
+    with pytest.warns(BasisWarning, match="at rest a node is off by"):
+        locked = equilibrium(machine)
+    followed = equilibrium(replace(machine, bodies=(project(body, columns),)), fulls=())
+    exact, plain, condensed = (
+        system.bodies[0].positions()[mesh.nodes_of("tip"), 2].mean()
+        for system in (locked.full[0], locked.system, followed.system)
+    )
+    assert 1 - plain / exact == pytest.approx(locked.errors["strip"].relative, rel=0.05)
+    assert 0.01 < 1 - plain / exact < 0.02
+    assert abs(condensed / exact - 1) < 3e-4

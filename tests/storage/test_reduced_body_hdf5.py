@@ -37,7 +37,8 @@ def body(request, flexible, model):
 def test_what_is_read_is_what_was_written(tmp_path, body, assert_same):
     path = write_reduced_body(tmp_path / "new folder" / "body.h5", body)
     again = read_reduced_body(path)
-    assert_same(body, again)
+    assert again.full is None  # the elements are not in the file
+    assert_same(replace(body, full=None), again)
     assert not again.gram.flags.writeable
     assert read_interface_names(path) == tuple(interface.name for interface in body.interfaces)
     assert holds_reduced_body(path)

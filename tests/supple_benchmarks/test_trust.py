@@ -43,6 +43,7 @@ def test_coverage_counts_from_the_second_round_of_each_body():
     assert told["sums_within_0.5_2"] == 0.0
 
 
+@pytest.mark.slow
 def test_what_is_stated_is_the_truth(report):
     assert KEYS <= set(report["cases"][0])
     assert all(case["accepted"] for case in report["cases"])
@@ -52,5 +53,6 @@ def test_what_is_stated_is_the_truth(report):
     assert told["sums_within_0.5_2"] == 1.0
 
 
+@pytest.mark.slow
 def test_what_is_stated_is_near_the_truth(report):
     assert report["coverage"]["within_0.7_1.4"] >= 0.95

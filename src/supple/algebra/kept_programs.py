@@ -13,10 +13,11 @@ import pickle
 import zlib
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from functools import partial
+from contextlib import contextmanager, suppress
+from functools import lru_cache, partial
 from itertools import count
 from pathlib import Path
+from stat import S_ISREG
 from types import MappingProxyType
 from typing import Any
 
@@ -113,9 +114,35 @@ class KeptProgram:
             with _not_kept_by_jax():
                 program = lowered.compile(compiler_options=self._options)
             _write(file, program)
+            _make_room(known.parents[2])
         if file.exists():
             _replace(known, text.encode("ascii"))
         return program
+
+
+_MOST_KEPT = 2**30
+"""Bytes of a folder of programs: some thousands, of hundreds of machines."""
+
+
+@lru_cache
+def _make_room(folder: Path) -> None:
+    """Once a process that adds programs: those go that were not read for longest, where there are too many.
+
+    JAX's own are among them. Another process that wanted one of them compiles it anew.
+    """
+    files = []
+    for file in folder.rglob("*"):
+        with suppress(OSError):
+            status = file.stat()
+            if S_ISREG(status.st_mode):
+                files.append((max(status.st_atime, status.st_mtime), status.st_size, file))
+    size = sum(each for _, each, _ in files)
+    for _, own, file in sorted(files):
+        if size <= _MOST_KEPT:
+            return
+        size -= own
+        with suppress(OSError):
+            file.unlink()
 
 
 def _by_its_text(known: Path, text: str) -> Path:
@@ -124,8 +151,11 @@ def _by_its_text(known: Path, text: str) -> Path:
 
 def _named_by(known: Path) -> Path | None:
     """The file of a program that is known by its structure; None where it is not there."""
-    file = _by_its_text(known, known.read_text("ascii")) if known.exists() else None
-    return file if file is not None and file.exists() else None
+    try:
+        file = _by_its_text(known, known.read_text("ascii"))
+    except OSError:
+        return None
+    return file if file.exists() else None
 
 
 def _folder() -> Path | None:

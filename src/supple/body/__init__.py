@@ -49,6 +49,7 @@ from supple.body.model_check import (
     check_nodal_matrices,
 )
 from supple.body.nastran_body import nastran_model, read_nastran_body
+from supple.body.point_motion import InterfaceMotion, NodeMotion
 from supple.body.rigid_body import RigidBody
 from supple.body.superelement import read_superelement, superelement
 
@@ -63,6 +64,7 @@ __all__ = [
     "Frame",
     "FullBody",
     "Interface",
+    "InterfaceMotion",
     "LinearForce",
     "LinearRayleighDamping",
     "MassProperties",
@@ -71,6 +73,7 @@ __all__ = [
     "ModelCheck",
     "NodalFixedFrame",
     "NodalMatrices",
+    "NodeMotion",
     "PointInterface",
     "QuadraticStrainForce",
     "RayleighDamping",

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body.interface import Interface
+from supple.body.point_motion import InterfaceMotion, NodeMotion
 
 
 class BodyForm(Protocol):
@@ -71,6 +72,52 @@ class BodyForm(Protocol):
 
         Raises ModelError for a node number outside the body.
         """
+        ...
+
+    def node_motion(self, motion: Any, nodes: ArrayLike) -> NodeMotion:
+        """Positions, velocities and accelerations (t, k, 3) of some nodes in space."""
+        ...
+
+    def interface_motion(self, motion: Any, name: str) -> InterfaceMotion:
+        """Pose, velocities and acceleration (t, ...) of an interface in space: all that joints see of it."""
+        ...
+
+    @property
+    def dofs_per_node(self) -> int:
+        """Freedoms of a node: 3, or 6 with rotations."""
+        ...
+
+    def nodal_fields(
+        self, coordinates: np.ndarray, freedoms: NDArray[np.intp] | slice = ..., /
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """Nodal freedoms (n, t) of coordinates (t, r), from which strains follow; some freedoms, or all.
+
+        Second, the condensed part, of which linear strains alone follow; None where nothing is condensed.
+        """
+        ...
+
+    @property
+    def has_linear_strains(self) -> bool:
+        """Whether strains are linear in the nodal displacements."""
+        ...
+
+    @property
+    def has_stress_modes(self) -> bool:
+        """Whether its stress is a quadratic polynomial of its coordinates (`stress_modes`)."""
+        ...
+
+    def section_softness(self, interface: str, /) -> np.ndarray:
+        """C / C (3,) of the section of an averaging interface (`averaging_error`); zeros of any other."""
+        ...
+
+    @property
+    def missing_centrifugal_stiffness(self) -> np.ndarray:
+        """Share of the stiffness lacking per squared spin about each axis, (3,), (rad/s)^-2."""
+        ...
+
+    @property
+    def coordinate_size(self) -> float:
+        """Norm of the coordinates (r,) when every node moves by one."""
         ...
 
     @property

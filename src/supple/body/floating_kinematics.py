@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.body.interface import Interface
 from supple.errors import ModelError
 from supple.integrate.motion import FloatingMotion
 
@@ -23,6 +24,10 @@ class Deforming(Protocol):
     @property
     def nodes(self) -> np.ndarray:
         """Undeformed positions (N, 3) in the body's frame."""
+        ...
+
+    def interface(self, name: str) -> Interface:
+        """The interface of that name."""
         ...
 
     def expand(self, coordinates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /) -> np.ndarray:

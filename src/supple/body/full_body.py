@@ -10,19 +10,19 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array, vstack
 
 from supple.arguments import check_fields
+from supple.body.averaging_error import section_softness
 from supple.body.damping import Damping
 from supple.body.flexible_body import FlexibleBody
-from supple.body.floating_kinematics import floating_positions
 from supple.body.frame import Frame
 from supple.body.interface import BodyInterface
 from supple.body.mass_properties import rigid_mass_properties
-from supple.integrate.motion import FloatingMotion
+from supple.body.point_motion import FloatingForm
 
 __all__ = ["FullBody"]
 
 
 @dataclass(frozen=True, eq=False)
-class FullBody:
+class FullBody(FloatingForm):
     """All coordinates of a flexible body in a floating frame, fixed to the frame by six multipliers.
 
     body : FlexibleBody    nonlinear where it has quadratic strains; `body.linearized()` otherwise
@@ -95,9 +95,25 @@ class FullBody:
         """Their rates (..., k, 3) at rates (..., n), whatever the coordinates are."""
         return self.expand(rates, nodes)
 
-    def positions(self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
-        """Positions r = R + A (x + u) (t, k, 3) in space of some nodes, or all."""
-        return floating_positions(self, motion, nodes)
+    @property
+    def dofs_per_node(self) -> int:
+        """Freedoms of a node."""
+        return self.body.dofs_per_node
+
+    def nodal_fields(
+        self, coordinates: np.ndarray, freedoms: NDArray[np.intp] | slice = slice(None)
+    ) -> tuple[np.ndarray, None]:
+        """Nodal freedoms (n_nodal, t) of coordinates (t, n); nothing is condensed."""
+        return self.body.expansion.tocsr()[freedoms] @ coordinates.T, None
+
+    @property
+    def coordinate_size(self) -> float:
+        """sqrt(N), of N nodes."""
+        return float(np.sqrt(len(self.nodes)))
+
+    def section_softness(self, interface: str) -> np.ndarray:
+        """C / C (3,) of the section of an averaging interface; zeros of any other."""
+        return section_softness(self.body, self.interface(interface))
 
     @property
     def is_linear(self) -> bool:

@@ -105,6 +105,11 @@ class PointInterface:
         """None: it does not turn."""
         return 0.0
 
+    @property
+    def tied_nodes(self) -> NDArray[np.int64]:
+        """None."""
+        return np.empty(0, dtype=np.int64)
+
 
 class Interface(Protocol):
     """What every form of a body tells of an interface."""
@@ -127,6 +132,11 @@ class Interface(Protocol):
     @property
     def cubic_turn(self) -> float:
         """Of its rotation vector theta (1 + c theta.theta)."""
+        ...
+
+    @property
+    def tied_nodes(self) -> np.ndarray:
+        """Numbers of the nodes that move rigidly with it to second order."""
         ...
 
 

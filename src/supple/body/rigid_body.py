@@ -12,17 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra import read_only
 from supple.arguments import check_fields, check_numbers, check_text
-from supple.body.floating_kinematics import floating_positions
 from supple.body.interface import PointInterface, interface_named
+from supple.body.point_motion import FloatingForm
 from supple.errors import ModelError
-from supple.integrate.motion import FloatingMotion
 
 # Inertias typed with a few digits may break the triangle inequality in the last one (thin discs, rods).
 ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class RigidBody:
+class RigidBody(FloatingForm):
     """A body without deformation.
 
     Parameters
@@ -97,11 +96,11 @@ class RigidBody:
         """No velocity, likewise."""
         return self.expand(rates, nodes)
 
-    def positions(
-        self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)
-    ) -> NDArray[np.float64]:
-        """Positions r = R + A x (t, k, 3) in space of some interfaces by number, or all."""
-        return floating_positions(self, motion, nodes)
+    def nodal_fields(
+        self, coordinates: NDArray[np.float64], freedoms: NDArray[np.intp] | slice = slice(None)
+    ) -> tuple[NDArray[np.float64], None]:
+        """No displacement, (3 N, t)."""
+        return np.zeros((self.nodes.size, len(coordinates)))[freedoms], None
 
     @property
     def is_linear(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -38,10 +38,10 @@ from supple.cases.explicit_parts import ExplicitPart, ModalPart
 from supple.cases.interfaces import Interface
 from supple.cases.line_on_grids import line_on_grids as built_on_grids
 from supple.cases.notify import Notify
-from supple.cases.reductions import FullOrder, Reduction, derivative_choice, quartic_choice
-from supple.cases.shared_rules import usable_names
+from supple.cases.reductions import FullOrder, Reduced, Reduction, derivative_choice, quartic_choice
+from supple.cases.shared_rules import FileName, usable_names
 from supple.cases.split import Split
-from supple.cases.table import Made
+from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import ModelError
 from supple.explicit import ExplicitShell, ExplicitSubdomain, ModalSubdomain
 from supple.fem import FiniteElementModel
@@ -63,32 +63,18 @@ from supple.reduction import CondensedQuartic, NoLoads, ReducedBody, reduce
 from supple.reduction.eigenvalues.mode_search import search_words
 from supple.storage import read_reduced_body
 
-
-class MeanAxis(Made):
-    """Frame that follows the mean motion of the body."""
-
-    makes = MeanAxisFrame
-
-    kind: Literal["mean-axis"]
-
-
-class NodalFixed(Made):
-    """Frame fixed to one interface."""
-
-    makes = NodalFixedFrame
-
-    kind: Literal["nodal-fixed"]
-    interface: str = Field(description="name of the interface the frame moves with")
-
-
-Frame = Annotated[MeanAxis | NodalFixed, Field(discriminator="kind")]
+MeanAxis = table_of(MeanAxisFrame, "mean-axis")
+NodalFixed = table_of(
+    NodalFixedFrame, "nodal-fixed", interface=Key(str, "name of the interface the frame moves with")
+)
+Frame = Annotated[Made, OneOf(MeanAxis, NodalFixed)]
 
 
 class Body(CheckedTable):
     """A rigid or elastic body and where it starts."""
 
     name: str = Field(min_length=1, description="used as NAME.INTERFACE by joints, loads and output")
-    mesh: str | None = Field(
+    mesh: FileName | None = Field(
         None,
         description="mesh file beside the case file: Gmsh .msh, Abaqus/CalculiX .inp or Nastran .bdf; "
         "for matrices also HDF5 .h5",
@@ -102,7 +88,7 @@ class Body(CheckedTable):
     matrices: Matrices | None = None
     superelement: Superelement | None = None
     rigid: Rigid | None = None
-    reduced: str | None = Field(
+    reduced: FileName | None = Field(
         None, description="file of a reduced body, made by supple reduce, beside the case file"
     )
     interface: Annotated[tuple[Interface, ...], Field(strict=False)] = ()
@@ -247,6 +233,7 @@ class Body(CheckedTable):
             return FullBody(flexible, frame, damped)
         step = f"reducing body '{self.name}' ({flexible.n} freedoms)"
         notify(step)
+        assert isinstance(self.reduction, Reduced)
         body = reduce(
             flexible,
             frame,

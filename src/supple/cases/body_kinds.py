@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import ClassVar, Literal
@@ -19,6 +19,7 @@ from supple.body import (
     matrices_source,
     nastran_source,
 )
+from supple.cases.shared_rules import FileName
 from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
@@ -29,7 +30,18 @@ from supple.fem import (
     solid_model,
 )
 from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, NODE_SUFFIXES, read_mesh
-from supple.importers.toml import ZERO, CheckedTable, Matrix, Positive, Raw, Vector
+from supple.importers.toml import (
+    ZERO,
+    CheckedTable,
+    KeyPath,
+    Matrix,
+    Mistakes,
+    Positive,
+    Raw,
+    Vector,
+    names,
+    tables,
+)
 from supple.mesh import Mesh
 from supple.mesh.mesh_part import mesh_part
 
@@ -42,8 +54,6 @@ class BodyKind(CheckedTable):
 
     mesh_suffixes: ClassVar[tuple[str, ...]] = ()
     """Of its mesh file; none if it takes no mesh."""
-    file_keys: ClassVar[tuple[str, ...]] = ()
-    """Keys that name further files."""
     is_elastic: ClassVar[bool] = False
     """True of what the case builds, and may reduce: it has a frame, a reduction and a damping."""
     has_elements: ClassVar[bool] = False
@@ -135,13 +145,12 @@ class Matrices(ElasticKind):
     """A linear body from matrices exported by another program, with the nodes of its mesh file."""
 
     mesh_suffixes = NODE_SUFFIXES
-    file_keys = ("stiffness", "mass")
     has_connections = True
 
-    stiffness: str = Field(
+    stiffness: FileName = Field(
         description="DMIG .pch, OUTPUT4 .op4, HDF5 .h5, Abaqus .mtx or CalculiX .sti, beside the case file"
     )
-    mass: str = Field(description="likewise, or CalculiX .mas; may be the same file")
+    mass: FileName = Field(description="likewise, or CalculiX .mas; may be the same file")
     stiffness_name: str | None = Field(
         None, description="matrix to take from a DMIG or OUTPUT4 file; the one with K.. if left out"
     )
@@ -165,11 +174,11 @@ class Matrices(ElasticKind):
 class Superelement(ElasticKind):
     """A linear body from matrices made elsewhere."""
 
-    file_keys = ("stiffness", "mass", "nodes")
-
-    stiffness: str = Field(description="Matrix Market file of the stiffness matrix, beside the case file")
-    mass: str = Field(description="Matrix Market file of the mass matrix, beside the case file")
-    nodes: str = Field(description="Matrix Market file of the node positions, an array of 3 columns")
+    stiffness: FileName = Field(
+        description="Matrix Market file of the stiffness matrix, beside the case file"
+    )
+    mass: FileName = Field(description="Matrix Market file of the mass matrix, beside the case file")
+    nodes: FileName = Field(description="Matrix Market file of the node positions, an array of 3 columns")
     dofs_per_node: Literal[3, 6] = Field(
         description="freedoms per node: 3 (translations) or 6 (and rotations)"
     )
@@ -241,3 +250,28 @@ def is_explicit(body: Raw) -> bool:
 def kinds_that(fact: str) -> list[str]:
     """Keys of the kinds of which a fact is true, such as `has_elements`."""
     return [key for key, kind in KINDS.items() if getattr(kind, fact)]
+
+
+def at_elements(
+    raw: Raw, given: Iterable[tuple[KeyPath, Raw]], kinds: Mapping[str, tuple[str, str]]
+) -> Mistakes:
+    """The rule that tables of some kinds are at node sets of bodies with elements.
+
+    kinds : by kind, what it would be of a body without elements, and what it is
+    """
+    bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
+    for path, each in given:
+        name, _, where = str(each.get("at")).partition(".")
+        would_be, is_of = kinds.get(str(each.get("kind")), ("", ""))
+        if not is_of or name not in bodies:
+            continue
+        kind = kind_of(bodies[name])
+        if kind is not None and not kind.has_elements:
+            able = ", ".join(kinds_that("has_elements"))
+            yield (*path, "at"), f"body {name!r} has no elements, {would_be} ({able} have)"
+        elif where in names(bodies[name], "interface"):
+            yield (
+                (*path, "at"),
+                f"{where!r} is an interface, and {is_of} elements: this is no node set of a body with "
+                "elements; name one",
+            )

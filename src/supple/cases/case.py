@@ -11,18 +11,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body import BodySource, FlexibleBody, FullBody, ModalDamping
+from supple.body import BodySource, FlexibleBody, FullBody
 from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
-from supple.cases.case_tables import CaseTables, files_named
-from supple.cases.contacts import part_places
+from supple.cases.case_tables import CaseTables, files_named, places_named
 from supple.cases.control import controllers_of
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
-from supple.cases.sensors import SensedCase, sensed_places
+from supple.cases.sensors import SensedCase
 from supple.cases.split import SplitSource, split_source
 from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
-from supple.cases.stated_error import Judged, judged_places
+from supple.cases.stated_error import Judged
 from supple.correction import ErrorStudy, JudgedQuantity, ReductionStart
 from supple.errors import CaseError, ModelError, SuppleError
 from supple.fem import FiniteElementModel, stress_recovery
@@ -33,6 +32,7 @@ from supple.mesh import Mesh
 from supple.reduction import BodyModes, body_modes
 from supple.results.run_summary import N_DRAWN_MODES
 from supple.sensors import Sensor
+from supple.simulation.full_rest import known_fulls
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
 
@@ -229,13 +229,12 @@ class Case:
             self._check_stress()
         bodies = []
         for table in tables.body:
-            elements = None if table.explicit is None else self.elements[table.name]
-            bodies.append(table.build(flexible.get(table.name), self.folder, self.notify, elements))
+            model = None if table.explicit is None else self.elements[table.name]
+            bodies.append(table.build(flexible.get(table.name), self.folder, self.notify, model))
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
-        loads = [table.build(*self.place(table.at), self.folder) for table in tables.load]
-        springs = [table.build(unloaded) for table in tables.spring]
-        forces = [table.build(self.folder) for table in tables.element]
+        loads = [table.build(self.folder, self.place, self.meshes) for table in tables.load]
+        elements = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
         frictions = [
             table.friction.build(joint)
             for table, joint in zip(tables.joint, joints, strict=True)
@@ -243,7 +242,7 @@ class Case:
         ]
         return replace(
             unloaded,
-            loads=(*loads, *springs, *forces, *frictions),
+            loads=(*loads, *elements, *frictions),
             ties=[table.build() for table in tables.tie],
             contacts=[table.build() for table in tables.contact],
             supports=[table.build() for table in tables.support],
@@ -310,7 +309,7 @@ class Case:
         Bodies of a fixed size are judged where that is asked for; the integration of machines with bodies in
         full too, for each of the two runs costs as much as the first.
         """
-        given = self.tables.error
+        given = self.parts.error
         in_full = any(name not in self.starts for name in self.system.bodies_of(FullBody))
         return ErrorStudy(
             basis=bool(given.basis),
@@ -321,18 +320,8 @@ class Case:
 
     @cached_property
     def fulls(self) -> Mapping[str, FullBody]:
-        """The bodies that are reduced here with all their coordinates, by name."""
-        made = {}
-        for table in self.parts.body:
-            if table.name in self.flexible and table.frame is not None:
-                frame = table.frame.build()
-                damped = table.damping.build(self.flexible[table.name], frame) if table.damping else None
-                if isinstance(damped, ModalDamping) and damped.n_modes is None:
-                    # All modes of the body as it is simulated: in full they are counted.
-                    form = self.system.bodies[self.system.body_index(table.name)].body
-                    damped = replace(damped, n_modes=form.n_coordinates)
-                made[table.name] = FullBody(self.flexible[table.name], frame, damped)
-        return made
+        """The bodies that are made here in a floating frame, with all their coordinates, by name."""
+        return known_fulls(self.system) | self.system.bodies_of(FullBody)
 
     @cached_property
     def held_modes(self) -> Mapping[str, BodyModes]:
@@ -369,20 +358,8 @@ class Case:
                 if interface.nodes is not None:
                     yield ("body", i, "interface", j, "nodes"), body.name, interface.nodes
         interfaces = {f"{body.name}.{interface.name}" for body in tables.body for interface in body.interface}
-        places: list[tuple[KeyPath, str]] = [
-            (("load", i, "at"), load.at) for i, load in enumerate(tables.load)
-        ]
-        places += [(("output", "track", i), place) for i, place in enumerate(tables.output.track)]
-        raw = tomllib.loads(self.text)
-        places += list(part_places(raw))
-        for path, key, place, is_set in sensed_places(raw):
-            if is_set and isinstance(place, str):
-                places.append(((*path, key), place))
-        for path, each in judged_places(raw):
-            if isinstance(each.get("at"), str):
-                places.append(((*path, "at"), each["at"]))
-        for path, place in places:
-            if place not in interfaces:
+        for path, place, may_be in places_named(tomllib.loads(self.text)):
+            if may_be == "node set" and place not in interfaces:
                 body, _, name = place.partition(".")
                 yield path, body, name
 

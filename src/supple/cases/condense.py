@@ -85,7 +85,7 @@ class Condense(CheckedTable):
         "all if left out",
     )
     accuracy: ModeAccuracy | None = Field(
-        None, description="as many modes as this takes, instead of a number; not of a released body"
+        None, description="as many modes as this takes, instead of a number"
     )
     support: Support = Field(
         "clamped",
@@ -162,13 +162,8 @@ def _has_no_floating_frame(path: KeyPath, body: Raw) -> Mistakes:
 
 def _modes_are_counted_once(path: KeyPath, body: Raw) -> Mistakes:
     given = table(body, "condense")
-    if "accuracy" not in given:
-        return
-    if "modes" in given:
+    if "accuracy" in given and "modes" in given:
         yield (*path, "condense", "accuracy"), "give either modes or accuracy, not both"
-    if given.get("released") is True:
-        message = "what a released body leaves out is not known beside joints; give modes, or leave both out"
-        yield (*path, "condense", "accuracy"), message
 
 
 def _path_is_between_interfaces(path: KeyPath, body: Raw) -> Mistakes:

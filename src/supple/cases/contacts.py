@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from supple.cases.shared_rules import PlaceOf
 from supple.importers.toml import (
     ZERO,
     CheckedTable,
@@ -92,9 +93,9 @@ class Sphere(_Rigid):
 class ContactTable(CheckedTable):
     """Nodes that must not enter an obstacle or another part, by penalty."""
 
-    nodes: str = Field(description="BODY.NODE_SET")
+    nodes: PlaceOf = Field(description="BODY.NODE_SET")
     obstacle: Annotated[Plane | Cylinder | Sphere, Field(discriminator="kind")] | None = None
-    surface: str | None = Field(
+    surface: PlaceOf | None = Field(
         None, description="BODY.NODE_SET: instead of an obstacle, the outer faces of another part on this set"
     )
     stiffness: Positive | None = Field(None, description="force per depth of a node; by fraction if left out")
@@ -159,7 +160,7 @@ class MortarTransfer(CheckedTable):
 class TieTable(CheckedTable):
     """Nodes that move with another part."""
 
-    nodes: str = Field(description="BODY.NODE_SET; of a modal part where the other one is modal, too")
+    nodes: PlaceOf = Field(description="BODY.NODE_SET; of a modal part where the other one is modal, too")
     on: str = Field(description="the part they are tied to")
     transfer: Annotated[CollocatedTransfer | MortarTransfer, Field(discriminator="kind")] = Field(
         CollocatedTransfer(kind="collocated"), description="how nodes follow a modal part of another mesh"
@@ -177,7 +178,7 @@ class TieTable(CheckedTable):
 class SupportTable(CheckedTable):
     """Nodes of an explicit part that are held."""
 
-    nodes: str = Field(description="BODY.NODE_SET of an explicit part")
+    nodes: PlaceOf = Field(description="BODY.NODE_SET of an explicit part")
     axes: str = Field("xyz", pattern="^[xyz]{1,3}$", description="directions that are held, global axes")
     rotations: bool = Field(False, description="true holds rotations about these axes, too: of shells")
 
@@ -195,7 +196,7 @@ def _touches_one_thing(path: KeyPath, contact: Raw) -> Mistakes:
         yield path, f"a contact needs exactly one of obstacle, surface; this one has {seen}"
 
 
-def part_places(raw: Raw) -> Iterator[tuple[KeyPath, Any]]:
+def _part_places(raw: Raw) -> Iterator[tuple[KeyPath, Any]]:
     """Every BODY.NODE_SET of ties, contacts and supports, with the path of its key."""
     for section in ("tie", "contact", "support"):
         for path, item in tables(raw, section):
@@ -210,7 +211,7 @@ def _suit_their_parts(raw: Raw) -> Mistakes:
         body.get("name"): "modal" if "modal" in body else "explicit" if "explicit" in body else None
         for _, body in tables(raw, "body")
     }
-    for path, place in part_places(raw):
+    for path, place in _part_places(raw):
         name = place.partition(".")[0] if isinstance(place, str) else None
         if name in kinds and kinds[name] is None:
             yield (

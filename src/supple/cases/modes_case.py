@@ -70,7 +70,7 @@ def modes_case(
     warn_of_units(case)
     progress("linearising", 0.0)
     system, spin = looked_at(case, allow_code=allow_code), spin_of(case)
-    fulls = case.fulls if errors or case.starts else {}
+    fulls = None if errors or case.starts else ()
     if case.starts:
         system = _accurate(case, system, (spin,), n_modes, time)
     modes = machine_modes(linearize(system, time=time, spin=spin, fulls=fulls), n_modes)
@@ -111,7 +111,7 @@ def campbell_case(
         system,
         spins,
         n_modes=n_modes,
-        fulls=case.fulls if errors or case.starts else {},
+        fulls=None if errors or case.starts else (),
         progress=lambda share: progress("linearising", share),
     )
     with file_errors("make the folder", folder):

@@ -7,13 +7,14 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from supple.cases.body_kinds import kinds_that
+from supple.cases.shared_rules import PlaceOf
 from supple.importers.toml import CheckedTable, Mistakes, Raw, table, tables
 
 
 class Output(CheckedTable):
     """What is drawn besides the result file."""
 
-    track: Annotated[tuple[str, ...], Field(strict=False)] = Field(
+    track: Annotated[tuple[PlaceOf, ...], Field(strict=False)] = Field(
         (), description="BODY.INTERFACE or BODY.NODE_SET whose motion is printed and drawn"
     )
     pictures: bool = Field(True, description="draw mesh, modes, motion and deformed bodies (PNG)")

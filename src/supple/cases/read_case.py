@@ -71,8 +71,8 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
 
 
 def _unusable_parts(tables: CaseTables, folder: Path) -> Iterator[tuple[KeyPath, str]]:
-    """What joints and elements find wrong with their numbers, which depend on no mesh."""
-    for section in ("joint", "element"):
+    """What joints, springs and elements find wrong with their numbers, which depend on no mesh."""
+    for section in ("joint", "spring", "element"):
         for number, each in enumerate(getattr(tables, section)):
             try:
                 each.build(folder)

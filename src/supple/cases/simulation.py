@@ -8,21 +8,23 @@ from pydantic import Field
 
 from supple.cases.body_kinds import is_explicit
 from supple.cases.explicit_method import ExplicitMethod
-from supple.cases.table import Made
+from supple.cases.table import Key, table_of
 from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, table, tables
 from supple.integrate import MOST_OUTPUT_TIMES, AdaptiveStep, FixedStep, GeneralizedAlpha, Kinematic, Run
 
+_TOLERANCE = "local error allowed per step, relative to the system's size"
 
-class Adaptive(Made):
-    """Steps chosen from the local error."""
 
-    makes = AdaptiveStep
-
-    first: Positive = Field(description="first step, a time")
-    largest: Positive = Field(description="largest step, a time")
-    tolerance: Positive = Field(
-        1e-6, description="local error allowed per step, relative to the system's size"
+class Adaptive(
+    table_of(
+        AdaptiveStep,
+        first=Key(Positive, "first step, a time", default=...),
+        largest=Key(Positive, "largest step, a time", default=...),
+        tolerance=Key(Positive, _TOLERANCE),
+        smallest=None,
     )
+):
+    """Steps chosen from the local error."""
 
 
 class Simulation(CheckedTable):

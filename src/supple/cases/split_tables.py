@@ -16,8 +16,7 @@ from supple.cases.case_tables import CaseTables
 from supple.cases.damping import Rayleigh, RayleighRatio
 from supple.cases.interfaces import Interface
 from supple.cases.joints import Joint
-from supple.cases.loads import Load
-from supple.cases.sensors import SensorTable
+from supple.cases.loads import Force
 from supple.cases.split import SplitSource
 from supple.errors import ModelError, SuppleWarning
 from supple.machine import At
@@ -69,19 +68,26 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
     def at_parts(item: Any) -> Any:
         return item.model_copy(update={"first": placed(item.first), "second": placed(item.second)})
 
+    def named_at_parts(joint: Joint) -> Any:
+        return at_parts(joint.model_copy(update={"name": joint.label}))
+
+    def read_at_part(table: Any) -> Any:
+        return _read_at_part(table, placed, by_name)
+
     bodies = [
-        part
+        _judged_at_part(part, read_at_part)
         for body in tables.body
         for part in (_parts(by_name[body.name]) if body.name in by_name else [body])
     ]
     track = [place for text in tables.output.track for place, _ in _places(placed(text), by_name)]
     changed = {
         "body": tuple(bodies),
-        "sensor": tuple(_sensor_of_part(each, placed, by_name) for each in tables.sensor),
-        "joint": (*map(at_parts, tables.joint), *(joint for each in given for joint in _ties(each))),
+        "sensor": tuple(map(read_at_part, tables.sensor)),
+        "error": tables.error.model_copy(update={"of": tuple(map(read_at_part, tables.error.of))}),
+        "joint": (*map(named_at_parts, tables.joint), *(joint for each in given for joint in _ties(each))),
         "spring": tuple(map(at_parts, tables.spring)),
         "element": tuple(map(at_parts, tables.element)),
-        "load": tuple(part for load in tables.load for part in _load_parts(load, placed(load.at), by_name)),
+        "load": tuple(part for load in tables.load for part in _load_parts(load, placed, by_name)),
         "output": tables.output.model_copy(update={"track": tuple(track)}),
     }
     return tables.model_copy(update=changed)
@@ -185,7 +191,7 @@ def _parts(split: _SplitTable) -> Iterator[Body]:
 
 def _frame(split: _SplitTable, part: int) -> object:
     """The frame of a part: fixed to the interface that was named, or to the cut that leads there."""
-    frame = split.body.frame
+    frame: Any = split.body.frame
     if not isinstance(frame, NodalFixed):
         return frame
     held = split.holders[frame.interface]
@@ -215,28 +221,41 @@ def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, 
     return [(f"{part}.{node_set}", len(own) / len(nodes)) for part, own in found]
 
 
-def _sensor_of_part(
-    sensor: SensorTable, placed: Callable[[str], str], split: Mapping[str, _SplitTable]
-) -> SensorTable:
-    """A sensor at the part that has its place.
+def _judged_at_part(body: Body, read_at_part: Callable[[Any], Any]) -> Body:
+    """A body whose accuracy is that of a quantity at the part that has its place."""
+    accuracy = getattr(body.reduction, "accuracy", None)
+    if body.reduction is None or accuracy is None or accuracy.of is None:
+        return body
+    accuracy = accuracy.model_copy(update={"of": read_at_part(accuracy.of)})
+    return body.model_copy(update={"reduction": body.reduction.model_copy(update={"accuracy": accuracy})})
+
+
+def _read_at_part(read: Any, placed: Callable[[str], str], split: Mapping[str, _SplitTable]) -> Any:
+    """A sensor, or a quantity of the error, at the part that has its place.
 
     Raises ModelError for a node set whose nodes lie in several parts.
     """
     changed = {}
-    if (at := getattr(sensor, "at", None)) is not None:
+    if (at := getattr(read, "at", None)) is not None:
         places = _places(placed(at), split)
         if len(places) > 1:
+            called = f"sensor '{read.name}'" if hasattr(read, "name") else "a quantity of the error"
             raise ModelError(
-                f"sensor '{sensor.name}': the nodes of '{at}' lie in {len(places)} of the parts; name an "
+                f"{called}: the nodes of '{at}' lie in {len(places)} of the parts; name an "
                 "interface, or a set within one part"
             )
         changed["at"] = places[0][0]
-    if (base := getattr(sensor, "seen_from", None)) is not None:
+    if (base := getattr(read, "seen_from", None)) is not None:
         changed["seen_from"] = placed(base)
-    return sensor.model_copy(update=changed)
+    return read.model_copy(update=changed)
 
 
-def _load_parts(load: Load, at: str, split: Mapping[str, _SplitTable]) -> Iterator[Load]:
-    for place, share in _places(at, split):
-        vector = tuple(share * component for component in load.vector)
-        yield load.model_copy(update={"at": place, "vector": vector})
+def _load_parts(load: Any, placed: Callable[[str], str], split: Mapping[str, _SplitTable]) -> Iterator[Any]:
+    if not hasattr(load, "at"):
+        yield load
+        return
+    for place, share in _places(placed(load.at), split):
+        changed: dict[str, Any] = {"at": place}
+        if isinstance(load, Force):
+            changed["vector"] = tuple(share * component for component in load.vector)
+        yield load.model_copy(update=changed)

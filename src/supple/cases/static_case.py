@@ -21,7 +21,7 @@ from supple.simulation import AssembledMachine, Equilibrium, assemble, equilibri
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
 
-__all__ = ["StaticResult", "check_fixed_sizes", "looked_at", "spin_of", "starting_system", "static_case"]
+__all__ = ["StaticResult", "looked_at", "spin_of", "starting_system", "static_case"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,18 +66,20 @@ def looked_at(case: Case, *, allow_code: bool) -> System:
 def starting_system(case: Case, *, allow_code: bool = False) -> System:
     """The machine as its run starts: as it is placed, assembled if the case says so, or at rest.
 
+    Bodies that correct themselves rest with all their coordinates; the bases of their rounds hold that rest.
+
     Its controllers are made of the machine as it is placed. Traced ones act in the equilibrium; sampled ones
     are called for the first time as the run begins.
 
     Raises
     ------
-    CaseError           an equilibrium, or a kinematic run, of a body whose size only a run can tell; code
-        that is not allowed to run, or that fails
+    CaseError           a kinematic run of a body that corrects itself; code that is not allowed to run, or
+        that fails
     ConvergenceError    no equilibrium; joints that do not fit
     """
     wanted, system = case.tables.simulation, case.system
     if wanted.kinematic:
-        check_fixed_sizes(case, "run with kinematic = true")
+        _check_fixed_sizes(case)
     if wanted.assemble:
         found = assemble(system, time=case.run.start)
         case.notify(_said(found))
@@ -85,11 +87,10 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
     system = case.controlled(system, allow_code=allow_code)
     if wanted.start == "placed":
         return system
-    check_fixed_sizes(case, 'run with start = "equilibrium"')
     case.notify("searching the equilibrium")
     traced = tuple(each for each in system.controllers if isinstance(each, Controller))
     acting = replace(system, controllers=traced)
-    found = equilibrium(acting, time=case.run.start, spin=spin_of(case)).system
+    found = equilibrium(acting, time=case.run.start, spin=spin_of(case), fulls=()).system
     resting = iter(found.controllers)
     controllers = tuple(next(resting) if isinstance(own, Controller) else own for own in system.controllers)
     return replace(found, controllers=controllers)
@@ -105,12 +106,12 @@ def _said(found: AssembledMachine) -> str:
     return "assembled: moved " + ", ".join(moved) if moved else "assembled: all joints fit as placed"
 
 
-def check_fixed_sizes(case: Case, command: str) -> None:
-    """CaseError where a body is to be reduced by a run that `command` does not make."""
+def _check_fixed_sizes(case: Case) -> None:
+    """CaseError for a kinematic run of a body that is to be reduced as far as its run needs."""
     if case.starts:
         raise CaseError(
-            f"{case.path}: body '{next(iter(case.starts))}' is reduced as far as its run needs, which starts "
-            f"where it is placed: for `supple {command}` give it a basis of fixed size, such as reduction = "
+            f"{case.path}: body '{next(iter(case.starts))}' is reduced as far as its run needs: for a "
+            "run with kinematic = true give it a basis of fixed size, such as reduction = "
             '{ basis = "craig-bampton", modes = 10 } without accuracy'
         )
 
@@ -148,7 +149,7 @@ def static_case(
     if case.starts:
         found, _ = correct_at_rest(system, case.starts, time=time, spin=spin_of(case))
     else:
-        fulls = case.fulls if errors else {}
+        fulls = None if errors else ()
         found = equilibrium(system, time=time, spin=spin_of(case), fulls=fulls, progress=searching)
     progress("searching the equilibrium", 1.0)
     places = {name: case.place(name) for name in case.parts.output.track}

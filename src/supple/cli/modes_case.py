@@ -61,10 +61,11 @@ def modes_case(
             [f"{rate:.5g}", *(f"{each:.5g}" for each in row)]
             for rate, row in zip(diagram.rates, frequencies, strict=True)
         ]
-        print_table("Frequencies over speed, in axes that turn with the machine", heads, rows)
         if diagram.errors is not None:
-            largest = 100 * float(np.nanmax(diagram.errors, initial=0.0))
-            say(f"Largest error of the bases, first and last speed: {largest:.2g} % of a frequency")
+            heads.append("largest error, %")
+            for row, off in zip(rows, diagram.errors, strict=True):
+                row.append(_largest_error(off))
+        print_table("Frequencies over speed, in axes that turn with the machine", heads, rows)
     say(f"Results are in {folder}/")
 
 
@@ -103,7 +104,17 @@ def _error(mode: dict[str, Any]) -> str:
     """Of a frequency, in percent."""
     if mode["none of the machine's"]:
         return "no such mode"
-    if mode["error"] is None:
+    return "unknown" if mode["error"] is None else _percent(mode["error"])
+
+
+def _largest_error(errors: np.ndarray) -> str:
+    """Of the frequencies at one speed, in percent, and of which mode."""
+    if np.isnan(errors).all():
         return "unknown"
-    percent = 100 * mode["error"]
-    return "< 0.01" if percent < 0.01 else f"{percent:.2g}"
+    worst = int(np.nanargmax(errors))
+    said = _percent(errors[worst]) if np.isfinite(errors[worst]) else "no such mode"
+    return f"{said} (mode {worst + 1})"
+
+
+def _percent(error: float) -> str:
+    return "< 0.01" if 100 * error < 0.01 else f"{100 * error:.2g}"

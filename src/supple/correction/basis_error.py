@@ -58,6 +58,11 @@ class BodyError:
         """Error stated, RMS over the nodes, largest over the run: what was found and what cannot be."""
         return self.rms + self.rest
 
+    @property
+    def is_converged(self) -> bool:
+        """Whether the estimate is more than an order of magnitude: finite, its second correction small."""
+        return bool(np.isfinite(self.estimate)) and (self.second is None or self.second <= FIRST_ORDER)
+
     def is_doubtful(self, limit: float) -> bool:
         """Whether the estimate may be far too small: the body locks, or misses more than estimate and limit.
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from supple.body.full_body import FullBody
-from supple.correction.basis_error import ENRICH, FIRST_ORDER, BodyError
+from supple.correction.basis_error import ENRICH
 from supple.correction.check_run import check_run
 from supple.correction.error_estimate import ErrorEstimate, ErrorEstimator
 from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
@@ -51,7 +51,7 @@ def basis_parts(
     estimate = ErrorEstimator(whole, run).judge(system, bases, solution, progress=share)
     found = estimate.error.bodies
     doubtful = any(each.is_doubtful(_negligible(system, solution, name)) for name, each in found.items())
-    if all(map(_is_sure, found.values())) and not doubtful:
+    if all(each.is_converged for each in found.values()) and not doubtful:
         return {
             name: ErrorPart(value, step, ENRICH)
             for name, value in distances(system, solution, estimate, asked).items()
@@ -89,10 +89,6 @@ def distances(
 def _negligible(system: System, solution: Solution, name: str) -> float:
     body = system.bodies[system.body_index(name)].body
     return NEGLIGIBLE * largest_displacement(body, solution.bodies[name])
-
-
-def _is_sure(error: BodyError) -> bool:
-    return bool(np.isfinite(error.estimate)) and (error.second is None or error.second <= FIRST_ORDER)
 
 
 def in_full(system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]) -> System:

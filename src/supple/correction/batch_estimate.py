@@ -14,7 +14,8 @@ import numpy as np
 
 from supple.body.full_body import FullBody
 from supple.correction.basis_error import ENRICH, FIRST_ORDER, BasisError
-from supple.correction.basis_part import basis_parts, in_full
+from supple.correction.basis_part import in_full, stated_of
+from supple.correction.check_run import check_run
 from supple.correction.error_estimate import (
     FRESH,
     INSTANTS,
@@ -67,8 +68,12 @@ def state_batch_errors(
     for system, solution, own in zip(
         cases, solutions, estimate_batch_errors(cases, run, solutions, fulls), strict=True
     ):
-        if any(each.is_doubtful(np.inf) for each in own.bodies.values()):  # they lock
-            parts = basis_parts(system, run, solution, fulls, bases, quantities)
+        bodies = own.bodies.values()
+        if solution.stopped is not None:
+            parts = {}
+        elif any(each.is_doubtful(np.inf) or not each.is_converged for each in bodies):  # e.g. they lock
+            asked = stated_of(system, bases, quantities)
+            parts = check_run(system, run, solution, fulls, bases, asked)
         else:
             parts = {
                 name: ErrorPart(each.estimate, "the error equation", ENRICH)

@@ -42,6 +42,8 @@ __all__ = ["check_run"]
 
 MODES, DIRECTIONS = 24, 12
 INSTANTS = 50
+SHORTER_STEPS = "take shorter steps, or softer stops and springs, so that richer bases come to the end"
+"""The remedy where the run with richer bases breaks off."""
 
 
 def check_run(
@@ -83,6 +85,9 @@ def check_run(
         )
     besides = "static shapes with derivatives" if system.controllers else "corrections"
     how = f"a run with {MODES} modes and {DIRECTIONS} {besides} more"
+    if check.stopped is not None:
+        unknown = ErrorPart(np.inf, f"no estimate: {how} broke off: {check.stopped}", SHORTER_STEPS)
+        return {each.name: unknown for each in quantities}
     return {
         each.name: ErrorPart(quantity_distance(each, system, solution, finer, check), how, ENRICH)
         for each in quantities

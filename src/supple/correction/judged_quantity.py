@@ -117,10 +117,7 @@ class Deflection:
         """Positions (t, k, 3)."""
         form, motion = _form(system, self.body), solution.bodies[self.body]
         if isinstance(self.nodes, str):
-            place = form.interface(self.nodes)
-            moved = motion.coordinates @ place.motion.T
-            local = place.position + moved[:, :3]
-            return (motion.position + np.einsum("tij,tj->ti", motion.rotation, local))[:, None]
+            return form.interface_motion(motion, self.nodes).position[:, None]
         return form.positions(motion, np.array(self.nodes))
 
     def size(self, system: System, solution: Solution) -> float:

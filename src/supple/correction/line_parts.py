@@ -4,24 +4,17 @@ from __future__ import annotations
 
 from supple.integrate import ErrorPart, Solution
 from supple.intrinsic import IntrinsicBody
-from supple.intrinsic.report_truncation import known_truncation
+from supple.intrinsic.report_truncation import truncation_parts
 from supple.machine import System
 
 __all__ = ["line_parts"]
 
 
 def line_parts(system: System, solution: Solution) -> dict[str, ErrorPart]:
-    """By name of every intrinsic body whose part is known: not where joints connect bodies of few modes."""
+    """By name of every intrinsic body whose part is known."""
     found = {
         name: ErrorPart(0.0, "no basis: all modes")
         for name, body in system.bodies_of(IntrinsicBody).items()
-        if body.complete is None
+        if body.complete is None and (body.supported is None or body.supported.complete is None)
     }
-    for name, error in known_truncation(system, solution).items():
-        drifts = error.drift > max(error.places)
-        found[name] = ErrorPart(
-            max(error.drift, *error.places),
-            "drift of the centre of mass" if drifts else "all modes at rest in the motion, at a few instants",
-            "keep more modes",
-        )
-    return found
+    return found | dict(truncation_parts(system, solution))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -16,8 +16,9 @@ import numpy as np
 from supple.body import FullBody
 from supple.correction.correction_rounds import ReductionStart, SelfCorrection, SelfCorrectionError
 from supple.correction.judged_quantity import quantity_distance
+from supple.correction.start_deformation import with_reduced
 from supple.errors import BasisWarning, LockingWarning, ModelError
-from supple.machine import Placed, Spin, System
+from supple.machine import Spin, System
 from supple.multibody import StaticSearch
 from supple.reduction import ReducedBody, ReductionBasis, enrich, project, reduction_basis
 from supple.simulation import Equilibrium, equilibrium
@@ -176,16 +177,4 @@ def _reduced(
             for name, full in fulls.items()
         }
 
-    def on_basis(placed: Placed) -> Placed:
-        name = placed.body.name
-        if name not in bodies:
-            return placed
-        onto = bases[name].vectors.T @ fulls[name].body.mass
-        return replace(
-            placed,
-            body=bodies[name],
-            coordinates=onto @ placed.coordinates,
-            coordinate_rates=onto @ placed.coordinate_rates,
-        )
-
-    return replace(system, bodies=tuple(on_basis(placed) for placed in system.bodies))
+    return with_reduced(system, bodies, bases)

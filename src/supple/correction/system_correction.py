@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
@@ -23,10 +23,11 @@ from supple.correction.correction_rounds import (
 from supple.correction.error_estimate import ErrorEstimate, ErrorEstimator
 from supple.correction.judged_quantity import JudgedQuantity, WholeBody, quantity_distance
 from supple.correction.round_archive import MissedMotion, RoundArchive, RoundBases
+from supple.correction.start_deformation import with_reduced, with_start
 from supple.correction.stopping import doubt, is_confirmed, is_useless, missed_part
 from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import ErrorPart, Run, Solution
-from supple.machine.system import Placed, System
+from supple.machine.system import System
 from supple.multibody.checks.load_spectrum import warn_of_missing_modes
 from supple.reduction import ReducedBody, enrich, project, reduction_basis, with_room
 from supple.reduction.tensor_memory import require_tensor_memory
@@ -43,25 +44,6 @@ Accepted = Callable[[CorrectedSystem], None]
 
 MOST_STEPS_WITH_ROOM = 20_000
 """Of runs whose rounds share compiled programs (`with_room`): in longer ones inert coordinates cost more."""
-
-
-def _with_reduced(system: System, runs: Mapping[str, ReducedBody], bases: RoundBases) -> System:
-    """The system with its full bodies replaced, their initial deformation projected on the bases."""
-    fulls = system.bodies_of(FullBody)
-
-    def reduced(placed: Placed) -> Placed:
-        name = placed.body.name
-        if name not in runs:
-            return placed
-        onto = bases.bases[name].vectors.T @ fulls[name].body.mass
-        return replace(
-            placed,
-            body=runs[name],
-            coordinates=onto @ placed.coordinates,
-            coordinate_rates=onto @ placed.coordinate_rates,
-        )
-
-    return replace(system, bodies=tuple(reduced(placed) for placed in system.bodies))
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +157,8 @@ def _first_bases(problem: Problem) -> RoundBases:
         step = f"reducing body '{name}' ({full.n_coordinates} freedoms)"
         problem.report(step, 0.0)
         start = problem.starts[name]
-        bases[name] = reduction_basis(full.body, full.frame, start.basis, derivatives=start.derivatives)
+        basis = reduction_basis(full.body, full.frame, start.basis, derivatives=start.derivatives)
+        bases[name] = with_start(problem.system.bodies[problem.system.body_index(name)], full, basis)
         problem.report(step, 1.0)
     return RoundBases(bases)
 
@@ -194,7 +177,7 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
         }
     brief = problem.run.n_steps <= MOST_STEPS_WITH_ROOM
     roomy = {name: with_room(body) for name, body in bodies.items()} if brief else bodies
-    system = _with_reduced(problem.system, roomy, bases)
+    system = with_reduced(problem.system, roomy, bases.bases)
     return _Model(number, bases, bodies, system, perf_counter() - began)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body.floating_kinematics import node_numbers
+from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
 from supple.explicit.motions import NodalMotion
 from supple.explicit.node_set import NodeSet, node_sets
@@ -20,7 +21,7 @@ __all__ = ["ElementPart"]
 FloatArray = NDArray[np.float64]
 
 
-class ElementPart:
+class ElementPart(FormDefaults):
     """A `BodyForm` whose coordinates are the displacements of its nodes; it has no frame and any rotation."""
 
     name: str

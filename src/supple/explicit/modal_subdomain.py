@@ -14,6 +14,7 @@ from supple.arguments import checked_arguments
 from supple.body import FlexibleBody, LinearRayleighDamping, MeanAxisFrame
 from supple.body.damping import refuse_held
 from supple.body.floating_kinematics import node_numbers
+from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
 from supple.body.mass_properties import rigid_mass_properties
 from supple.errors import ModelError
@@ -35,7 +36,7 @@ LARGEST_RIGID_PART = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class ModalSubdomain:
+class ModalSubdomain(FormDefaults):
     """Modes of a free body on a four-point frame; build it with `modal_subdomain`.
 
     body : FlexibleBody

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from supple.integrate.error_statement import ErrorStatement
+from supple.integrate.error_statement import ErrorPart, ErrorStatement
 from supple.integrate.motion import FloatingMotion
 
 __all__ = ["JOINT_AXES", "JOINT_COMPONENTS", "LARGEST", "Solution", "Statistics", "concatenate"]
@@ -83,6 +83,8 @@ class Solution:
     """Name to (t, c) numbers of the whole machine, such as its energies; which, the method says."""
     errors: Mapping[str, ErrorStatement] = field(default_factory=lambda: MappingProxyType({}))
     """How wrong the run is, by body, or by what else was judged; empty where nobody looked."""
+    truncation: Mapping[str, ErrorPart] = field(default_factory=lambda: MappingProxyType({}))
+    """By intrinsic body: what the modes that it leaves out change, as the end of the run found it."""
 
     def with_errors(self, errors: Mapping[str, ErrorStatement]) -> Solution:
         """The same run with what is known of its error; bodies find theirs in `motion.error` as well."""

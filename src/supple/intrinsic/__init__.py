@@ -10,6 +10,7 @@ from supple.intrinsic.imported_line import read_condensed_line
 from supple.intrinsic.intrinsic_body import IntrinsicBody, intrinsic_body
 from supple.intrinsic.intrinsic_modes import IntrinsicModes, intrinsic_modes
 from supple.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.intrinsic.line_balances import line_balances
 from supple.intrinsic.line_rest import line_rest
 from supple.intrinsic.load_path import LoadPath, LoadPaths, NodeSetPath
 from supple.intrinsic.load_path_tree import LoadPathTree, load_path_tree
@@ -44,6 +45,7 @@ __all__ = [
     "intrinsic_body",
     "intrinsic_engine",
     "intrinsic_modes",
+    "line_balances",
     "line_rest",
     "load_path_tree",
     "read_condensed_line",

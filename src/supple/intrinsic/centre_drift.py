@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from supple.algebra.kept_programs import KeptProgram
 from supple.integrate import Solution
 from supple.intrinsic.complete_motion import states_of
-from supple.intrinsic.intrinsic_body import body_of
+from supple.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.intrinsic.line_equations import momenta, station_velocities
 from supple.intrinsic.line_system import LineSystem, States, places_of, system_wrenches
 from supple.intrinsic.machine_of_lines import machine_of_lines
+from supple.intrinsic.supported_root import is_joined
 from supple.machine import System
+from supple.multibody.equations.compiler_options import STARTING
 
 __all__ = ["centre_drift"]
 
@@ -34,19 +35,19 @@ def centre_drift(system: System, solution: Solution, name: str) -> float:
     Momentum of a truncated free line is that of its rigid modes only. The forces are taken at the output
     times, as a spline; what half as many times change is not counted as drift.
 
-    Returns 0 for a body that is held, and for fewer than five output times.
+    Returns 0 for a body that is held, in a machine with joints, and for fewer than five output times.
     """
     placed = system.bodies[system.body_index(name)]
     body = body_of(placed)
     times = solution.times
-    if body.support.free.shape[1] < 6 or len(times) < FEWEST:
+    if is_joined(system) or body.support.free.shape[1] < 6 or len(times) < FEWEST:
         return 0.0
     machine = machine_of_lines(system, float(times[0]))
     states = tuple(states_of(body_of(each), solution.bodies[each.body.name]) for each in system.bodies)
     number = system.body_index(name)
-    mass = body.line.mass.reshape(body.line.n, 6, body.line.n, 6).sum(axis=2)[:, :, :3]
+    masses = tuple(_translating(body_of(each)) for each in system.bodies)
     centre, velocity, force = jax.device_get(
-        _carried(machine.lines, number, mass, jnp.asarray(times), states)
+        _carried(machine.lines, masses, jnp.asarray(times), states)[number]
     )
     m = body.mass
     paths = [_path(times[::skip], force[::skip] / m, times) for skip in (1, 2)]
@@ -61,14 +62,22 @@ def _path(known: Array, acceleration: Array, times: Array) -> Array:
     return CubicSpline(known, acceleration).antiderivative(2)(times)
 
 
-@partial(jax.jit, static_argnames="number")
-def _carried(
+def _translating(body: IntrinsicBody) -> Array:
+    """(n, 6, 3) momenta of translations of the stations."""
+    n = body.line.n
+    return body.line.mass.reshape(n, 6, n, 6).sum(axis=2)[:, :, :3]
+
+
+def _carried_by_lines(
+    system: LineSystem, masses: tuple[jax.Array, ...], times: jax.Array, states: States
+) -> tuple[tuple[jax.Array, jax.Array, jax.Array], ...]:
+    """Centre of mass, its velocity, and the sum of the loads (t, 3) of each line."""
+    return tuple(_carried_by(system, number, mass, times, states) for number, mass in enumerate(masses))
+
+
+def _carried_by(
     system: LineSystem, number: int, mass: jax.Array, times: jax.Array, states: States
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Centre of mass, its velocity, and the sum of the loads (t, 3) of one line.
-
-    mass : (n, 6, 3)    momenta of translations of the stations
-    """
     model = system.lines[number]
     own = jnp.trace(mass[:, :3], axis1=1, axis2=2) / 3
     moments = mass[:, 3:]  # skew: mass times where it lies beside its station
@@ -93,3 +102,6 @@ def _carried(
         return centre / own.sum(), momentum / own.sum(), jnp.einsum("nij,nj->i", rotations, loads)
 
     return jax.lax.map(at, (times, states))
+
+
+_carried = KeptProgram(_carried_by_lines, STARTING)

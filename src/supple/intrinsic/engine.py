@@ -177,7 +177,9 @@ class IntrinsicEngine:
         states: MarchState = leg.states
         times = np.asarray(states.time)
         filled = full_leg((times, states.states), self._length)
-        roots = np.asarray(reactions(self._machine.lines, *filled))[: len(times)]
+        found, rates = jax.device_get(reactions(self._machine.lines, *filled))
+        rates = [rate[: len(times)] for rate in rates]
+        motions = self._machine.motions(times, states.states, rates)
         last = leg.last
         kept = {
             f"{number} {name}": np.asarray(getattr(state, name))
@@ -186,8 +188,8 @@ class IntrinsicEngine:
         }
         return Solution(
             times=times,
-            bodies=self._machine.motions(times, states.states),
-            joint_forces=self._machine.joint_forces(roots, times, states.states),
+            bodies=motions,
+            joint_forces=self._machine.joint_forces(found[: len(times)], motions),
             statistics=leg.statistics,
             engine_state=kept
             | {

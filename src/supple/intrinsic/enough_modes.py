@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 from supple.errors import ModelError, ValidityWarning
 from supple.integrate import Solution
-from supple.intrinsic.complete_motion import with_modes
+from supple.intrinsic.complete_motion import intrinsic_of, with_modes
 from supple.intrinsic.intrinsic_body import body_of
-from supple.intrinsic.machine_of_lines import check_held_by_ground
 from supple.intrinsic.truncation_error import TruncationError, truncation_error
 from supple.machine import System
 
@@ -45,7 +44,7 @@ def enough_modes(
 
     Parameters
     ----------
-    system : intrinsic bodies that the ground holds, or that are free; the modes they have do not count
+    system : a machine with intrinsic bodies; the modes that they have do not count
     run : its simulation, such as `lambda system: simulate(system, Run(..))`
     tolerance : of the error of the stations' places over the deflection
     first : elastic modes to begin with
@@ -57,8 +56,7 @@ def enough_modes(
         raise ModelError(f"a tolerance of modes left out lies between 0 and 1, not {tolerance}")
     if first < 1:
         raise ModelError(f"a search for modes begins with one at least, not {first}")
-    check_held_by_ground(system)
-    names = [placed.body.name for placed in system.bodies] if bodies is None else bodies
+    names = [placed.body.name for placed in intrinsic_of(system)] if bodies is None else bodies
 
     def of(number: int | None) -> System:
         return replace(
@@ -70,11 +68,11 @@ def enough_modes(
         )
 
     whole = of(None)
-    most = max(body_of(placed).n_coordinates for placed in whole.bodies)
+    most = max(body_of(placed).n_coordinates for placed in intrinsic_of(whole))
     number = first
     while number < most:
         fewer = of(number)
-        if not any(body_of(placed).complete for placed in fewer.bodies if placed.body.name in names):
+        if not any(body_of(placed).complete for placed in intrinsic_of(fewer) if placed.body.name in names):
             break
         with warnings.catch_warnings():  # of modes left out: the search is for enough of them
             warnings.simplefilter("ignore", ValidityWarning)

@@ -15,8 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from supple.algebra import read_only
 from supple.body import Damping
 from supple.body.floating_kinematics import node_numbers
+from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
 from supple.body.mass_properties import centre_of_gram
+from supple.body.point_motion import InterfaceMotion, NodeMotion
 from supple.errors import ModelError
 from supple.intrinsic.condensed_line import CondensedLine
 from supple.intrinsic.expansion import Expansion, expansion_of_stations
@@ -26,7 +28,8 @@ from supple.intrinsic.line_equations import section_forces, section_strains
 from supple.intrinsic.line_model import LineModel, line_model
 from supple.intrinsic.root_support import RootSupport
 from supple.intrinsic.second_order_modes import completed_modes, second_order_shapes
-from supple.intrinsic.strain_integration import station_places
+from supple.intrinsic.station_motion import StationMotion, station_motion
+from supple.intrinsic.strain_integration import Places, station_places
 from supple.machine import Placed
 
 __all__ = ["IntrinsicBody", "Station", "body_of", "intrinsic_body"]
@@ -56,9 +59,14 @@ class Station:
         """None: stations turn as far as they like."""
         return 0.0
 
+    @property
+    def tied_nodes(self) -> NDArray[np.int64]:
+        """None."""
+        return np.empty(0, dtype=np.int64)
+
 
 @dataclass(frozen=True, eq=False)
-class IntrinsicBody:
+class IntrinsicBody(FormDefaults):
     """A slender body that turns and bends by any angle, from its linear modes; build it with `intrinsic_body`
     or `condense`.
 
@@ -67,6 +75,7 @@ class IntrinsicBody:
     stations : name -> number       interfaces
     damping : Damping | None        ModalDamping or RayleighDamping
     complete : IntrinsicBody | None     the same body with all its modes; None where this is it
+    supported : IntrinsicBody | None    of a released body: the same modes on the support of its root
     """
 
     modes: IntrinsicModes
@@ -74,6 +83,7 @@ class IntrinsicBody:
     stations: Mapping[str, int] = field(repr=False)
     damping: Damping | None = None
     complete: IntrinsicBody | None = field(default=None, repr=False)
+    supported: IntrinsicBody | None = field(default=None, repr=False)
 
     @property
     def name(self) -> str:
@@ -132,10 +142,21 @@ class IntrinsicBody:
         """The arrays of its equations."""
         return line_model(self.modes, self.damping)
 
-    @cached_property
-    def nodal_basis(self) -> Array:
-        """(N d, e) linear displacement of the nodal freedoms in elastic modes."""
-        return self.expansion.modes.reshape(-1, self.n_coordinates)
+    @property
+    def dofs_per_node(self) -> int:
+        """Freedoms of a node."""
+        return self.expansion.modes.shape[1]
+
+    @property
+    def has_linear_strains(self) -> bool:
+        """True: stress is that of the static shapes that carry its section loads."""
+        return True
+
+    def nodal_fields(
+        self, coordinates: Array, freedoms: NDArray[np.intp] | slice = slice(None)
+    ) -> tuple[Array, None]:
+        """Linear displacements (N d, t) of elastic amplitudes (t, e), into which strains alone enter."""
+        return self.expansion.modes.reshape(-1, self.n_coordinates)[freedoms] @ coordinates.T, None
 
     def truncated(self, n_modes: int) -> IntrinsicBody:
         """The same body with its lowest elastic modes, and the second-order modes that belong to them.
@@ -196,6 +217,54 @@ class IntrinsicBody:
             )
             result[part] = np.einsum("nw,tnwi->tni", weights, moved)
         return result
+
+    def station_motion(self, motion: IntrinsicMotion) -> StationMotion:
+        """Places, velocities and accelerations of the stations in space."""
+        return station_motion(
+            self.model, self.line.tree.points[0], self.forces_of(motion.coordinates), motion
+        )
+
+    def node_motion(self, motion: IntrinsicMotion, nodes: ArrayLike) -> NodeMotion:
+        """Positions, velocities and accelerations (t, k, 3) of some nodes in space, by `Expansion`.
+
+        Accelerations are nan where the motion does not have them.
+        """
+        chosen = node_numbers(nodes, len(self.nodes))
+        own, weights = self.expansion.stations[chosen], self.expansion.weights[chosen]
+        warping, arms = self.expansion.warping[chosen], self.expansion.arms(self.line.tree)[chosen]
+        known = self.station_motion(motion)
+        omega = self.modes.omega[self.modes.n_rigid :]
+        place, rate, second = (
+            np.einsum("nie,te->tni", warping, q)[:, :, None]
+            for q in (motion.coordinates, -known.strain_rates / omega, -known.strain_accelerations / omega)
+        )
+        place = place + arms
+
+        def carried(places: Places, *terms: tuple[Places, Array]) -> Array:
+            moved = places.positions[:, own]
+            for by, local in terms:
+                moved = moved + np.einsum("tnwij,tnwj->tnwi", by.rotations[:, own], local)
+            return np.einsum("nw,tnwi->tni", weights, moved)
+
+        A, dA, ddA = known.places, known.velocities, known.accelerations
+        return NodeMotion(
+            self.positions(motion, chosen),
+            carried(dA, (dA, place), (A, rate)),
+            carried(ddA, (ddA, place), (dA, 2 * rate), (A, second)),
+        )
+
+    def interface_motion(self, motion: IntrinsicMotion, name: str) -> InterfaceMotion:
+        """Pose, velocities and acceleration (t, ...) of a named station in space."""
+        number = self.interface(name).number
+        known = self.station_motion(motion)
+
+        def there(places: Places) -> tuple[Array, Array]:
+            return np.asarray(places.positions[:, number]), np.asarray(places.rotations[:, number])
+
+        (position, rotation), (velocity, turning) = there(known.places), there(known.velocities)
+        spin = turning @ rotation.transpose(0, 2, 1)
+        angular = np.stack([spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]], axis=1)
+        return InterfaceMotion(position, rotation, velocity, there(known.accelerations)[0], angular)
 
     def section_loads(self, motion: IntrinsicMotion) -> Array:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.

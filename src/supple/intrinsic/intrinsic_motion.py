@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -10,6 +10,10 @@ import numpy as np
 from supple.integrate import StackedMotion, register_motion
 
 __all__ = ["IntrinsicMotion"]
+
+
+UNKNOWN = np.empty(0)
+"""Accelerations that nobody computed, as of files written before there were any: they become nan."""
 
 
 @register_motion
@@ -31,3 +35,15 @@ class IntrinsicMotion(StackedMotion):
     """(t, 3) of the root, body components, rad/s."""
     rates: np.ndarray
     """(t, k + e) amplitudes of the velocities, q_1: rigid modes, then elastic ones."""
+    acceleration: np.ndarray = field(default_factory=lambda: UNKNOWN)
+    """(t, 3) of the origin of the body's axes, global components."""
+    angular_acceleration: np.ndarray = field(default_factory=lambda: UNKNOWN)
+    """(t, 3) rate of the angular velocity, body components."""
+    accelerations: np.ndarray = field(default_factory=lambda: UNKNOWN)
+    """(t, k + e) rates of `rates`."""
+
+    def __post_init__(self) -> None:
+        likes = (("acceleration", 3), ("angular_acceleration", 3), ("accelerations", self.rates.shape[1]))
+        for name, size in likes:
+            if getattr(self, name) is UNKNOWN:
+                object.__setattr__(self, name, np.full((len(self.position), size), np.nan))

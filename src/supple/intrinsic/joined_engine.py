@@ -134,8 +134,10 @@ class JoinedEngine:
         )
         of_joints = joint_multipliers(seen, model.active, multipliers)
         bodies: dict[str, Any] = {
-            placed.body.name: line_motion(placed, own, None, state, times)
-            for placed, own, state in zip(self._machine.lines, self._arrays.lines, now.lines, strict=True)
+            placed.body.name: line_motion(placed, own, None, state, rate.q1, times)
+            for placed, own, state, rate in zip(
+                self._machine.lines, self._arrays.lines, now.lines, rates.lines, strict=True
+            )
         }
         names = [placed.body.name for placed in self._machine.system.bodies]
         bodies |= {name: motion for name, motion in floating.items() if name in names}

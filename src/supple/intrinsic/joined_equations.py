@@ -36,6 +36,8 @@ __all__ = [
     "Instant",
     "Motion",
     "all_velocities",
+    "held_forces",
+    "held_wrenches",
     "joint_equations",
     "joint_rates",
     "motion_residuals",
@@ -89,6 +91,22 @@ def station_twists(arrays: JoinedArrays, states: States, amplitudes: tuple[jax.A
     skew = (rotations[:, :, :, None] * turning[:, :, None, :]).sum(axis=1)
     spin = jnp.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
     return jnp.concatenate([velocities, spin], axis=1).reshape(-1)
+
+
+def held_forces(arrays: JoinedArrays, states: States, wrenches: jax.Array) -> tuple[jax.Array, ...]:
+    """T^T f, of forces and moments f (6 s,) on the stations that are held: on the amplitudes of each line."""
+    amplitudes = tuple(state.q1 for state in states)
+    return jax.vjp(lambda q1: station_twists(arrays, states, q1), amplitudes)[1](wrenches)[0]
+
+
+def held_wrenches(arrays: JoinedArrays, now: Instant, multipliers: jax.Array) -> jax.Array:
+    """Forces (global) and moments (own axes) of joints and forces on the stations that are held, (6 s,).
+
+    now : with its stations in place,  multipliers : (m,) of the active equations
+    """
+    still = jnp.zeros(arrays.model.n_velocities)
+    seen = SystemMotion(now.time, now.floating, all_velocities(arrays, now), still, multipliers)
+    return -balance(arrays.model, seen).residual[arrays.n_floating :]
 
 
 def all_velocities(arrays: JoinedArrays, now: Instant) -> jax.Array:

@@ -44,11 +44,12 @@ def resting_lines(system: System, *, time: float = 0.0, n_steps: int = 1) -> Sol
     found = line_equilibrium(still, machine.start, time=time, n_steps=n_steps)
     times, one = np.array([time]), jax.tree.map(lambda leaf: leaf[None], found.states)
     machine = replace(machine, lines=still)
-    roots = np.asarray(reactions(still, jnp.asarray(times), one))
+    forces, rates = jax.device_get(reactions(still, jnp.asarray(times), one))
+    motions = machine.motions(times, one, rates)
     return Solution(
         times=times,
-        bodies=machine.motions(times, one),
-        joint_forces=machine.joint_forces(roots, times, one),
+        bodies=motions,
+        joint_forces=machine.joint_forces(forces, motions),
         statistics=Statistics(iterations=found.iterations),
         multipliers={joint.name: np.zeros((1, 0)) for joint in system.joints},
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -56,20 +56,25 @@ class MachineOfLines:
     start: States
     roots: tuple[HeldRoot, ...]
 
-    def motions(self, times: Array, states: States) -> dict[str, IntrinsicMotion]:
-        """Motions by body name, of stacked states (leading axis: time)."""
-        each = zip(self.system.bodies, self.lines.lines, self.lines.drives, states, strict=True)
+    def motions(
+        self, times: Array, states: States, rates: Sequence[Any] | None = None
+    ) -> dict[str, IntrinsicMotion]:
+        """Motions by body name, of stacked states (leading axis: time).
+
+        rates : q_1' (t, m) of each line; accelerations are unknown (nan) without them
+        """
+        known = rates or [np.full(np.shape(state.q1), np.nan) for state in states]
+        each = zip(self.system.bodies, self.lines.lines, self.lines.drives, states, known, strict=True)
         return {
-            placed.body.name: line_motion(placed, model, drive, state, times)
-            for placed, model, drive, state in each
+            placed.body.name: line_motion(placed, model, drive, state, rate, times)
+            for placed, model, drive, state, rate in each
         }
 
-    def joint_forces(self, reactions: Array, times: Array, states: States) -> Mapping[str, Array]:
+    def joint_forces(self, reactions: Array, motions: Mapping[str, IntrinsicMotion]) -> Mapping[str, Array]:
         """Force and moment (t, 6) of each joint on its second end, along the joint axes on its first.
 
         Along what a joint leaves free there is none: the balance misses it by the order of the stations.
         """
-        motions = self.motions(times, states)
         found = {}
         for number, (placed, root) in enumerate(zip(self.system.bodies, self.roots, strict=True)):
             if root.joint is None:
@@ -168,32 +173,40 @@ def frame_to_root(placed: Placed) -> Array:
 
 
 def line_motion(
-    placed: Placed, model: LineModel, drive: RootDrive | None, state: LineState, times: Array
+    placed: Placed, model: LineModel, drive: RootDrive | None, state: LineState, rate: Any, times: Array
 ) -> IntrinsicMotion:
-    """The motion of a body from stacked states of its line (leading axis: time)."""
+    """The motion of a body from stacked states of its line, and q_1' of these (leading axis: time)."""
     body = body_of(placed)
-    rotation, position, twist = (np.asarray(each) for each in _roots(model, drive, state, jnp.asarray(times)))
+    found = _roots(model, drive, state, rate, jnp.asarray(times))
+    rotation, position, twist, faster = (np.asarray(each) for each in found)
     root = body.line.tree.points[0]
-    w = twist[:, 3:]
+    w, dw = twist[:, 3:], faster[:, 3:]
+    # Of the body's origin, along turning axes.
+    velocity = twist[:, :3] - np.cross(w, root)
+    acceleration = faster[:, :3] - np.cross(dw, root) + np.cross(w, velocity)
     omega = body.modes.omega[body.modes.n_rigid :]
     return IntrinsicMotion(
         position=position - rotation @ root,
         rotation=rotation,
         coordinates=-np.asarray(state.q2) / omega,
-        velocity=np.einsum("tij,tj->ti", rotation, twist[:, :3] - np.cross(w, root)),
+        velocity=np.einsum("tij,tj->ti", rotation, velocity),
         angular_velocity=w,
         rates=np.asarray(state.q1),
+        acceleration=np.einsum("tij,tj->ti", rotation, acceleration),
+        angular_acceleration=dw,
+        accelerations=np.asarray(rate),
     )
 
 
 @jax.jit
-def _roots(model: LineModel, drive: RootDrive | None, states: LineState, times: Any) -> Any:
-    """Rotations, positions and twists of a root."""
+def _roots(model: LineModel, drive: RootDrive | None, states: LineState, rates: Any, times: Any) -> Any:
+    """Rotations, positions, twists of a root and their rates."""
 
-    def at(state: LineState, time: Any) -> Any:
-        twist = model.velocities[:6] @ state.q1
+    def at(state: LineState, rate: Any, time: Any) -> Any:
+        twist, faster = model.velocities[:6] @ state.q1, model.velocities[:6] @ rate
         if drive is None:
-            return rotation_of(state.quaternion), state.position, twist
-        return *drive.pose(time), twist + drive.twist(time).twist
+            return rotation_of(state.quaternion), state.position, twist, faster
+        driven = drive.twist(time)
+        return *drive.pose(time), twist + driven.twist, faster + driven.rate
 
-    return jax.vmap(at)(states, times)
+    return jax.vmap(at)(states, rates, times)

@@ -71,7 +71,7 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
         warping=read_only(body.expansion.warping @ amplitudes),
     )
     complete = None if body.complete is None else _released_or_none(body.complete)
-    return replace(body, modes=checked_modes(own), expansion=expansion, complete=complete)
+    return replace(body, modes=checked_modes(own), expansion=expansion, complete=complete, supported=body)
 
 
 def _released_or_none(whole: IntrinsicBody) -> IntrinsicBody | None:

@@ -16,10 +16,10 @@ __all__ = ["reactions", "root_reaction"]
 
 
 @jax.jit
-def reactions(system: LineSystem, times: jax.Array, states: States) -> jax.Array:
-    """Forces and moments (t, b, 6) on the roots of b lines, as `root_reaction`, at t times."""
+def reactions(system: LineSystem, times: jax.Array, states: States) -> tuple[jax.Array, list[jax.Array]]:
+    """Forces and moments (t, b, 6) on the roots of b lines, as `root_reaction`, and q_1' (t, m) of each."""
 
-    def at(time: Any, now: States) -> jax.Array:
+    def at(time: Any, now: States) -> tuple[jax.Array, list[jax.Array]]:
         roots = tuple(None if drive is None else drive.twist(time) for drive in system.drives)
         wrenches = system_wrenches(system, now, time, roots)
         rates = system_rates(system, time, now)
@@ -28,7 +28,7 @@ def reactions(system: LineSystem, times: jax.Array, states: States) -> jax.Array
             for model, drive, state in zip(system.lines, system.drives, now, strict=True)
         )
         each = zip(system.lines, now, rates, wrenches, roots, places, strict=True)
-        return jnp.stack([root_reaction(*line) for line in each])
+        return jnp.stack([root_reaction(*line) for line in each]), [rate.q1 for rate in rates]
 
     return jax.vmap(at)(times, states)
 

@@ -12,9 +12,8 @@ from supple.algebra import read_only
 from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.intrinsic.centre_drift import centre_drift
-from supple.intrinsic.complete_motion import complete_motion
+from supple.intrinsic.complete_motion import complete_motion, intrinsic_of
 from supple.intrinsic.intrinsic_body import IntrinsicBody, body_of
-from supple.intrinsic.machine_of_lines import check_held_by_ground
 from supple.machine import System
 
 __all__ = ["TruncationError", "instants_of", "truncation_error"]
@@ -48,6 +47,11 @@ class TruncationError:
     length: float
 
     @property
+    def drifts(self) -> bool:
+        """Whether the drift is larger than the change of places."""
+        return self.drift > float(self.places.max(initial=0.0))
+
+    @property
     def largest(self) -> float:
         """Of places over the deflection; of the drift over it, or over a share `STIFF` of the length."""
         size = float(self.places.max(initial=0.0))
@@ -61,7 +65,7 @@ def instants_of(system: System, solution: Solution) -> NDArray[np.intp]:
     spread = np.linspace(0, n - 1, INSTANTS + 1).round().astype(int)[1 if n > 1 else 0 :]
     largest = [
         int(np.linalg.norm(body_of(p).forces_of(solution.bodies[p.body.name].coordinates), axis=1).argmax())
-        for p in system.bodies
+        for p in intrinsic_of(system)
     ]
     return np.unique(np.append(spread, largest))
 
@@ -72,27 +76,30 @@ def truncation_error(
     """What a run lacks of all modes of its bodies, by body: at a few instants, by `complete_motion`.
 
     A motion that shakes modes near their own frequency lacks more: their response to that is not at rest.
+    Where joints connect bodies, each line is looked at by itself, its root where the run has it and loaded by
+    the run's joint forces: what its modes change in the motion of the other bodies is not counted.
 
     Parameters
     ----------
-    system, solution : a machine of intrinsic bodies that the ground holds, or that are free, and its run
+    system, solution : a machine with intrinsic bodies, and its run
     whole : the same bodies with all modes, where they are not known from the bodies themselves
 
-    Raises ModelError where no body has more modes than it keeps, and for a machine that joints connect.
+    Raises ModelError where no intrinsic body has more modes than it keeps.
     Source: [Wang2015] (37), as an error estimate.
     """
-    check_held_by_ground(system)
     by_name = {body.name: body for body in whole}
-    bodies = [_with_whole(body_of(placed), by_name.get(placed.body.name)) for placed in system.bodies]
-    few = [body for body in bodies if body.complete is not None]
+    lines = intrinsic_of(system)
+    bodies = {p.body.name: _with_whole(body_of(p), by_name.get(p.body.name)) for p in lines}
+    few = [body for body in bodies.values() if body.complete is not None]
     if not few:
+        named = f"body '{lines[0].body.name}'" if lines else "no body is intrinsic"
         raise ModelError(
-            f"body '{bodies[0].name}': to see what its modes leave out, give the same body with more of them "
+            f"{named}: to see what its modes leave out, give the same body with more of them "
             "(the same line and support, a larger n_modes)"
         )
     machine = replace(
         system,
-        bodies=[replace(placed, body=body) for placed, body in zip(system.bodies, bodies, strict=True)],
+        bodies=[replace(placed, body=bodies.get(placed.body.name, placed.body)) for placed in system.bodies],
     )
     rows = instants_of(machine, solution)
     complete = complete_motion(machine, solution, rows)

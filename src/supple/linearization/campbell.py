@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,12 +13,13 @@ from scipy.optimize import linear_sum_assignment
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
-from supple.errors import ModelError
+from supple.errors import BasisWarning, ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.linearize import linearize
 from supple.linearization.machine_modes import MachineModes, machine_modes
 from supple.linearization.sparse_machine import SparseMachine
 from supple.machine import Spin, System
+from supple.simulation.full_rest import known_fulls
 
 __all__ = ["CampbellDiagram", "campbell_diagram", "modal_assurance"]
 
@@ -28,9 +31,9 @@ class CampbellDiagram:
     rates : (ns,) rad/s
     eigenvalues : complex (ns, nm)      of a mode each column, in turning axes; NaN where
         it is no longer there
-    errors : (ns, nm) | None            relative, of the eigenvalues of the slowest modes at the first and the
-        last speed, by what the bases cost; infinite for a mode of the bases alone, NaN where not looked at;
-        None where the full bodies were not given
+    errors : (ns, nm) | None            relative, of the eigenvalues, by what the bases cost; infinite for a
+        mode of the bases alone, NaN where there is no mode or no full equilibrium; None where no full bodies
+        are known
     likeness : (ns - 1, nm)             modal assurance between neighbouring speeds; low where modes veer
     """
 
@@ -75,7 +78,7 @@ def campbell_diagram(
     *,
     n_modes: int = 6,
     time: float = 0.0,
-    fulls: Mapping[str, FullBody] | Sequence[FullBody] = (),
+    fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None,
     progress: Callable[[float], None] = lambda _: None,
 ) -> CampbellDiagram:
     """Modes of a machine at a row of speeds, each in its own steady equilibrium, followed by their shapes.
@@ -85,23 +88,27 @@ def campbell_diagram(
     spins : Spin    in the order in which modes are followed, rates apart by little: the first may stand
     n_modes : of the slowest at the first speed
     time : of loads and laws
-    fulls : the bodies with all their coordinates, as for `equilibrium`: the errors are known then
+    fulls : the bodies with all their coordinates, as for `equilibrium`: by these every speed is compared,
+        which takes a rest and some modes of the full machine each
 
     Raises
     ------
     ModelError          no speed; whatever `linearize` refuses
     ConvergenceError    no equilibrium at a speed
+    Warns BasisWarning of the speed whose modes, or whose rest, the bases miss most, from 1 % on.
     """
     if not spins:
         raise ModelError("a Campbell diagram needs at least one speed")
     followed: list[np.ndarray] = []
     likeness: list[Array] = []
     errors: list[Array] = []
+    said: list[list[str]] = []
     before: MachineModes | None = None
     wanted = n_modes
     for number, spin in enumerate(spins):
-        compared = fulls if number in (0, len(spins) - 1) else ()
-        linear = linearize(system, spin=spin, time=time, fulls=compared)
+        with _basis_warnings() as words:
+            linear = linearize(system, spin=spin, time=time, fulls=fulls)
+        said.append(words)
         # Of a machine with full bodies some more than wanted, among which each is looked for.
         modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
         if before is None:
@@ -115,33 +122,61 @@ def campbell_diagram(
             rows, chosen = linear_sum_assignment(apart / size - table)
             likeness.append(_placed(len(table), rows, table[rows, chosen]))
         eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
-        if fulls:
-            errors.append(_placed(wanted, rows, _errors(linear, n_modes, len(modes.eigenvalues))[chosen]))
+        with _basis_warnings() as words:
+            errors.append(_placed(wanted, rows, _errors(linear, chosen)))
+        said[-1] += words
         # A mode that has become two real ones, or none, is looked for by its last shape.
         shapes = np.zeros_like(modes.independent, shape=(len(modes.independent), wanted))
         if before is not None:
-            shapes = before.independent.copy()
+            shapes = modes.machine.coordinates_of(before.shapes)
         shapes[:, rows] = modes.independent[:, chosen]
         followed.append(eigenvalues)
         known = np.where(np.isnan(eigenvalues), 0.0 if before is None else before.eigenvalues, eigenvalues)
         before = replace(modes, eigenvalues=known, independent=shapes)
         progress((number + 1) / len(spins))
+    rates, known = np.array([spin.rate for spin in spins]), np.array(errors)
+    _warn_of_worst(rates, known, said)
     return CampbellDiagram(
-        np.array([spin.rate for spin in spins]),
+        rates,
         np.array(followed),
         np.array(likeness).reshape(len(spins) - 1, len(followed[0])),
-        np.array(errors) if errors else None,
+        known if known_fulls(system, fulls) else None,
     )
 
 
-def _errors(linear: LinearMachine | SparseMachine, n_modes: int, number: int) -> Array:
-    """Of so many modes, what the bases cost in the slowest; NaN of the others, and where it is not known."""
-    errors = np.full(number, np.nan)
-    if isinstance(linear, LinearMachine) and linear.full is not None:
-        error = machine_modes(linear, n_modes).error
-        if error is not None:
-            errors[: len(error.relative)] = error.relative
-    return errors
+def _errors(linear: LinearMachine | SparseMachine, chosen: np.ndarray) -> Array:
+    """What the bases cost in some modes, by their numbers; NaN where it is not known."""
+    if not isinstance(linear, LinearMachine) or linear.full is None:
+        return np.full(len(chosen), np.nan)
+    error = machine_modes(linear, int(chosen.max()) + 1).error
+    assert error is not None  # of a machine whose full one is known, and a number of modes
+    return error.relative[chosen]
+
+
+@contextmanager
+def _basis_warnings() -> Iterator[list[str]]:
+    """The words of BasisWarnings given meanwhile; all others are passed on."""
+    words: list[str] = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", BasisWarning)
+        yield words
+    for each in caught:
+        if issubclass(each.category, BasisWarning):
+            words.append(str(each.message))
+        else:
+            warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
+
+
+def _warn_of_worst(rates: Array, errors: Array, said: Sequence[Sequence[str]]) -> None:
+    """BasisWarnings of the speed at which the bases cost most, of those at which any was given."""
+    warned = [number for number, words in enumerate(said) if words]
+    if not warned:
+        return
+    largest = np.nanmax(np.nan_to_num(errors[warned], nan=0.0, posinf=1.0), axis=1, initial=0.0)
+    worst = warned[int(np.argmax(largest))]
+    speeds = f"at {len(warned)} of {len(rates)} speeds, most at {rates[worst]:.4g} rad per unit of time"
+    for words in said[worst]:
+        warnings.warn(f"{speeds}: {words}", BasisWarning, stacklevel=4)
 
 
 def _placed(size: int, rows: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -35,8 +35,8 @@ from supple.multibody.equations.steady_motion import (
 )
 from supple.multibody.full.full_system import FullSystem
 from supple.multibody.full.statics import FullStatics, carried_state
-from supple.simulation.equilibrium import fulls_by_name, warn_of_rest
-from supple.simulation.full_rest import full_rest, rest_errors
+from supple.simulation.equilibrium import warn_of_rest
+from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
 from supple.simulation.resting_state import RestingState, placed_at_rest, resting_state
 
 __all__ = ["linearize"]
@@ -54,7 +54,7 @@ def linearize(
     time: float = 0.0,
     spin: Spin | None = None,
     search: StaticSearch | None = None,
-    fulls: Mapping[str, FullBody] | Sequence[FullBody] = (),
+    fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None,
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> LinearMachine | SparseMachine:
     """Small motions of a machine about the equilibrium that is downhill from where its bodies are placed.
@@ -71,7 +71,7 @@ def linearize(
     time : of the loads and laws, which are held; a driven joint between bodies that turn and bodies that
         stand has the spin's rate, whatever its law
     spin : Spin             of the machine, or of the bodies that it names
-    search, fulls, progress : of the `equilibrium`; with full bodies `machine_modes` says what the bases
+    search, fulls, progress : of the `equilibrium`; by the full bodies `machine_modes` says what the bases
         of the reduced ones cost
 
     Raises
@@ -112,7 +112,7 @@ def linearize(
         basis=basis,
         full_mass=equations.mass,
         control=projected.control,
-        full=_full_machine(found, fulls_by_name(fulls), time, spin, search or StaticSearch()),
+        full=_full_machine(found, known_fulls(system, fulls), time, spin, search or StaticSearch()),
     )
 
 

@@ -20,6 +20,9 @@ __all__ = ["MachineModes", "machine_modes"]
 _MOTIONLESS = 1e-12
 """Part of a mode that is motion, below which controllers alone change in it."""
 
+_ROUNDING = 64.0
+"""Of stiffness in units of the floating-point precision: what may be left of terms that cancel."""
+
 
 @dataclass(frozen=True, eq=False)
 class MachineModes:
@@ -94,8 +97,8 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     Of a machine with full bodies the slowest are found by shift and invert (`slowest_motions`); with damping
     or gyroscopic terms these are the slowest of which iteration shows any.
 
-    Of a machine linearised with `fulls`, and a number given, the same modes are found with all coordinates of
-    its bodies (`MachineModes.error`).
+    Where the full bodies of reduced ones are known (`linearize`), and a number is given, the same modes are
+    found with all coordinates (`MachineModes.error`).
 
     Warns BasisWarning of modes whose eigenvalue is off by 1 % or more, and of modes that the bases lack.
 
@@ -131,25 +134,66 @@ def _slowest(machine: SparseMachine, n_modes: int) -> tuple[Any, Any]:
 def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     """Eigenvalues, motions (k, ..) of unit kinetic energy norm and states of controllers, slowest first."""
     k = machine.size
-    lower = np.linalg.cholesky(machine.mass)
-    state, unit = _state_matrix(machine, lower)
+    graded = _slow_first(machine)
+    inner = replace(
+        machine,
+        mass=graded.T @ machine.mass @ graded,
+        damping=graded.T @ machine.damping @ graded,
+        stiffness=graded.T @ machine.stiffness @ graded,
+        control=machine.control.along(graded),
+    )
+    lower = np.linalg.cholesky(inner.mass)
+    state, unit = _state_matrix(inner, lower)
     # States of controllers have units of their own: what is small can be told in balanced ones alone.
     balanced, (scales, _) = scipy.linalg.matrix_balance(state, permute=False, separate=True)
     values: Any
     left: Any
     right: Any
     values, left, right = scipy.linalg.eig(balanced, left=True)  # pyright: ignore[reportAssignmentType]
-    values = np.where(_is_zero(values, left, right, unit / np.sqrt(k)), 0.0, values)
-    values, vectors = _one_of_each(values, right)
+    motions = graded @ scipy.linalg.solve_triangular(lower.T, scales[:k, None] * right[:k])
+    zero = _is_zero(values, left, right, unit / np.sqrt(k)) | _is_rigid(machine, values, motions)
+    values, vectors = _one_of_each(np.where(zero, 0.0, values), right, k)
     still = np.linalg.norm(vectors[: 2 * k], axis=0) < _MOTIONLESS
     vectors = scales[:, None] * vectors
     # Of modes as slow as each other to rounding, those that grow come first.
     order = np.lexsort((-values.real, [float(f"{size:.8g}") for size in abs(values)]))
     values, vectors, still = values[order], vectors[:, order], still[order]
-    y = scipy.linalg.solve_triangular(lower.T, np.where(still, 0.0, vectors[:k]))
+    y = graded @ scipy.linalg.solve_triangular(lower.T, np.where(still, 0.0, vectors[:k]))
     sizes = np.sqrt(np.real(np.einsum("ij,ij->j", y.conj(), machine.mass @ y)))
     sizes = np.where(still, np.linalg.norm(vectors[2 * k :], axis=0), sizes)
     return values, y / sizes, vectors[2 * k :] / sizes
+
+
+def _slow_first(machine: LinearMachine) -> Array:
+    """Coordinates (k, k) that hold slow and stiff motions apart: vibrations without damping, slowest first.
+
+    Rounding of an eigenvalue is in parts of the largest entry beside it: of mixed coordinates the stiffest
+    spring's. As the highest of the inverse, slow motions are right in parts of their own.
+    """
+    stiffness, mass = (machine.stiffness + machine.stiffness.T) / 2, machine.mass
+    square = 1e-9 * float(np.max(abs(np.diag(stiffness)) / np.diag(mass))) or 1.0
+    while True:
+        try:
+            values, motions = scipy.linalg.eigh(mass, stiffness + square * mass)
+        except scipy.linalg.LinAlgError:  # something buckles, or is thrown outwards, at that rate
+            square *= 10
+            continue
+        return (motions / np.sqrt(values))[:, ::-1]
+
+
+def _is_rigid(machine: LinearMachine, values: Any, motions: Any) -> np.ndarray:
+    """Which motions (k, ..) have inertia, damping and stiffness that all are rounding of large terms.
+
+    A spring of stiffness k beside a free motion leaves it `eps k`: `|s|^2 M + |s| C` of the shape is below.
+    """
+
+    def of_shape(matrix: Array) -> Array:
+        return abs(np.einsum("ij,ij->j", motions.conj(), matrix @ motions))
+
+    size = abs(motions)
+    rounding = np.einsum("ij,ij->j", size, abs(machine.stiffness) @ size)
+    left = abs(values) ** 2 * of_shape(machine.mass) + abs(values) * of_shape(machine.damping)
+    return (rounding > 0) & (left < _ROUNDING * np.finfo(float).eps * rounding)
 
 
 def _state_matrix(machine: LinearMachine, lower: Any) -> tuple[Array, float]:
@@ -185,7 +229,7 @@ def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
     return (abs(values) < 3e-7 * unit) & (moved < 1e-12 * unit)
 
 
-def _one_of_each(values: Any, vectors: Any) -> tuple[Any, Any]:
+def _one_of_each(values: Any, vectors: Any, k: int) -> tuple[Any, Any]:
     """Of a conjugate pair the one above the real axis; of zeros as many as they have vectors.
 
     Each free rigid motion has two poles at zero, its place and its rate: they count as one mode.
@@ -193,6 +237,7 @@ def _one_of_each(values: Any, vectors: Any) -> tuple[Any, Any]:
     zero = values == 0
     kept = (values.imag >= 0) & ~zero
     at_zero = np.hstack([vectors[:, zero].real, vectors[:, zero].imag])
+    at_zero[k : 2 * k] = 0.0  # rates, which rounding alone leaves
     directions, sizes, _ = np.linalg.svd(at_zero, full_matrices=False)
     directions = directions[:, sizes > 1e-5 * max(sizes.max(initial=0.0), 1e-300)]
     values = np.concatenate([np.zeros(directions.shape[1]), values[kept]])

@@ -73,12 +73,12 @@ from supple.reduction.eigenvalues.eigenvalue_error import (
 from supple.reduction.eigenvalues.mode_search import Bisection, ModeSearch, OneByOne, SearchStep
 from supple.reduction.enrichment import Enrichment, enrich
 from supple.reduction.inert_coordinates import filled_up, with_room, with_zeros_behind
-from supple.reduction.locking import Locking
 from supple.reduction.projection import project
 from supple.reduction.quartic_choice import CondensedQuartic, PlainQuartic, QuarticChoice
 from supple.reduction.reduce import reduce
-from supple.reduction.reduced_body import ReducedBody, ReducedInterface, ReductionReport
+from supple.reduction.reduced_body import ReducedBody, ReducedInterface
 from supple.reduction.reduction_basis import ReductionBasis, reduction_basis
+from supple.reduction.reduction_report import Locking, ReductionReport
 from supple.reduction.tensors import InternalForceTensors, internal_force_tensors, unpack_symmetric
 
 __all__ = [

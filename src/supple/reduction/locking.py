@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from supple.algebra import read_only
 from supple.body import FlexibleBody
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import LockingWarning
+from supple.reduction.condensation import Condensation
+from supple.reduction.reduction_report import ROTATION, Locking, in_percent
 from supple.reduction.tensors import InternalForceTensors
-
-if TYPE_CHECKING:
-    from supple.reduction.condensation import Condensation
 
 Array = NDArray[np.float64]
 
-ROTATION = 0.1
-"""rad, by which the softest of the loads turns the body against its held interface in linear theory."""
 TOLERATED = 0.02
 """Share of the answer that may be withheld without a word."""
 
@@ -35,45 +29,6 @@ _ACCELERATIONS = (
     "angular acceleration z",
 )
 _INCREMENTS, _ITERATIONS, _HALVINGS, _TOLERANCE = 4, 40, 8, 1e-8
-
-
-@dataclass(frozen=True, eq=False)
-class Locking:
-    """Share of its static answer to plausible loads that a reduced body withholds.
-
-        1 - f.gamma / f.gamma_free,   gamma_free: with all motion outside the columns free to follow
-
-    loads : what acts, each with the same linear energy: that which turns the softest by 0.1 rad
-    plain : (k,)        of the tensors of the columns alone; nan where the body buckles under the load
-    remaining : (k,)    of the body as it is
-    """
-
-    loads: tuple[str, ...]
-    plain: Array
-    remaining: Array
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "plain", read_only(self.plain))
-        object.__setattr__(self, "remaining", read_only(self.remaining))
-
-    @property
-    def largest_plain(self) -> float:
-        """The largest share that the columns alone would withhold."""
-        return _largest(self.plain)
-
-    @property
-    def largest_remaining(self) -> float:
-        """The largest share that the body withholds."""
-        return _largest(self.remaining)
-
-    def __str__(self) -> str:
-        if not self.loads:
-            return "not known: no load bends the body"
-        worst = self.loads[int(np.argmax(np.nan_to_num(self.plain, nan=-1.0)))]
-        return (
-            f"{_percent(self.largest_remaining)} of the answer at {ROTATION:g} rad; without condensation "
-            f"{_percent(self.largest_plain)}, under {worst}"
-        )
 
 
 def locking(left_out: Condensation, plain: InternalForceTensors, chosen: InternalForceTensors) -> Locking:
@@ -113,7 +68,7 @@ def warn_of_locking(name: str, found: Locking, is_condensed: bool) -> None:
     )
     warnings.warn(
         f"reduced body '{name}' locks: under {worst}, turned by about {ROTATION:g} rad, it answers "
-        f"{_percent(found.largest_remaining)} too little; {remedy}",
+        f"{in_percent(found.largest_remaining)} too little; {remedy}",
         LockingWarning,
         stacklevel=2,
     )
@@ -185,11 +140,3 @@ def _newton(tensors: InternalForceTensors, loads: Array) -> Array:
             alive &= size(share * loads - tensors.internal_force(answers)) <= allowed
     answers[~alive] = np.nan
     return answers
-
-
-def _largest(shares: Array) -> float:
-    return float(np.max(np.nan_to_num(shares, nan=0.0), initial=0.0))
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %" if share >= 1e-4 else "none"

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from supple.body import Damping, FlexibleBody, inertia_gram
+from supple.body import Damping, FlexibleBody, FullBody, ModalDamping, inertia_gram
 from supple.body.averaging_error import section_softness
 from supple.body.damping import damping_matrix
 from supple.errors import AccuracyError
@@ -91,7 +91,15 @@ def project(
         frequencies=np.sqrt(np.linalg.eigvalsh(tensors.stiffness)),
         report=replace(basis.report, seconds=seconds, locking=found),
         condensed=motion,
+        full=FullBody(body, basis.frame, _counted(damping, r)),
     )
+
+
+def _counted(damping: Damping | None, r: int) -> Damping | None:
+    """The same damping of a body in full: as many modes are damped as the reduced one has."""
+    if isinstance(damping, ModalDamping) and damping.n_modes is None:
+        return replace(damping, n_modes=r)
+    return damping
 
 
 def _check_gram(body: FlexibleBody, gram: np.ndarray, r: int) -> None:

@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra import read_only
-from supple.body.floating_kinematics import floating_positions
 from supple.body.interface import interface_named
 from supple.body.mass_properties import centre_of_gram
+from supple.body.point_motion import FloatingForm
 from supple.errors import ModelError
-from supple.integrate.motion import FloatingMotion
+from supple.reduction.condensed_inertia import missing_centrifugal_stiffness
 from supple.reduction.condensed_motion import CondensedMotion
-from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
-from supple.reduction.locking import Locking
 from supple.reduction.pair_blocks import PairBlocks, pair_blocks
+from supple.reduction.reduction_report import ReductionReport
 from supple.reduction.tensors import InternalForceTensors
 
 if TYPE_CHECKING:
-    from supple.body import Frame
+    from supple.body import Frame, FullBody
 
 # Of the largest number of a tensor: what its sums may miss the symmetry of a potential by.
 LARGEST_ASYMMETRY = 1e-8
@@ -53,43 +51,8 @@ class ReducedInterface:
         _set_read_only(self)
 
 
-@dataclass(frozen=True, eq=False)
-class ReductionReport:
-    """How the basis came about: what was kept, what was dropped, and what it cost.
-
-    linear : labels of the linear columns (modes and static columns) that span the linear subspace
-    derivatives : labels of the columns added for the quadratic motion
-    corrections : labels of the columns added because a run of the reduced body missed them
-    dropped : labels of the columns left out because others, or the frame, already hold their motion
-    singular_values_kept, singular_values_dropped : of the weighted derivatives, relative to the first
-        (both empty unless the derivatives were compressed)
-    seconds : wall time of each offline step
-    certificate : what is proven of the body's eigenvalues, by a basis that proves it (ErrorControlled)
-    locking : what stiff motion outside the columns would withhold, and does; None of a linear body
-    """
-
-    linear: tuple[str, ...]
-    derivatives: tuple[str, ...] = ()
-    corrections: tuple[str, ...] = ()
-    dropped: tuple[str, ...] = ()
-    singular_values_kept: np.ndarray = field(default_factory=lambda: np.empty(0))
-    singular_values_dropped: np.ndarray = field(default_factory=lambda: np.empty(0))
-    seconds: Mapping[str, float] = field(default_factory=dict)
-    certificate: EigenvalueCertificate | None = None
-    locking: Locking | None = None
-
-    def __post_init__(self):
-        _set_read_only(self)
-
-    def __str__(self) -> str:
-        counts = [f"{len(self.linear)} linear columns", f"{len(self.derivatives)} derivatives"]
-        counts += [f"{len(self.corrections)} corrections"] if self.corrections else []
-        left_out = f"; left out: {', '.join(self.dropped)}" if self.dropped else ""
-        return ", ".join(counts) + left_out
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class ReducedBody:
+class ReducedBody(FloatingForm):
     """A flexible body in r coordinates gamma, whose columns V are M-orthonormal (V^T M V = I, D V = 0).
 
         u_nodal = nodal_basis @ gamma + z(gamma),   z: of the condensed tensors, quadratic in gamma
@@ -116,6 +79,8 @@ class ReducedBody:
     condensed : the motion z outside the columns that the quartic tensor lets follow them; None where it lets
                 none
     inert : int                 coordinates that a run takes along besides, see `with_room`; not kept in files
+    full : FullBody | None      the body with all its coordinates that it was reduced from, a reference, which
+                                neither files nor other processes have
     elastic_elsewhere : bool    what deformation adds to the force is not in the tensors, though the elements
                                 are nonlinear, and so their strains; not kept in files
     Raises ModelError when the shapes disagree, a value is not finite, or the tensors have no potential.
@@ -140,9 +105,13 @@ class ReducedBody:
     condensed: CondensedMotion | None = None
     inert: int = 0
     elastic_elsewhere: bool = False
+    full: FullBody | None = None
 
     def __repr__(self) -> str:
         return f"<ReducedBody '{self.name}' in {self.frame}: {self.r} coordinates; {self.report}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return vars(self) | {"full": None}
 
     def __post_init__(self):
         _set_read_only(self)
@@ -230,9 +199,28 @@ class ReducedBody:
         fields = known.reshape(len(self.nodes), self.dofs_per_node, known.shape[-1])
         return _combine(fields[nodes, :3], amplitudes)
 
-    def positions(self, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
-        """Positions r = R + A (x + u) (t, k, 3) in space of some nodes, or all."""
-        return floating_positions(self, motion, nodes)
+    def nodal_fields(
+        self, gamma: np.ndarray, freedoms: NDArray[np.intp] | slice = slice(None)
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """V gamma (n_nodal, t) of gamma (t, r), and z(gamma) likewise; some nodal freedoms, or all."""
+        moved = self.nodal_basis[freedoms] @ gamma.T
+        if self.condensed is None:
+            return moved, None
+        return moved, self.condensed.fields[freedoms] @ self.condensed.amplitudes_at(gamma).T
+
+    @property
+    def has_stress_modes(self) -> bool:
+        """Whether its tensors hold all its strains."""
+        return not self.elastic_elsewhere
+
+    def section_softness(self, interface: str) -> np.ndarray:
+        """C / C (3,) of the section of an averaging interface; zeros of any other."""
+        return self.interface(interface).softness
+
+    @property
+    def missing_centrifugal_stiffness(self) -> np.ndarray:
+        """(3,) of its condensed motion, whose inertia it may lack."""
+        return missing_centrifugal_stiffness(self)
 
     def lowest_frequency(self) -> float:
         """Of the undeformed body fixed in its frame, rad/s."""

@@ -11,10 +11,6 @@ from supple.results.joint_loads import (
     joint_loads,
     joint_meanings,
 )
-from supple.results.node_motion import (
-    NodeMotion,
-    node_motion,
-)
 from supple.results.recovery import (
     displacement_from_axes,
     node_positions,
@@ -56,7 +52,6 @@ from supple.results.tracked_motion import (
 __all__ = [
     "LargestStress",
     "MotionError",
-    "NodeMotion",
     "Observer",
     "StrainModes",
     "StressModes",
@@ -70,7 +65,6 @@ __all__ = [
     "largest_stress",
     "motion_error",
     "node_displacements",
-    "node_motion",
     "node_positions",
     "observer",
     "observer_of",

@@ -10,8 +10,7 @@ import numpy as np
 
 from supple.integrate import JOINT_COMPONENTS
 from supple.mesh import Mesh
-from supple.reduction import ReducedBody
-from supple.reduction.reduced_body import ReductionReport
+from supple.reduction import ReducedBody, ReductionReport
 from supple.storage import column_measures, read_header, read_solution
 from supple.units import UNNAMED, UnitSystem, measured
 

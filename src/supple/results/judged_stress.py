@@ -15,7 +15,7 @@ from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import System
 from supple.reduction import ReducedBody
-from supple.results.stress_history import has_modes, von_mises_history
+from supple.results.stress_history import von_mises_history
 from supple.results.stress_modes import StressModes, stress_modes
 
 __all__ = ["JudgedStress"]
@@ -51,7 +51,7 @@ class JudgedStress:
         if not isinstance(form, ReducedBody | FullBody):
             raise ModelError(f"stated error: the stress of body '{self.body}' is known of its elements alone")
         coordinates, nodes = solution.bodies[self.body].coordinates, np.asarray(self.nodes)
-        if not has_modes(form):
+        if not (isinstance(form, ReducedBody) and form.has_stress_modes):
             return von_mises_history(form, self.model, coordinates, nodes)[..., None]
         if form not in self._modes:
             self._modes[form] = stress_modes(form, self.model, nodes)

@@ -82,7 +82,7 @@ def stress_numbers(
             continue
         if body.kind in ("modal", "explicit"):
             found[body.name] = _part_stress(body, solution, units)
-        elif isinstance(body, ReducedBody | FullBody | IntrinsicBody):
+        elif body.n_coordinates:
             largest = largest_stress(body, model, solution.bodies[body.name].coordinates)
             found[body.name] = {
                 "largest von Mises stress": largest.value,

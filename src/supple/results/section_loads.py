@@ -100,7 +100,7 @@ def section_loads(
     found = np.empty((len(coordinates), 6))
     for first in range(0, len(coordinates), rows):
         part = slice(first, first + rows)
-        found[part] = _resultants(layer, plane, *_displacements(body, layer.freedoms, coordinates[part]))
+        found[part] = _resultants(layer, plane, *body.nodal_fields(coordinates[part], layer.freedoms))
     return found
 
 
@@ -191,21 +191,9 @@ def _renumbered(block: QuadraticStrain, freedoms: NDArray[np.int64], *, linear: 
     return QuadraticStrain(own, block.B, block.G, form, block.D, block.w)
 
 
-def _displacements(
-    body: ReducedBody | FullBody, freedoms: NDArray[np.int64], coordinates: Array
-) -> tuple[Array, Array]:
-    """Of some freedoms (m, t): of the coordinates, and of the motion that is condensed."""
-    if isinstance(body, FullBody):
-        moved = body.body.expansion.tocsr()[freedoms] @ coordinates.T
-        return moved, np.zeros_like(moved)
-    moved = body.nodal_basis[freedoms] @ coordinates.T
-    if body.condensed is None:
-        return moved, np.zeros_like(moved)
-    return moved, body.condensed.fields[freedoms] @ body.condensed.amplitudes_at(coordinates).T
-
-
-def _resultants(layer: _Layer, plane: CuttingPlane, moved: Array, condensed: Array) -> Array:
+def _resultants(layer: _Layer, plane: CuttingPlane, moved: Array, condensed: Array | None) -> Array:
     """(t, 6) of displacements (m, t)."""
+    condensed = np.zeros_like(moved) if condensed is None else condensed
     forces = np.zeros_like(moved)
     for block, shares in zip(layer.blocks, layer.shares, strict=True):
         own = internal_forces(block, moved[block.dofs], condensed[block.dofs])

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple, TypeAlias, TypeGuard
+from typing import NamedTuple, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.body import FullBody
+from supple.body import BodyForm
 from supple.body.floating_kinematics import node_numbers
+from supple.body.tied_recovery import tied_recovery, with_virtual_freedoms
 from supple.fem import (
     FiniteElementModel,
     StressRecovery,
@@ -18,14 +19,10 @@ from supple.fem import (
     von_mises,
     von_mises_strain,
 )
-from supple.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody
 from supple.results.stress_modes import StrainModes, StressModes, strain_modes, stress_modes
-from supple.results.tied_recovery import tied_recovery, with_virtual_freedoms
 
 Array = NDArray[np.float64]
-ElasticForm: TypeAlias = ReducedBody | FullBody | IntrinsicBody
-
 # Numbers held at a time: of the modes of some nodes (128 MiB), and of the field of some instants (32 MiB).
 _MODE_NUMBERS, _FIELD_NUMBERS = 2**24, 2**22
 _MOST_LAYERS = 3
@@ -43,7 +40,7 @@ class TensorBlock(NamedTuple):
 
 
 def von_mises_history(
-    body: ElasticForm,
+    body: BodyForm,
     model: FiniteElementModel,
     coordinates: Array,
     nodes: ArrayLike | None = None,
@@ -64,55 +61,51 @@ def von_mises_history(
     ------
     ModelError   as for stress_modes
     """
-    if has_modes(body):
+    if _has_modes(body):
         return stress_modes(body, model, nodes).von_mises(coordinates)
     return _measured(body, stress_recovery(model), von_mises, coordinates, nodes)
 
 
 def von_mises_strain_history(
-    body: ElasticForm,
+    body: BodyForm,
     model: FiniteElementModel,
     coordinates: Array,
     nodes: ArrayLike | None = None,
 ) -> Array:
     """Von Mises equivalent strain (t, N): as von_mises_history, with the same parameters and errors."""
-    if has_modes(body):
+    if _has_modes(body):
         return strain_modes(body, model, nodes).von_mises(coordinates)
     return _measured(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
 
 
 def stress_blocks(
-    body: ElasticForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
+    body: BodyForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
 ) -> Iterator[TensorBlock]:
     """Stress at N nodes over t instants, a block that fits in memory at a time; errors as von_mises_history.
 
     Components xx yy zz yz xz xy in the body's axes, of l layers: 1 of solids, 3 of shells (bottom, middle,
     top). Every pair of an instant and a node is in one block.
     """
-    if has_modes(body):
+    if _has_modes(body):
         return _of_modes(body, lambda some: stress_modes(body, model, some), coordinates, nodes)
     return _recovered(body, stress_recovery(model), coordinates, nodes)
 
 
 def strain_blocks(
-    body: ElasticForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
+    body: BodyForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
 ) -> Iterator[TensorBlock]:
     """Strain with engineering shears: as stress_blocks."""
-    if has_modes(body):
+    if _has_modes(body):
         return _of_modes(body, lambda some: strain_modes(body, model, some), coordinates, nodes)
     return _recovered(body, strain_recovery(model), coordinates, nodes)
 
 
-def stress_history(
-    body: ElasticForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
-) -> Array:
+def stress_history(body: BodyForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike) -> Array:
     """Stress (t, N, l, 6) of all blocks of `stress_blocks` at once, for few nodes or instants."""
     return _whole(stress_blocks(body, model, coordinates, nodes), len(coordinates), np.size(nodes))
 
 
-def strain_history(
-    body: ElasticForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
-) -> Array:
+def strain_history(body: BodyForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike) -> Array:
     """Strain (t, N, l, 6) with engineering shears: as stress_history."""
     return _whole(strain_blocks(body, model, coordinates, nodes), len(coordinates), np.size(nodes))
 
@@ -126,7 +119,7 @@ class LargestStress(NamedTuple):
     node: int
 
 
-def largest_stress(body: ElasticForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
+def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
     """The largest von Mises stress over nodes of cells, layers and instants; errors as stress_blocks.
 
     At a hundred instants, evenly spread, all nodes are looked at; at all instants the hundred nodes whose
@@ -158,7 +151,7 @@ def _whole(blocks: Iterator[TensorBlock], n_times: int, n_nodes: int) -> Array:
 
 
 def _measured(
-    body: ReducedBody | FullBody | IntrinsicBody,
+    body: BodyForm,
     recovery: StressRecovery,
     measure: Callable[[Array], Array],
     coordinates: Array,
@@ -186,9 +179,8 @@ def _of_modes(
             yield TensorBlock(times, some, modes.at(coordinates[times]))
 
 
-def has_modes(body: ElasticForm) -> TypeGuard[ReducedBody]:
-    """Whether its stress comes from stress modes: of a reduced body whose tensors hold all its strains."""
-    return isinstance(body, ReducedBody) and not body.elastic_elsewhere
+def _has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:
+    return body.has_stress_modes
 
 
 def _n_condensed(body: ReducedBody) -> int:
@@ -196,7 +188,7 @@ def _n_condensed(body: ReducedBody) -> int:
 
 
 def _recovered(
-    body: ElasticForm, recovery: StressRecovery, coordinates: Array, nodes: ArrayLike | None
+    body: BodyForm, recovery: StressRecovery, coordinates: Array, nodes: ArrayLike | None
 ) -> Iterator[TensorBlock]:
     """Of a body whose cells are recovered, those at the nodes alone, some instants after the others.
 
@@ -207,35 +199,21 @@ def _recovered(
     if nodes is not None:
         chosen = node_numbers(nodes, len(body.nodes))
         recovery = recovery.around(chosen)
-    if isinstance(body, IntrinsicBody) or body.is_linear:
+    if body.has_linear_strains:
         recovery = recovery.linearized()
-    if not isinstance(body, IntrinsicBody):
-        recovery = tied_recovery(recovery, body.nodes, _dofs_per_node(body), body.interfaces)
+    d, interfaces = body.dofs_per_node, body.interfaces
+    recovery = tied_recovery(recovery, body.nodes, d, interfaces)
     size = _FIELD_NUMBERS // (recovery.numbers_per_instant + len(body.nodes))
     averaging, linear = recovery.averaging_at(chosen), recovery.linearized()
-    follows = body.condensed if isinstance(body, ReducedBody) else None
     for times in _slices(len(coordinates), size):
         q = np.asarray(coordinates)[times]
-        nodal = _displacements(body, q.T)
-        field = recovery.over(nodal, averaging)
-        if follows is not None:  # its linear strain alone, as in `tensor_modes`; interfaces rest
-            moved = np.zeros_like(nodal)
-            moved[: len(follows.fields)] = follows.fields @ follows.amplitudes_at(q).T
-            field += linear.over(moved, averaging)
+        nodal, condensed = body.nodal_fields(q)
+        motions = [interface.motion @ q.T for interface in interfaces]
+        field = recovery.over(with_virtual_freedoms(nodal, motions, interfaces, d), averaging)
+        if condensed is not None:  # its linear strain alone, as in `tensor_modes`; interfaces rest
+            still = [np.zeros_like(motion) for motion in motions]
+            field += linear.over(with_virtual_freedoms(condensed, still, interfaces, d), averaging)
         yield TensorBlock(times, slice(0, len(chosen)), field)
-
-
-def _displacements(body: ElasticForm, q: Array) -> Array:
-    """Nodal displacements (n, t) of coordinates (r, t), and behind them those of virtual nodes."""
-    if isinstance(body, IntrinsicBody):
-        return body.nodal_basis @ q
-    motions = [interface.motion @ q for interface in body.interfaces]
-    nodal = (body.body.expansion if isinstance(body, FullBody) else body.nodal_basis) @ q
-    return with_virtual_freedoms(nodal, motions, body.interfaces, _dofs_per_node(body))
-
-
-def _dofs_per_node(body: FullBody | ReducedBody) -> int:
-    return body.body.dofs_per_node if isinstance(body, FullBody) else body.dofs_per_node
 
 
 def _slices(length: int, size: int) -> Iterator[slice]:

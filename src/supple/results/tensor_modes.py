@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
 from supple.body.floating_kinematics import node_numbers
+from supple.body.tied_recovery import tied_recovery, with_virtual_freedoms
 from supple.errors import ModelError
 from supple.fem import QuadraticStrain, StressRecovery
 from supple.fem.stress import SectionStress
 from supple.reduction import ReducedBody
-from supple.results.tied_recovery import tied_recovery, with_virtual_freedoms
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supple.body import BodyForm, in_space, node_displacements, place_in_frame
-from supple.integrate import FloatingMotion, Solution
-from supple.intrinsic import IntrinsicBody, IntrinsicMotion
+from supple.body import BodyForm, node_displacements
+from supple.integrate import Solution
 from supple.machine import At, System
 from supple.results.recovery import displacement_from_axes, node_positions
 
@@ -34,17 +33,8 @@ class Observer(NamedTuple):
 
 def observer(body: BodyForm, motion: Any, interface: str) -> Observer:
     """An interface of a body as an observer; ModelError for one that the body does not have."""
-    if isinstance(body, IntrinsicBody):
-        return _at_station(body, motion, interface)
-    base = body.interface(interface)
-    place, turn = place_in_frame(base, motion.coordinates)
-    return Observer(interface, base.position, _in_space(motion, place), motion.rotation @ turn)
-
-
-def _at_station(body: IntrinsicBody, motion: IntrinsicMotion, interface: str) -> Observer:
-    station = body.interface(interface)
-    rotations, positions = body.places(motion)
-    return Observer(interface, station.position, positions[:, station.number], rotations[:, station.number])
+    moving = body.interface_motion(motion, interface)
+    return Observer(interface, body.interface(interface).position, moving.position, moving.rotation)
 
 
 def observer_of(
@@ -109,41 +99,24 @@ def tracked_motion(
     ------
     ModelError  a node number outside the body, an interface that it does not have
     """
-    if isinstance(body, IntrinsicBody):
-        return _of_line(body, motion, at, seen_from)
     if body.kind in ("modal", "explicit"):  # which deflect against no frame that others could see
-        nodes: Any = getattr(body.interface(at), "nodes") if isinstance(at, str) else at  # noqa: B009
-        place = body.positions(motion, nodes).mean(axis=1)
-        return TrackedMotion(place, "", np.zeros_like(place), is_elastic=False)
+        chosen: Any = getattr(body.interface(at), "nodes") if isinstance(at, str) else at  # noqa: B009
+        where = body.positions(motion, chosen).mean(axis=1)
+        return TrackedMotion(where, "", np.zeros_like(where), is_elastic=False)
     if isinstance(at, str):
-        interface = body.interface(at)
-        rest, displacement = interface.position, (motion.coordinates @ interface.motion.T)[:, :3]
-    else:
-        nodes = np.asarray(at)
-        rest = body.nodes[nodes].mean(axis=0)
-        displacement = node_displacements(body, motion.coordinates, nodes).mean(axis=1)
-    position = _in_space(motion, rest + displacement)
-    if seen_from is None and body.interfaces:
-        seen_from = observer(body, motion, body.interfaces[0].name)
-    if seen_from is None or not body.n_coordinates:
-        return TrackedMotion(position, "", displacement, body.n_coordinates > 0)
-    deflection = displacement_from_axes(position, seen_from.origin, seen_from.axes, rest - seen_from.rest)
-    return TrackedMotion(position, seen_from.name, deflection)
-
-
-def _of_line(
-    body: IntrinsicBody, motion: IntrinsicMotion, at: str | ArrayLike, seen_from: Observer | None
-) -> TrackedMotion:
-    """The same of an intrinsic body, whose sections turn by any angle."""
-    if isinstance(at, str):
-        place = _at_station(body, motion, at)
+        place = observer(body, motion, at)
         rest, position = place.rest, place.origin
     else:
-        rest = body.nodes[np.asarray(at)].mean(axis=0)
-        position = body.positions(motion, at).mean(axis=1)
-    base = seen_from or _at_station(body, motion, body.interfaces[0].name)
-    seen = displacement_from_axes(position, base.origin, base.axes, rest - base.rest)
-    return TrackedMotion(position, base.name, seen)
+        nodes = np.asarray(at)
+        rest, position = body.nodes[nodes].mean(axis=0), body.positions(motion, nodes).mean(axis=1)
+    if not body.n_coordinates:
+        return TrackedMotion(position, "", np.zeros_like(position), is_elastic=False)
+    if seen_from is None and body.interfaces:
+        seen_from = observer(body, motion, body.interfaces[0].name)
+    if seen_from is None:
+        seen_from = Observer("", np.zeros(3), motion.position, motion.rotation)
+    deflection = displacement_from_axes(position, seen_from.origin, seen_from.axes, rest - seen_from.rest)
+    return TrackedMotion(position, seen_from.name, deflection)
 
 
 def tracked_places(
@@ -178,7 +151,3 @@ def deflections(body: BodyForm, motion: Any, seen_from: Observer | None = None) 
         seen_from = observer(body, motion, body.interfaces[0].name)
     apart = node_positions(body, motion) - seen_from.origin[:, None]
     return np.einsum("tji,tnj->tni", seen_from.axes, apart) - (body.nodes - seen_from.rest)
-
-
-def _in_space(motion: FloatingMotion, local: np.ndarray) -> np.ndarray:
-    return in_space(motion.position, motion.rotation, local[:, None])[:, 0]

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_sequence, check_text, given
+from supple.body import NodeMotion
 from supple.body.floating_kinematics import node_numbers
-from supple.errors import ArgumentError
+from supple.errors import ArgumentError, ModelError
 from supple.integrate import Solution
 from supple.machine import GROUND as THE_GROUND
 from supple.machine import At, BaseAcceleration, System, as_end
-from supple.results.node_motion import NodeMotion, moving_point, node_motion
 from supple.results.tracked_motion import observer_of, tracked_motion
-from supple.sensors.end_motion import body_named, check_floating, end_poses, floating_motion
+from supple.sensors.end_motion import body_named, end_poses
 from supple.sensors.reading import Channel, Quantity
 from supple.sensors.sensor import vector_channels
 
@@ -59,12 +59,12 @@ class Place:
         return body
 
     def motion(self, system: System, solution: Solution, sensor: str) -> NodeMotion:
-        """Position, velocity and acceleration (t, 3) in space, of a body in a floating frame."""
-        body = body_named(system, self.body, sensor)
-        motion = floating_motion(solution, self.body, sensor)
+        """Position, velocity and acceleration (t, 3) in space."""
+        body, motion = body_named(system, self.body, sensor), solution.bodies[self.body]
         if isinstance(self.at, str):
-            return moving_point(body.interface(self.at), motion)
-        return NodeMotion(*(each.mean(axis=1) for each in node_motion(body, motion, self.at)))
+            moving = body.interface_motion(motion, self.at)
+            return NodeMotion(moving.position, moving.velocity, moving.acceleration)
+        return NodeMotion(*(each.mean(axis=1) for each in body.node_motion(motion, self.at)))
 
 
 def as_place(what: str, value: Any) -> Place:
@@ -118,7 +118,6 @@ class VelocitySensor(_AtPlace):
     def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
         self.place.body_of(system, self.name)
-        check_floating(system, self.name, self.place.body)
         return vector_channels(Quantity.VELOCITY, GLOBAL)
 
     def values(self, system: System, solution: Solution) -> Array:
@@ -140,12 +139,16 @@ class AccelerationSensor(_AtPlace):
     def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
         self.place.body_of(system, self.name)
-        check_floating(system, self.name, self.place.body)
         return vector_channels(Quantity.ACCELERATION, GLOBAL)
 
     def values(self, system: System, solution: Solution) -> Array:
         """d2r/dt2 (t, 3)."""
         seen_from_base = self.place.motion(system, solution, self.name).acceleration
+        if np.isnan(seen_from_base).all():
+            raise ModelError(
+                f"sensor '{self.name}': the motion of body '{self.place.body}' has no accelerations: it was "
+                "recorded by an earlier version. Run the case again"
+            )
         return seen_from_base + base_acceleration(system, solution.times)
 
 
@@ -173,7 +176,6 @@ class AngularVelocitySensor:
     def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
         if self.at != THE_GROUND:
-            check_floating(system, self.name, self.at.body)
             body_named(system, self.at.body, self.name).interface(self.at.interface)
         return vector_channels(Quantity.ANGULAR_VELOCITY, GLOBAL)
 

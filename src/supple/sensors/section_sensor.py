@@ -17,7 +17,6 @@ from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.reduction import ReducedBody
 from supple.results.section_loads import CuttingPlane, line_section_loads, section_loads
-from supple.sensors.end_motion import floating_motion
 from supple.sensors.force_sensors import six_channels
 from supple.sensors.place_sensors import Place, as_place
 from supple.sensors.reading import Channel
@@ -62,7 +61,7 @@ class SectionForceSensor:
         if isinstance(body, IntrinsicBody):
             return line_section_loads(body, solution.bodies[body.name], plane)
         assert self.model is not None  # `_body` has looked
-        return section_loads(body, self.model, floating_motion(solution, body.name, self.name), plane)
+        return section_loads(body, self.model, solution.bodies[body.name], plane)
 
     def _body(self, system: System) -> IntrinsicBody | ReducedBody | FullBody:
         """The body, whose sections have forces that are known."""

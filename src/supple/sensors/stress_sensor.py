@@ -11,16 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields
-from supple.body import FullBody
+from supple.body import BodyForm
 from supple.body.floating_kinematics import node_numbers
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, stress_recovery, von_mises, von_mises_strain
 from supple.integrate import Solution
-from supple.intrinsic import IntrinsicBody
 from supple.machine import System
-from supple.reduction import ReducedBody
 from supple.results.point_words import point_words
-from supple.results.stress_history import ElasticForm, strain_blocks, stress_blocks
+from supple.results.stress_history import strain_blocks, stress_blocks
 from supple.sensors.end_motion import body_named
 from supple.sensors.over_nodes import Maximum, MeasuredBlock, OverNodes
 from supple.sensors.reading import Channel, Located, Quantity
@@ -154,7 +152,7 @@ class _TensorSensor(ABC):
         return Located(values, mesh.node_ids[chosen[at]], mesh.nodes[chosen[at]])
 
     @abstractmethod
-    def _measured(self, form: ElasticForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
+    def _measured(self, form: BodyForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
         """Blocks of (t, N, l, k)."""
 
     def _numbers(self) -> IntArray:
@@ -187,7 +185,7 @@ class StressSensor(_TensorSensor):
 
     quantity = Quantity.STRESS
 
-    def _measured(self, form: ElasticForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
+    def _measured(self, form: BodyForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
         for times, some, tensors in stress_blocks(form, self.model, coordinates, nodes):
             yield MeasuredBlock(times, some, self.measure.of_stress(tensors))
 
@@ -197,13 +195,13 @@ class StrainSensor(_TensorSensor):
 
     quantity = Quantity.STRAIN
 
-    def _measured(self, form: ElasticForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
+    def _measured(self, form: BodyForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
         for times, some, tensors in strain_blocks(form, self.model, coordinates, nodes):
             yield MeasuredBlock(times, some, self.measure.of_strain(tensors))
 
 
-def _elastic(system: System, body: str, sensor: str) -> ElasticForm:
+def _elastic(system: System, body: str, sensor: str) -> BodyForm:
     form = body_named(system, body, sensor)
-    if not isinstance(form, ReducedBody | FullBody | IntrinsicBody):
+    if not form.n_coordinates:
         raise ModelError(f"sensor '{sensor}': body '{body}' is {form.kind}: it has no stress")
     return form

@@ -22,6 +22,7 @@ from supple.intrinsic import IntrinsicEngine
 from supple.intrinsic.line_march import MarchState
 from supple.intrinsic.line_system import LineSystem
 from supple.intrinsic.march_of_cases import march_of_cases
+from supple.intrinsic.report_truncation import report_truncation_of_cases
 from supple.intrinsic.supported_root import is_joined
 from supple.machine import System
 from supple.multibody.compiled.batch_start import differing, stacked
@@ -92,6 +93,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
                     failures[number] = solution.stopped
         if progress is not None:
             progress(len(solutions) / len(cases))
+    report_truncation_of_cases(cases, run, solutions)
     return BatchSolution(tuple(solutions), failures, seconds, preparing)
 
 

@@ -9,7 +9,7 @@ from supple.errors import ModelError
 from supple.explicit import ExplicitEngine
 from supple.integrate import Engine, ExplicitRule, Kinematic, Run
 from supple.intrinsic import intrinsic_engine
-from supple.machine import SampledController, System
+from supple.machine import System
 from supple.machine.forces import JointFriction
 from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
 
@@ -33,7 +33,7 @@ def register_engine(kind: str, factory: EngineFactory) -> None:
 def engine_for(system: System, run: Run) -> Engine[Any]:
     """The machine made ready for the method that its run names, or else the form of its bodies chooses.
 
-    Raises ModelError for controllers, or sampled ones, that the machine's engine does not take.
+    Raises ModelError for controllers that the machine's engine does not take.
     """
     if isinstance(run.method, Kinematic):
         return KinematicEngine(system, run)
@@ -58,15 +58,9 @@ def is_explicit(system: System, run: Run) -> bool:
 
 
 def _check_controllers(system: System, factory: Any) -> None:
-    sampled = [own.name for own in system.controllers if isinstance(own, SampledController)]
-    if factory is CompiledEngine or not system.controllers or (factory is FullEngine and not sampled):
+    if not system.controllers or factory in (CompiledEngine, FullEngine):
         return
     other = next(placed.body for placed in system.bodies if placed.body.kind in _ENGINES)
-    if factory is FullEngine:
-        raise ModelError(
-            f"controller '{sampled[0]}' is sampled, and body '{other.name}' is full, whose march makes no "
-            "stop between steps: reduce the body, or write the law as a Controller, in jax.numpy"
-        )
     raise ModelError(
         f"controllers act in machines of rigid, reduced and full bodies, and body '{other.name}' is "
         f"{other.kind}: reduce it, or leave out the controllers"

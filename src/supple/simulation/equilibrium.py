@@ -20,7 +20,7 @@ from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.consistent_start import placed_velocity
 from supple.multibody.equations.floating_solution import floating_solution
 from supple.multibody.equations.static_search import StaticSearch
-from supple.simulation.full_rest import RestError, full_rest, rest_errors
+from supple.simulation.full_rest import RestError, full_rest, known_fulls, rest_errors
 from supple.simulation.rest_stability import is_stable
 from supple.simulation.resting_state import (
     RestingState,
@@ -30,7 +30,7 @@ from supple.simulation.resting_state import (
     resting_state,
 )
 
-__all__ = ["Equilibrium", "equilibrium", "fulls_by_name", "warn_of_rest"]
+__all__ = ["Equilibrium", "equilibrium", "warn_of_rest"]
 
 LARGEST_ERROR = 0.01
 """Of a displacement: what is warned of."""
@@ -43,9 +43,9 @@ class Equilibrium:
     system     : System     its bodies placed, moving and deformed as they are: `simulate` starts there
     solution   : Solution   the same as a motion of one instant, for what reads motions
     iterations : int        that the search took
-    errors : RestError      what its basis costs, by name of the reduced body whose full one was given
-    full : (System, Solution)   the same rest with all coordinates of the bodies whose full ones were given;
-                            None where none was given, or no such rest was found
+    errors : RestError      what its basis costs, by name of the reduced body whose full one is known
+    full : (System, Solution)   the same rest with all coordinates of the bodies whose full ones are known;
+                            None where none is, or no such rest was found
     stable : bool | None    whether the tangent stiffness, in axes that turn along, is positive on the motions
                             that the joints leave free; None where it does not decide: loads that follow the
                             bodies, controllers, gyroscopic forces that may hold two directions of fall
@@ -71,7 +71,7 @@ def equilibrium(
     time: float = 0.0,
     spin: Spin | None = None,
     search: StaticSearch | None = None,
-    fulls: Mapping[str, FullBody] | Sequence[FullBody] = (),
+    fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None,
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> Equilibrium:
     """Where a machine rests, or turns steadily, under gravity, its loads and its joints' laws at one time.
@@ -89,7 +89,8 @@ def equilibrium(
     spin : Spin       of the machine, or of the bodies that it names; the others stand
     search : StaticSearch       accuracy and step
     fulls : FullBody            the bodies with all their coordinates, which reduced ones were made of: one
-        factorisation says what their bases miss (`Equilibrium.errors`); without them nothing is known of it
+        factorisation says what their bases miss (`Equilibrium.errors`). None: those that the reduced bodies
+        know, all but those read from files; (): the factorisation is saved, and nothing is known of it
     progress : hears of each iteration and its largest relative residual
 
     Controllers act as in a run, and their states rest with the machine: `f(0, q, z) = 0`, from which those of
@@ -108,7 +109,7 @@ def equilibrium(
         return _equilibrium_of_lines(system, time)
     search = search or StaticSearch()
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
-    known = fulls_by_name(fulls)
+    known = known_fulls(system, fulls)
     full = full_rest(found, known, time, search)
     errors = {} if full is None else rest_errors(found, known, full)
     warn_of_rest(errors)
@@ -132,11 +133,6 @@ def _equilibrium_of_lines(system: System, time: float) -> Equilibrium:
         replace(placed, coordinates=found.bodies[placed.body.name].coordinates[0]) for placed in still.bodies
     )
     return Equilibrium(replace(still, bodies=bodies), found, found.statistics.iterations)
-
-
-def fulls_by_name(fulls: Mapping[str, FullBody] | Sequence[FullBody]) -> Mapping[str, FullBody]:
-    """Full bodies by their names."""
-    return fulls if isinstance(fulls, Mapping) else {full.name: full for full in fulls}
 
 
 def warn_of_rest(errors: Mapping[str, RestError]) -> None:

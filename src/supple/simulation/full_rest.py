@@ -12,7 +12,7 @@ sweep is over a third of the one before, the full machine's equilibrium is searc
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,7 +34,7 @@ from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.kept_basis import kept_bases
 from supple.simulation.resting_state import RestingState, placed_at_rest
 
-__all__ = ["FullRest", "RestError", "full_rest", "holds_all", "rest_errors"]
+__all__ = ["FullRest", "RestError", "full_rest", "holds_all", "known_fulls", "rest_errors"]
 
 SLOWNESS = 1e3
 """How many times slower than the lowest vibration the correction is taken to be."""
@@ -118,6 +118,16 @@ class FullRest:
     second: float
 
 
+def known_fulls(
+    system: System, fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None
+) -> dict[str, FullBody]:
+    """Full bodies by name: those given, or where that is left out (None) those that reduced ones know."""
+    if fulls is None:
+        reduced = system.bodies_of(ReducedBody)
+        return {name: body.full for name, body in reduced.items() if body.full is not None}
+    return dict(fulls) if isinstance(fulls, Mapping) else {full.name: full for full in fulls}
+
+
 def full_rest(
     reduced: RestingState, fulls: Mapping[str, FullBody], time: float, search: StaticSearch
 ) -> FullRest | None:
@@ -180,7 +190,8 @@ def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: Full
         if held:
             displacement = new.positions() - old.positions()
         else:
-            displacement = own.expand(frame_projector(own.body, MeanAxisFrame())(deformation))
+            missing = new.coordinates - began  # what condensed tensors let follow is no error
+            displacement = own.expand(frame_projector(own.body, MeanAxisFrame())(missing))
         errors[name] = RestError(
             displacement,
             deformation,

@@ -147,17 +147,18 @@ def recorded(
 ) -> Solution:
     """Simulate what a result file does not hold yet, into it; the whole run, as it is read back."""
     start = file.last_instant() if file.header.n_times else None
-    stopped = None
+    stopped, truncation = None, {}
     # Cut off between its last output time and its end, a run has nothing left to do but to say so.
     if start is None or _is_something_left(run, start):
         with noted_interruption(file):
             done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)
         stopped = done.stopped
+        truncation = done.truncation if start is None else {}  # otherwise of a part
     # From the open file, under its lock: nobody else's motion is taken for this one.
     whole = file.solution()
     if stopped is None:
         file.finish()
-    return replace(whole, stopped=stopped)
+    return replace(whole, stopped=stopped, truncation=truncation)
 
 
 def _is_something_left(run: Run, reached: Solution) -> bool:

@@ -54,8 +54,7 @@ def watched_run(
     for own, found in zip(watches, peaks, strict=True):
         own.report(found)
     report_resolution(system, run, solution)
-    report_truncation(system, run, solution)
-    return solution
+    return report_truncation(system, run, solution)
 
 
 def report_resolution(system: System, run: Run, solution: Solution) -> None:

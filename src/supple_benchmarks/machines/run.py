@@ -16,7 +16,6 @@ from supple.machine import System
 from supple.multibody import balances, joint_residuals
 from supple.reduction import ReducedBody
 from supple.results import von_mises_history
-from supple.results.node_motion import node_motion
 from supple_benchmarks.machines.flexible_machine import FlexibleMachine
 
 __all__ = [
@@ -99,7 +98,7 @@ def drift(machine: FlexibleMachine, system: System, solution: Solution) -> Drift
 def point_history(machine: FlexibleMachine, body: FullBody | ReducedBody, solution: Solution) -> PointHistory:
     """The motion of node A, and its stress and strain."""
     motion = solution.bodies[body.name]
-    node = node_motion(body, motion, [machine.point])
+    node = body.node_motion(motion, [machine.point])
     stress = von_mises_history(body, machine.model, motion.coordinates, [machine.point])[:, 0]
     return PointHistory(
         solution.times,

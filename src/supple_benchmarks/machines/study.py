@@ -34,7 +34,6 @@ from supple.reduction import (
     ReducedBody,
     reduce,
 )
-from supple.results.node_motion import node_motion
 from supple.simulation import simulate_recorded
 from supple.storage import read_reduced_body, write_reduced_body
 from supple_benchmarks.machines.flexible_machine import FlexibleMachine
@@ -213,7 +212,7 @@ class _Runner:
             for step in (coarse, fine)
         ]
         points = [
-            node_motion(run.body, solution.bodies[run.body.name], [self.machine.point]).position[:, 0]
+            run.body.node_motion(solution.bodies[run.body.name], [self.machine.point]).position[:, 0]
             for solution in solutions
         ]
         distance = np.linalg.norm(points[0] - points[1], axis=1)

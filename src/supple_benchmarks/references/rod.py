@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_ivp
-from scipy.optimize import root
+from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
 
 __all__ = ["Rod"]
@@ -49,10 +49,10 @@ class Rod:
                 at_root = self._shot(before @ Rotation.from_rotvec(step).as_matrix(), load)[1]
                 return Rotation.from_matrix(at_root).as_rotvec()
 
-            found = root(missed, np.zeros(3), tol=1e-11)
-            if not found.success:
-                raise RuntimeError(f"no equilibrium of the rod at {share:g} of its load: {found.message}")
-            turn = before @ Rotation.from_rotvec(found.x).as_matrix()
+            found, _, flag, message = fsolve(missed, np.zeros(3), xtol=1e-11, full_output=True)
+            if flag != 1:
+                raise RuntimeError(f"no equilibrium of the rod at {share:g} of its load: {message}")
+            turn = before @ Rotation.from_rotvec(found).as_matrix()
         place, _ = self._shot(turn, load)
         return -place, turn
 

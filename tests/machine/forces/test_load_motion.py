@@ -11,6 +11,7 @@ from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import (
     GROUND,
     At,
+    ConstantRate,
     DeadForce,
     DeadTorque,
     FollowerForce,
@@ -62,7 +63,7 @@ def solution():
             rest_angle=REST,
         ),
         FollowerForce(first=eye["rocket"], force=[FORCE, 0, 0]),
-        DeadForce(body="puck", at="eye", force=lambda t: jnp.array([0.0, 0.0, FORCE * t])),
+        DeadForce(body="puck", at="eye", force=ConstantRate(np.array([0.0, 0.0, FORCE]))),
         DeadTorque(first=eye["puck"], torque=lambda t: jnp.array([0.0, 0.0, TORQUE * jnp.cos(t)])),
         FollowerTorque(first=eye["plate"], torque=[0, 0, TORQUE]),
         DeadForce(body="plate", at="eye", force=[0, FORCE, 0]),

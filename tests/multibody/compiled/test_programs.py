@@ -8,11 +8,12 @@ from functools import partial
 import jax
 import numpy as np
 import pytest
+from fixtures.runs_on_disk import bits
 
 from supple.body import RigidBody
-from supple.integrate import FixedStep, GeneralizedAlpha, Run
+from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run
 from supple.machine import GROUND, At, Ball, Placed, System
-from supple.multibody.compiled import engine, programs
+from supple.multibody.compiled import engine
 from supple.multibody.compiled.elimination import ByLapack, ByLoops
 from supple.multibody.compiled.engine import controls, initial_state
 from supple.multibody.compiled.programs import COMPILED_MARCH, QUICK_MARCH, march_for
@@ -30,20 +31,16 @@ def pendulum():
     return System((Placed(bob, position=(0.0, 0.0, -0.8)),), (ball,), gravity=(3.0, 1.0, -9.81))
 
 
-@pytest.fixture(autouse=True)
-def nothing_done(monkeypatch):
-    monkeypatch.setattr(programs, "_DONE", {})
+def test_the_length_of_a_run_decides(pendulum):
+    model, _ = initial_state(pendulum, 0.0, 0.01)
+    assert march_for(model, steps=1e3) is QUICK_MARCH
+    assert march_for(model, steps=1e6) is COMPILED_MARCH
 
 
-def test_short_runs_march_by_the_quick_program_until_the_other_is_earned(pendulum, monkeypatch):
-    start = initial_state(pendulum, 0.0, 0.01)
-    assert march_for(*start, steps=1e3) is QUICK_MARCH
-    assert march_for(*start, steps=1e6) is COMPILED_MARCH
-    monkeypatch.setattr(programs, "_DONE", {})
-    asked = [march_for(*start, steps=6e4) for _ in range(6)]
-    assert asked == [QUICK_MARCH] * 4 + [COMPILED_MARCH] * 2
-    other = initial_state(replace(pendulum, joints=()), 0.0, 0.01)
-    assert march_for(*other, steps=6e4) is QUICK_MARCH
+def test_a_run_has_the_same_bits_whatever_its_process_did_before(pendulum):
+    first = simulate(pendulum, RUN)
+    simulate(pendulum, replace(RUN, step=AdaptiveStep(1e-7, 0.1)))  # as long as millions of these steps
+    assert bits(simulate(pendulum, RUN)) == bits(first)
 
 
 def test_the_march_is_one_function_of_machine_code(pendulum):

@@ -163,14 +163,11 @@ def heavy_end():
     return hanging_chain([1e-6] * 5 + [1e3])
 
 
-MACHINES = [
-    hanging_chain,
+MACHINES = [hanging_chain, ring, four_bar, springs_across]
+MORE_MACHINES = [
     held_at_both_ends,
     flying_star,
-    ring,
     two_rings_on_the_ground,
-    four_bar,
-    springs_across,
     held_by_springs_alone,
     two_joints_with_one_parent,
 ]
@@ -248,7 +245,12 @@ def errors(machine, solution):
 
 
 @LOOPS_FIRST
-@pytest.mark.parametrize("machine", MACHINES, indirect=True, ids=named)
+@pytest.mark.parametrize(
+    "machine",
+    [*MACHINES, *(pytest.param(each, marks=pytest.mark.slow) for each in MORE_MACHINES)],
+    indirect=True,
+    ids=named,
+)
 def test_solution_is_as_good_as_that_of_the_dense_matrix(machine, elimination):
     model, layout, matrix, fronts, load = machine
     size = abs(matrix).max()

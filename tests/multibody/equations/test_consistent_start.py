@@ -12,6 +12,7 @@ from supple.machine import (
     GROUND,
     At,
     Ball,
+    ConstantRate,
     Fixed,
     Placed,
     PrescribedRotation,
@@ -99,7 +100,7 @@ def test_open_joint_is_named_with_the_gap(chain):
 
 def test_prescribed_angle_that_does_not_start_at_zero(rod):
     joint = PrescribedRotation(
-        first=GROUND, second=At("a", "left"), axis=(0, 0, 1), angle=lambda t: 0.4 + t, name="drive"
+        first=GROUND, second=At("a", "left"), axis=(0, 0, 1), angle=ConstantRate(1.0, 0.4), name="drive"
     )
     with pytest.raises(
         ModelError,

@@ -11,7 +11,6 @@ import scipy.linalg
 
 from supple import machine as m
 from supple.body import FullBody, MeanAxisFrame, RigidInterface, flexible_body
-from supple.errors import ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.linearization import linearize, machine_modes
@@ -147,11 +146,46 @@ def slowest(machine, number):
     return values[np.argsort(abs(values))[:number]]
 
 
-def test_sampled_controllers_stay_away_from_full_bodies(body):
-    own = {"motor": m.TorqueBetween(first="ground", second="strip.tip", axis=AXIS)}
-    sampled = m.SampledController(reads={}, drives=own, law=lambda *_: ({}, {}), every=0.1, name="clock")
-    with pytest.raises(ModelError, match=r"controller 'clock' is sampled, and body 'strip' is full"):
-        simulate(hinged(full(body), [sampled]), RUN)
-    both = replace(CONTROLLER, name="own"), sampled
-    with pytest.raises(ModelError, match=r"write the law as a Controller"):
-        simulate(hinged(full(body), both), RUN)
+EVERY = 7e-3
+"""s, of the sampled controller: its instants lie between the output times."""
+
+
+def sampled(calls):
+    """Proportional, with a sum of the errors so far; notes when it is called."""
+
+    def law(time, reads, memory):
+        calls.append(time)
+        error = GOAL - reads["hinge"].angle
+        total = memory["total"] + EVERY * error
+        return {"motor": 6 * error + 200 * total}, {"total": total}
+
+    motor = m.TorqueBetween(first="ground", second="strip.root", axis=AXIS)
+    reads = {"hinge": m.JointReading("hinge")}
+    memory = {"total": np.zeros(())}
+    return m.SampledController(
+        reads=reads, drives={"motor": motor}, law=law, every=EVERY, memory=memory, name="clock"
+    )
+
+
+@pytest.mark.slow
+def test_sampled_controllers_drive_a_full_body_as_its_complete_basis(body):
+    calls, theirs = [], []
+    systems = [hinged(full(body), [sampled(calls)]), hinged(complete(body), [sampled(theirs)])]
+    runs = [simulate(system, RUN) for system in systems]
+    ours, other = (places(*pair) for pair in zip(systems, runs, strict=True))
+    free = places(systems[1], simulate(hinged(complete(body), ()), RUN))
+    assert abs(free[-1] - other[-1]).max() > 1e-5
+    np.testing.assert_allclose(ours, other, atol=1e-9)
+    np.testing.assert_allclose(calls, [0, EVERY, 2 * EVERY], atol=1e-15)
+    assert calls == theirs
+
+
+def test_a_sampled_run_in_two_parts_is_one_run(body):
+    calls = []
+    system = hinged(full(body), [sampled(calls)])
+    whole = simulate(system, RUN)
+    first = simulate(system, replace(RUN, duration=0.01))
+    calls.clear()
+    rest = simulate(system, RUN, resume=first)
+    np.testing.assert_array_equal(rest.bodies["strip"].coordinates[-1], whole.bodies["strip"].coordinates[-1])
+    assert calls == [2 * EVERY]

@@ -16,6 +16,8 @@ from supple_benchmarks.eigenvalue_error.problem import EigenvalueErrors
 from supple_benchmarks.eigenvalue_error.report import report, tables
 from supple_benchmarks.eigenvalue_error.run import run_eigenvalue_errors
 
+pytestmark = pytest.mark.slow
+
 ROD = RodCells(around=9, ring=1, shank=8, width=3, thickness=1)
 PROBLEM = EigenvalueErrors(
     cylinders=((CellType.TETRA4, 28),),

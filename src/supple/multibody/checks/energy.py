@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+from functools import singledispatch
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.body.full_body import FullBody
+from supple.body import FullBody, RigidBody
+from supple.errors import ModelError
 from supple.integrate import FloatingMotion, Solution
-from supple.machine.system import System
+from supple.machine import Placed, System
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import AnyArray
 from supple.multibody.equations.floating_inertia import FloatingState, frame_momenta, kinetic_energy
 from supple.multibody.equations.model import BodyGroup
 from supple.multibody.equations.polynomial_force import Quartic, polynomial_energy
 from supple.multibody.full.full_inertia import FullInertia
+from supple.reduction import ReducedBody
 
-__all__ = ["Balances", "balances"]
+__all__ = ["Balances", "balances", "body_balances"]
 
 # Numbers of a full body's nodal field held at a time (8 MiB), for a long run of a large body would not fit.
 _FIELD_NUMBERS = 2**20
@@ -43,25 +46,28 @@ class Balances(NamedTuple):
 
 
 def balances(system: System, solution: Solution) -> Balances:
-    """Energies and momenta of the whole system at the output times.
-
-    A full body counts node by node, `T = V^T M V / 2`, with the strain energy of its elements; a reduced one
-    through its Gram matrix and tensors, which is the same where its basis can follow.
-    """
-    gravity, fulls = system.gravity, system.bodies_of(FullBody)
-    placed = [each.body for each in system.bodies]
-    parts: list[Balances | None] = [None] * len(placed)
-    for group in build_model(system).groups:
-        for number, index in enumerate(group.members):
-            arrays = jax.tree.map(lambda leaf, i=number: leaf[min(i, len(leaf) - 1)], _Arrays.of(group))
-            motion = solution.bodies[placed[index].name]
-            moving = _Motion(*(jnp.asarray(getattr(motion, name)) for name in _Motion._fields))
-            parts[index] = _of_reduced_body(arrays, jnp.asarray(gravity), moving)
+    """Energies and momenta of the whole system at the output times: the sum over its bodies."""
+    system.check_has_frames()
     every = [
-        _of_full_body(fulls[body.name], gravity, solution.bodies[body.name]) if part is None else part
-        for body, part in zip(placed, parts, strict=True)
+        body_balances(placed.body, solution.bodies[placed.body.name], system.gravity)
+        for placed in system.bodies
     ]
     return Balances(*(np.asarray(sum(items)) for items in zip(*every, strict=True)))
+
+
+@singledispatch
+def body_balances(body: Any, _motion: Any, _gravity: np.ndarray) -> Balances:
+    """Energies and momenta of one body; each method registers those of its form."""
+    raise ModelError(f"body '{body.name}' is {body.kind}, whose energies are not known")
+
+
+@body_balances.register(RigidBody | ReducedBody)
+def _(body: Any, motion: FloatingMotion, gravity: np.ndarray) -> Balances:
+    """Of a rigid or reduced body: its Gram matrix and tensors."""
+    (group,) = build_model(System((Placed(body),))).groups
+    arrays = jax.tree.map(lambda leaf: leaf[0], _Arrays.of(group))
+    moving = _Motion(*(jnp.asarray(getattr(motion, name)) for name in _Motion._fields))
+    return _of_reduced_body(arrays, jnp.asarray(gravity), moving)
 
 
 class _Arrays(NamedTuple):
@@ -125,7 +131,9 @@ def _first_moment(gram: jax.Array, coordinates: jax.Array) -> jax.Array:
     return rest + gram[:3, 6 + 3 * coordinates.shape[0] :] @ coordinates
 
 
-def _of_full_body(full: Any, gravity: np.ndarray, motion: FloatingMotion) -> Balances:
+@body_balances.register
+def _(full: FullBody, motion: FloatingMotion, gravity: np.ndarray) -> Balances:
+    """Of a full body: node by node, `T = V^T M V / 2`, and the strain energy of its elements."""
     inertia = FullInertia(full.body)
     size = max(1, _FIELD_NUMBERS // full.body.n_nodal)
     parts = [

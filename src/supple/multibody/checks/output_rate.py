@@ -15,11 +15,9 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from supple.body.full_body import FullBody
 from supple.errors import ResolutionWarning
 from supple.integrate import FixedStep, FloatingMotion, Run, Solution
 from supple.machine import System
@@ -92,7 +90,7 @@ def report_output_rate(system: System, run: Run, solution: Solution) -> None:
         return
     step = float(run.times[1] - run.times[0])
     length = system_length(system)
-    scales = {placed.body.name: _scale(placed.body) for placed in system.bodies}
+    scales = {placed.body.name: placed.body.coordinate_size for placed in system.bodies}
     worst: tuple[float, str, str] | None = None
     for name, motion in solution.bodies.items():
         if not isinstance(motion, FloatingMotion):
@@ -113,11 +111,6 @@ def report_output_rate(system: System, run: Run, solution: Solution) -> None:
         f"{needed:.2g}{also} shows it"
     )
     warnings.warn(message, ResolutionWarning, stacklevel=3)
-
-
-def _scale(body: Any) -> float:
-    """Size of the coordinates (r,) when every node moves by one: mass-normal ones, or those of nodes."""
-    return float(np.sqrt(len(body.nodes))) if isinstance(body, FullBody) else float(np.sqrt(body.mass))
 
 
 def _too_fast(motion: FloatingMotion, step: float, sizes: tuple[float, float]) -> Iterator[tuple[str, float]]:

@@ -16,14 +16,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from supple.body import BodyForm, Frame, FullBody, MeanAxisFrame, smaller_rotations
-from supple.body.averaging_error import DEFLECTION_ERROR, section_softness
+from supple.body import BodyForm, Frame, MeanAxisFrame, smaller_rotations
+from supple.body.averaging_error import DEFLECTION_ERROR
 from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine import At, ForceElement
 from supple.machine.system import System
-from supple.reduction import ReducedBody
-from supple.reduction.condensed_inertia import missing_centrifugal_stiffness
 
 __all__ = ["Excess", "Peaks", "Watch", "watch"]
 
@@ -197,12 +195,8 @@ def _softened(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Pea
 
 def _averaging(body: BodyForm, carrying: set[At]) -> tuple[Any, np.ndarray]:
     """Mean rotations of averaging interfaces under moments, (3 k, n); c / C of their sections, (3 k,)."""
-    found = []
-    if isinstance(body, FullBody):
-        held = [i for i in body.interfaces if At(body.name, i.name) in carrying]
-        found = [(i.motion[3:], section_softness(body.body, i)) for i in held]
-    elif isinstance(body, ReducedBody):
-        found = [(i.motion[3:], i.softness) for i in body.interfaces if At(body.name, i.name) in carrying]
+    held = [i for i in body.interfaces if At(body.name, i.name) in carrying]
+    found = [(i.motion[3:], body.section_softness(i.name)) for i in held]
     found = [(motion, softness) for motion, softness in found if softness.any()]
     if not found:
         return None, np.zeros(0)
@@ -227,10 +221,9 @@ def _carrying_moments(system: System) -> set[At]:
 
 def _limits(body: BodyForm, validity: Validity, carrying: set[At]) -> _Limits:
     axes, flying_apart = np.ones(3), body.lowest_frequency() if body.is_linear else np.inf
-    if isinstance(body, ReducedBody) and not body.is_linear:
-        missing = missing_centrifugal_stiffness(body)
-        if missing.any():
-            axes, flying_apart = np.sqrt(missing / missing.max()), float(missing.max() ** -0.5)
+    missing = body.missing_centrifugal_stiffness
+    if missing.any():
+        axes, flying_apart = np.sqrt(missing / missing.max()), float(missing.max() ** -0.5)
     limit = body.rotation_limit
     averaging, softness = _averaging(body, carrying)
     return _Limits(

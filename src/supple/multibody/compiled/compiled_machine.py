@@ -50,7 +50,7 @@ class CompiledMachine:
 
     def metric(self, configuration: Configuration) -> np.ndarray:
         """The mass matrix."""
-        return np.asarray(_mass(self.model, configuration))
+        return np.asarray(_mass(self.model.bodies_alone, configuration))
 
     @property
     def slices(self) -> tuple[slice, ...]:
@@ -85,7 +85,7 @@ class CompiledMachine:
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment."""
-        return jax.tree.map(np.asarray, _moved(self.model, configuration, increment))
+        return jax.tree.map(np.asarray, _moved(self.model.joints_alone, configuration, increment))
 
 
 class CompiledStart(NamedTuple):

@@ -22,7 +22,7 @@ from supple.multibody.compiled.inert_motion import (
 )
 from supple.multibody.compiled.kept_tangent import KeptTangent, keeps_tangent, no_tangent
 from supple.multibody.compiled.programs import COMPILED_MARCH, QUICK_MARCH, STOPS_AT_ONCE, march_for
-from supple.multibody.compiled.sampling import sampling_of
+from supple.multibody.compiled.sampling import march_sampled
 from supple.multibody.compiled.state import Controls, State
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import SystemMotion
@@ -33,6 +33,7 @@ from supple.multibody.equations.floating_solution import (
     last_instant,
 )
 from supple.multibody.equations.model import Model
+from supple.multibody.equations.sampling import sampling_of
 from supple.multibody.equations.stops import Stops, stepping_instants
 
 __all__ = [
@@ -135,7 +136,7 @@ class CompiledEngine:
     def start(self, time: float) -> State:
         """Consistent positions, velocities, accelerations and multipliers."""
         model, state = initial_state(self._system, time, self._run.step_control.first, self._run.validity)
-        self._program = march_for(model, state, self._run.n_steps)
+        self._program = march_for(model, self._run.n_steps)
         self._model = jax.device_put(model)  # once, not with every leg
         return state
 
@@ -174,7 +175,7 @@ class CompiledEngine:
         """To each of the output times; where controllers are sampled, from instant to instant."""
         if self._sampling is None:
             return self._marched(state, times)
-        return self._sampling.march(self._marched, self._model, state, times)
+        return march_sampled(self._sampling, self._marched, self._model, state, times)
 
     def _marched(self, state: State, times: np.ndarray) -> Leg[State]:
         """To each of the output times, in a few calls of the compiled program."""

@@ -1,150 +1,70 @@
-"""Sampled controllers: the march stops at their instants, calls them, and goes on with what they give."""
+"""Sampled controllers in a compiled march: it stops at their instants, and goes on with what they give."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any
 
 import jax
 import numpy as np
 
-from supple.algebra.kept_programs import KeptProgram
-from supple.errors import ModelError
-from supple.integrate import Leg, Run, Statistics
-from supple.machine import System
-from supple.machine.control import SampledController
-from supple.machine.control.controller import as_memory
+from supple.integrate import Leg, Statistics
 from supple.multibody.compiled.compiled_machine import CompiledMachine, accelerations
 from supple.multibody.compiled.state import State
-from supple.multibody.equations.compiler_options import STARTING
-from supple.multibody.equations.configuration import ControlStep, SystemMotion
-from supple.multibody.equations.control_force import readings_at
-from supple.multibody.equations.model import Model
+from supple.multibody.equations.configuration import SystemMotion
+from supple.multibody.equations.sampling import Sampling
 
-__all__ = ["Sampling", "sampling_of"]
-
-_SAME = 1e-6
-"""Of a period: instants as near to an output time are that time."""
+__all__ = ["march_sampled"]
 
 
-@dataclass(frozen=True, eq=False)
-class Sampling:
-    """Sampled controllers of a machine, and when each is called."""
-
-    system: System
-    instants: Mapping[int, np.ndarray]
-    """By number of the controller, ascending"""
-
-    def march(
-        self, marched: Callable[[State, np.ndarray], Leg[State]], model: Any, state: State, times: np.ndarray
-    ) -> Leg[State]:
-        """To each of the output times by a march between instants.
-
-        What is due at an instant is called when the march goes on from there, so that a part that ends at
-        an instant, and the one that follows, together call it once.
-        """
-        now = float(state.time)
-        if times[-1] <= now:
-            return marched(state, times)
-        every = np.unique(np.concatenate(list(self.instants.values())))
-        legs: list[Leg[State]] = []
-        while now < times[-1]:
-            state = self._sampled(model, state)
-            later = every[(every > now) & (every < times[-1])]
-            end = float(later[0]) if later.size else float(times[-1])
-            outputs = times[(times > now) & (times <= end)]
-            leg = marched(state, np.unique(np.append(outputs, end)))
-            if end not in times:  # an instant alone is no output
-                kept = min(leg.n_reached, len(outputs))
-                rows = jax.tree.map(lambda leaf, kept=kept: leaf[:kept], leg.states)
-                leg = Leg(rows, kept, leg.last, leg.statistics, leg.stopped)
-            legs.append(leg)
-            state, now = leg.last, end
-            if leg.stopped is not None:
-                break
-        parts = [leg.states for leg in legs]
-        return Leg(
-            states=jax.tree.map(lambda *own: np.concatenate(own), *parts),
-            n_reached=sum(leg.n_reached for leg in legs),
-            last=legs[-1].last,
-            statistics=sum((leg.statistics for leg in legs), Statistics()),
-            stopped=legs[-1].stopped,
-        )
-
-    def _sampled(self, model: Any, state: State) -> State:
-        """After calling the controllers that are due, with accelerations that belong to their outputs."""
-        time = float(state.time)
-        due = [number for number, instants in self.instants.items() if time in instants]
-        control = state.control
-        if not due or control is None:
-            return state
-        velocity = np.asarray(state.velocity)
-        configuration = jax.tree.map(np.asarray, state.configuration)
-        instant = SystemMotion(np.asarray(time), configuration, velocity, velocity, np.zeros(0))
-        step = ControlStep(control, np.zeros(()))
-        every = jax.tree.map(np.asarray, _read(model, instant._replace(control=step)))
-        held, memory = list(control.held), list(control.memory)
-        for number in due:
-            held[number], memory[number] = self._called(number, time, every[number], control.memory[number])
-        control = control._replace(held=tuple(held), memory=tuple(memory))
-        machine = CompiledMachine(self.system, model)
-        acceleration, multipliers = accelerations(machine, instant, control)
-        return state._replace(
-            acceleration=acceleration, auxiliary=acceleration, multipliers=multipliers, control=control
-        )
-
-    def _called(self, number: int, time: float, readings: Any, memory: Any) -> tuple[Any, Any]:
-        controller = self.system.controllers[number]
-        assert isinstance(controller, SampledController)
-        what = f"controller '{controller.name}' at t = {time:g}"
-        given = {name: np.array(value) for name, value in memory.items()}
-        found = controller.law(time, readings, given)
-        if not isinstance(found, tuple) or len(found) != 2 or not isinstance(found[0], Mapping):
-            raise ModelError(f"{what}: it must return (outputs, memory), two dictionaries; it gave {found!r}")
-        outputs, after = found
-        if set(outputs) != set(controller.drives):
-            raise ModelError(
-                f"{what}: outputs for {sorted(controller.drives)} are needed, it gave {sorted(outputs)}"
-            )
-        held = {}
-        for name, element in controller.drives.items():
-            value = np.array(outputs[name], dtype=float)
-            if value.size != np.zeros(element.value_shape).size or not np.isfinite(value).all():
-                raise ModelError(
-                    f"{what}: output '{name}' must be finite, of shape {element.value_shape}, got {value}"
-                )
-            held[name] = value.reshape(element.value_shape)
-        remembered = as_memory(controller.name, after)
-        shapes = {name: value.shape for name, value in remembered.items()}
-        # Against what it was given, not against `given`, which the law may have changed in place.
-        if shapes != {name: np.shape(value) for name, value in memory.items()}:
-            raise ModelError(
-                f"{what}: its memory must keep its names and shapes, for it stands in result files; it gave "
-                f"{shapes}; give all it will need as memory={{..}}"
-            )
-        return held, remembered
+def march_sampled(
+    sampling: Sampling,
+    marched: Callable[[State, np.ndarray], Leg[State]],
+    model: Any,
+    state: State,
+    times: np.ndarray,
+) -> Leg[State]:
+    """To each of the output times by a march between instants."""
+    now = float(state.time)
+    if times[-1] <= now:
+        return marched(state, times)
+    every = sampling.every
+    legs: list[Leg[State]] = []
+    while now < times[-1]:
+        state = _sampled(sampling, model, state)
+        later = every[(every > now) & (every < times[-1])]
+        end = float(later[0]) if later.size else float(times[-1])
+        outputs = times[(times > now) & (times <= end)]
+        leg = marched(state, np.unique(np.append(outputs, end)))
+        if end not in times:  # an instant alone is no output
+            kept = min(leg.n_reached, len(outputs))
+            rows = jax.tree.map(lambda leaf, kept=kept: leaf[:kept], leg.states)
+            leg = Leg(rows, kept, leg.last, leg.statistics, leg.stopped)
+        legs.append(leg)
+        state, now = leg.last, end
+        if leg.stopped is not None:
+            break
+    parts = [leg.states for leg in legs]
+    return Leg(
+        states=jax.tree.map(lambda *own: np.concatenate(own), *parts),
+        n_reached=sum(leg.n_reached for leg in legs),
+        last=legs[-1].last,
+        statistics=sum((leg.statistics for leg in legs), Statistics()),
+        stopped=legs[-1].stopped,
+    )
 
 
-def sampling_of(system: System, run: Run) -> Sampling | None:
-    """When the controllers of a machine are called in a run; None where none is sampled."""
-    times = run.times
-    found = {}
-    for number, controller in enumerate(system.controllers):
-        if isinstance(controller, SampledController):
-            count = int(np.floor((times[-1] - times[0]) / controller.every * (1 + 1e-12))) + 1
-            instants = times[0] + controller.every * np.arange(count)
-            nearest = times[np.clip(np.searchsorted(times, instants), 1, len(times) - 1)]
-            before = times[np.clip(np.searchsorted(times, instants) - 1, 0, len(times) - 1)]
-            for output in (before, nearest):
-                same = abs(instants - output) <= _SAME * controller.every
-                instants = np.where(same, output, instants)
-            found[number] = instants
-    return Sampling(system, found) if found else None
-
-
-def _readings(model: Model, motion: SystemMotion) -> Any:
-    return readings_at(model, motion)
-
-
-_read = KeptProgram(_readings, STARTING)
+def _sampled(sampling: Sampling, model: Any, state: State) -> State:
+    """After calling the controllers that are due, with accelerations that belong to their outputs."""
+    if state.control is None:
+        return state
+    velocity, configuration = np.asarray(state.velocity), jax.tree.map(np.asarray, state.configuration)
+    instant = SystemMotion(np.asarray(float(state.time)), configuration, velocity, velocity, np.zeros(0))
+    control = sampling.called(model, instant, state.control)
+    if control is None:
+        return state
+    machine = CompiledMachine(sampling.system, model)
+    acceleration, multipliers = accelerations(machine, instant, control)
+    return state._replace(
+        acceleration=acceleration, auxiliary=acceleration, multipliers=multipliers, control=control
+    )

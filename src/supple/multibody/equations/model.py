@@ -245,6 +245,19 @@ class Model:
         """Whether forces depend on what the joints carry."""
         return any(group.reaction is not None for group in self.forces)
 
+    @property
+    def joints_alone(self) -> Model:
+        """What constraint equations depend on: a program of theirs serves other bodies and loads as well."""
+        return self._without_loads(groups=())
+
+    @property
+    def bodies_alone(self) -> Model:
+        """What the mass matrix depends on."""
+        return self._without_loads(joints=(), n_equations=0, active=())
+
+    def _without_loads(self, **others: Any) -> Model:
+        return replace(self, forces=(), nodal_loads=(), base_accelerations=(), controllers=(), **others)
+
     def gravity_at(self, time: Any) -> Any:
         """Gravity seen from a base that accelerates, (3,)."""
         return self.gravity - sum(law(time) for law in self.base_accelerations)

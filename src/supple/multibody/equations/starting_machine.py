@@ -45,7 +45,12 @@ def _terms(model: Model, time: jax.Array, configuration: Configuration, velocity
     return JointTerms(residual, constraint_jacobian(model, time, configuration), rate, bias)
 
 
-joint_terms = KeptProgram(_terms, STARTING)
+_TERMS = KeptProgram(_terms, STARTING)
+
+
+def joint_terms(model: Model, time: AnyArray, configuration: Configuration, velocity: AnyArray) -> JointTerms:
+    """Constraints at one position and velocity, and their derivatives."""
+    return _TERMS(model.joints_alone, time, configuration, velocity)
 
 
 class StartingMachine(Protocol):

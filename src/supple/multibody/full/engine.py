@@ -21,6 +21,7 @@ from supple.multibody.equations.floating_solution import (
     floating_solution,
     last_instant,
 )
+from supple.multibody.equations.sampling import sampling_of
 from supple.multibody.equations.step_size import next_step
 from supple.multibody.equations.stops import Stops, stepping_instants
 from supple.multibody.full.full_state import FullState
@@ -59,7 +60,11 @@ class FullEngine:
         self._every = FullSystem(system)
         """With all constraint equations"""
         self._machine = self._every
-        self._stops = Stops(run.times, stepping_instants([system], run))
+        self._sampling = sampling_of(system, run)
+        instants = stepping_instants([system], run)
+        if self._sampling is not None:
+            instants = np.setdiff1d(np.union1d(instants, self._sampling.every), run.times)
+        self._stops = Stops(run.times, instants)
 
     @property
     def machine(self) -> FullSystem:
@@ -112,6 +117,7 @@ class FullEngine:
         before, stopped = state, None
         stops, outputs = self._stops.on_the_way(state.state.time, times)
         for number, end in enumerate(stops):
+            state = state._replace(state=self._sampled(state.state))
             state, residual = self._to_output(state, float(end))
             if residual is not None:
                 undamped = bool(self._machine.system.joints) and not damps_joint_forces(
@@ -132,6 +138,16 @@ class FullEngine:
             largest_turn=state.largest_turn,
         )
         return Leg((reached, state), len(reached), state, statistics, stopped)
+
+    def _sampled(self, state: FullState) -> FullState:
+        """After calling the sampled controllers that are due, with accelerations that belong to them."""
+        if self._sampling is None or state.control is None:
+            return state
+        machine, step = self._machine, state.control
+        control = self._sampling.called(machine.model, machine.border_motion(state), step.start)
+        if control is None:
+            return state
+        return machine.accelerated(state._replace(control=step._replace(start=control)))
 
     def _to_output(self, march: March, end: float) -> tuple[March, np.ndarray | None]:
         """Steps up to an output time; the relative residual instead of None when the smallest step fails."""

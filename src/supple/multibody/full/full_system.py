@@ -364,7 +364,7 @@ class FullSystem:
 
     def frame_masses(self, configuration: Configuration) -> np.ndarray:
         """Of full bodies node by node, of the others from the compiled equations."""
-        border = np.asarray(_mass_matrix(self.model, self.border_configuration(configuration)))
+        border = np.asarray(_mass_matrix(self.model.bodies_alone, self.border_configuration(configuration)))
         masses = np.array([border[p.start : p.start + 6, p.start : p.start + 6] for p in self.model.slices])
         at_rest = self.state_at(0.0, configuration, np.zeros(self.n))
         for interior in self.interiors:
@@ -374,7 +374,7 @@ class FullSystem:
     def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
         """Of full bodies node by node, of the others from the compiled equations."""
         border = self.to_border(velocity)
-        masses = np.asarray(_mass_matrix(self.model, self.border_configuration(configuration)))
+        masses = np.asarray(_mass_matrix(self.model.bodies_alone, self.border_configuration(configuration)))
         products = border * (masses @ border)
         energies = np.array([products[part].sum() / 2 for part in self.model.slices])
         state = self.state_at(0.0, configuration, velocity)

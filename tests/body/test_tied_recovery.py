@@ -10,6 +10,7 @@ from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
 from supple.body import FullBody, MeanAxisFrame, RigidInterface, flexible_body
+from supple.body.tied_recovery import tied_recovery, with_virtual_freedoms
 from supple.fem import (
     HomogeneousSection,
     Isotropic,
@@ -21,7 +22,6 @@ from supple.fem import (
 from supple.mesh import CellType, block, box_beam
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.results import von_mises_history
-from supple.results.tied_recovery import tied_recovery, with_virtual_freedoms
 
 ALUMINIUM = Isotropic(7e10, 0.3, 2700.0)
 ROOT, TIP = RigidInterface("root", "root"), RigidInterface("tip", "tip")

@@ -6,8 +6,8 @@ import numpy as np
 
 from supple.algebra.rotation import rotation_exp
 from supple.body import floating_positions
+from supple.body.point_motion import floating_node_motion
 from supple.integrate import FloatingMotion
-from supple.results import node_motion
 
 RNG = np.random.default_rng(4)
 NODES, SHAPES = RNG.standard_normal((5, 3)), RNG.standard_normal((5, 3, 2))
@@ -57,7 +57,7 @@ def test_node_motion_is_the_derivative_of_node_positions():
     h, nodes = 1e-4, [3, 0]
     around = motion([0.8 - h, 0.8, 0.8 + h])
     before, now, after = Body().positions(around, nodes)
-    found = node_motion(Body(), around, nodes)
+    found = floating_node_motion(Body(), around, nodes)
     np.testing.assert_array_equal(found.position[1], now)
     np.testing.assert_allclose(found.velocity[1], (after - before) / (2 * h), atol=1e-7)
     np.testing.assert_allclose(found.acceleration[1], (after - 2 * now + before) / h**2, atol=1e-6)

@@ -1,0 +1,53 @@
+"""What holds of a form of body unless the form says otherwise."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["FormDefaults"]
+
+Array = NDArray[np.float64]
+
+
+class _Form(Protocol):
+    @property
+    def mass(self) -> float: ...
+
+    @property
+    def is_linear(self) -> bool: ...
+
+
+class FormDefaults:
+    """Members of `BodyForm` that most forms answer alike."""
+
+    @property
+    def dofs_per_node(self) -> int:
+        """Three displacements."""
+        return 3
+
+    @property
+    def has_linear_strains(self: _Form) -> bool:
+        """Whether strains are linear in the nodal displacements: those of a linear body."""
+        return self.is_linear
+
+    @property
+    def has_stress_modes(self) -> bool:
+        """False: stress is recovered from displacements."""
+        return False
+
+    @property
+    def coordinate_size(self: _Form) -> float:
+        """sqrt(kg): the norm of mass-orthonormal coordinates (r,) when all nodes move by one."""
+        return float(np.sqrt(self.mass))
+
+    @property
+    def missing_centrifugal_stiffness(self) -> Array:
+        """(3,) none."""
+        return np.zeros(3)
+
+    def section_softness(self, _interface: str, /) -> Array:
+        """(3,) none."""
+        return np.zeros(3)

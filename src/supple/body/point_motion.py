@@ -1,0 +1,162 @@
+"""Motion of nodes and interfaces of a body in space: what joints, sensors and films see of any form."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.body.floating_kinematics import (
+    Deforming,
+    floating_positions,
+    in_space,
+    node_numbers,
+    time_slices,
+)
+from supple.body.form_defaults import FormDefaults
+from supple.body.interface import Interface, place_in_frame
+from supple.integrate.motion import FloatingMotion
+
+__all__ = [
+    "FloatingForm",
+    "InterfaceMotion",
+    "NodeMotion",
+    "floating_interface_motion",
+    "floating_node_motion",
+]
+
+Array = NDArray[np.float64]
+
+
+class NodeMotion(NamedTuple):
+    """Positions, velocities and accelerations (t, k, 3) of k nodes, global components."""
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+class InterfaceMotion(NamedTuple):
+    """Motion of an interface over time, global components.
+
+    position : (t, 3)
+    rotation : (t, 3, 3)            the axes of the mesh as the interface turns them, as columns
+    velocity, acceleration : (t, 3)
+    angular_velocity : (t, 3)
+    """
+
+    position: Array
+    rotation: Array
+    velocity: Array
+    acceleration: Array
+    angular_velocity: Array
+
+
+class FloatingForm(FormDefaults):
+    """What rigid, reduced and full bodies share: points that a floating frame carries."""
+
+    def positions(
+        self: Deforming, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """Positions r = R + A (x + u) (t, k, 3) in space of some nodes, or all."""
+        return floating_positions(self, motion, nodes)
+
+    def node_motion(self: Deforming, motion: FloatingMotion, nodes: ArrayLike) -> NodeMotion:
+        """Positions, velocities and accelerations (t, k, 3) of some nodes in space."""
+        return floating_node_motion(self, motion, nodes)
+
+    def interface_motion(self: Deforming, motion: FloatingMotion, name: str) -> InterfaceMotion:
+        """Pose, velocities and acceleration (t, ...) of an interface in space."""
+        return floating_interface_motion(self.interface(name), motion)
+
+
+def floating_node_motion(body: Deforming, motion: FloatingMotion, nodes: ArrayLike) -> NodeMotion:
+    """Motion of some nodes of a body in its floating frame:
+
+        r = R + A (x + u),   dr = dR + A (w x (x + u) + du)
+        ddr = ddR + A (dw x (x + u) + w x (w x (x + u)) + 2 w x du + ddu)
+
+    Parameters
+    ----------
+    body : Deforming            motion : its part of a solution, of t times
+    nodes : node numbers (k,)
+
+    Raises
+    ------
+    ModelError  a node number outside the body
+    Source: [Wu2019] (3)-(4)
+    """
+    numbers = node_numbers(nodes, len(body.nodes))
+    q, dq, ddq = motion.coordinates, motion.coordinate_rates, motion.coordinate_accelerations
+    parts = [_of_frame(body, q[rows], dq[rows], ddq[rows], numbers) for rows in time_slices(body, len(q))]
+    displacement, rate, second = (np.concatenate(each) for each in zip(*parts, strict=True))
+    moving = _in_space(motion, body.nodes[numbers] + displacement, rate, second)
+    return moving._replace(position=floating_positions(body, motion, numbers))
+
+
+def floating_interface_motion(interface: Interface, motion: FloatingMotion) -> InterfaceMotion:
+    """Motion of an interface of a body in its floating frame: the point as in `floating_node_motion`, and
+
+    A_p = A exp(phi),   omega_p = A (w + exp(phi) T(phi) dphi),   phi = theta (1 + c theta.theta)
+    """
+    shapes = motion.coordinates, motion.coordinate_rates, motion.coordinate_accelerations
+    moved, rate, second = (q @ interface.motion.T for q in shapes)
+    place, turned = place_in_frame(interface, motion.coordinates)
+    point = _in_space(motion, place[:, None], rate[:, None, :3], second[:, None, :3])
+    own = np.einsum("tij,tj->ti", turned, _turning(interface.cubic_turn, moved[:, 3:], rate[:, 3:]))
+    return InterfaceMotion(
+        in_space(motion.position, motion.rotation, place[:, None])[:, 0],
+        motion.rotation @ turned,
+        point.velocity[:, 0],
+        point.acceleration[:, 0],
+        np.einsum("tij,tj->ti", motion.rotation, motion.angular_velocity + own),
+    )
+
+
+def _turning(cubic_turn: float, theta: Array, rate: Array) -> Array:
+    """T(phi) dphi (t, 3), the angular velocity in the turned axes:
+
+    T(phi) dphi = dphi - (1 - cos p)/p^2 phi x dphi + (p - sin p)/p^3 phi x (phi x dphi),   p = |phi|
+    """
+    square = np.sum(theta**2, axis=1, keepdims=True)
+    phi = theta * (1 + cubic_turn * square)
+    dphi = rate * (1 + cubic_turn * square) + theta * (
+        2 * cubic_turn * np.sum(theta * rate, axis=1, keepdims=True)
+    )
+    p = np.linalg.norm(phi, axis=1, keepdims=True)
+    second = 0.5 * np.sinc(p / (2 * np.pi)) ** 2
+    series = 1 / 6 - p**2 / 120 + p**4 / 5040
+    third = np.where(p < 0.05, series, (p - np.sin(p)) / np.maximum(p, 0.05) ** 3)
+    once = np.cross(phi, dphi)
+    return dphi - second * once + third * np.cross(phi, once)
+
+
+def _of_frame(
+    body: Deforming, q: Array, dq: Array, ddq: Array, nodes: NDArray[np.intp]
+) -> tuple[Array, Array, Array]:
+    """Displacements (t, k, 3) of some nodes in the frame, and their first and second rates.
+
+    Displacements are quadratic, u = V q + Z(q, q): expand_rates is V dq + 2 Z(q, dq), so that
+    ddu = V ddq + 2 Z(q, ddq) + 2 Z(dq, dq).
+    """
+    quadratic = body.expand_rates(dq, dq, nodes) - body.expand_rates(np.zeros_like(dq), dq, nodes)
+    rate, second = body.expand_rates(q, dq, nodes), body.expand_rates(q, ddq, nodes)
+    return body.expand(q, nodes), rate, second + quadratic
+
+
+def _in_space(motion: FloatingMotion, place: Array, rate: Array, second: Array) -> NodeMotion:
+    """Of points (t, k, 3) of the frame, with their rates there."""
+    w, dw = motion.angular_velocity[:, None], motion.angular_acceleration[:, None]
+    turning = np.cross(w, place)
+    velocity = turning + rate
+    acceleration = np.cross(dw, place) + np.cross(w, turning) + 2 * np.cross(w, rate) + second
+
+    def turned(vectors: Array) -> Array:
+        return np.einsum("tij,tkj->tki", motion.rotation, vectors)
+
+    return NodeMotion(
+        motion.position[:, None] + turned(place),
+        motion.velocity[:, None] + turned(velocity),
+        motion.acceleration[:, None] + turned(acceleration),
+    )

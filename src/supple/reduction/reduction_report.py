@@ -1,0 +1,101 @@
+"""How a reduced basis came about: its columns, what was left out, what it cost, and how far it locks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.algebra import read_only
+from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
+
+Array = NDArray[np.float64]
+
+ROTATION = 0.1
+"""rad, by which the softest of the loads turns the body against its held interface in linear theory."""
+
+
+@dataclass(frozen=True, eq=False)
+class Locking:
+    """Share of its static answer to plausible loads that a reduced body withholds.
+
+        1 - f.gamma / f.gamma_free,   gamma_free: with all motion outside the columns free to follow
+
+    loads : what acts, each with the same linear energy: that which turns the softest by 0.1 rad
+    plain : (k,)        of the tensors of the columns alone; nan where the body buckles under the load
+    remaining : (k,)    of the body as it is
+    """
+
+    loads: tuple[str, ...]
+    plain: Array
+    remaining: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "plain", read_only(self.plain))
+        object.__setattr__(self, "remaining", read_only(self.remaining))
+
+    @property
+    def largest_plain(self) -> float:
+        """The largest share that the columns alone would withhold."""
+        return _largest(self.plain)
+
+    @property
+    def largest_remaining(self) -> float:
+        """The largest share that the body withholds."""
+        return _largest(self.remaining)
+
+    def __str__(self) -> str:
+        if not self.loads:
+            return "not known: no load bends the body"
+        worst = self.loads[int(np.argmax(np.nan_to_num(self.plain, nan=-1.0)))]
+        return (
+            f"{in_percent(self.largest_remaining)} of the answer at {ROTATION:g} rad; without condensation "
+            f"{in_percent(self.largest_plain)}, under {worst}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ReductionReport:
+    """How the basis came about: what was kept, what was dropped, and what it cost.
+
+    linear : labels of the linear columns (modes and static columns) that span the linear subspace
+    derivatives : labels of the columns added for the quadratic motion
+    corrections : labels of the columns added because a run of the reduced body missed them
+    dropped : labels of the columns left out because others, or the frame, already hold their motion
+    singular_values_kept, singular_values_dropped : of the weighted derivatives, relative to the first
+        (both empty unless the derivatives were compressed)
+    seconds : wall time of each offline step
+    certificate : what is proven of the body's eigenvalues, by a basis that proves it (ErrorControlled)
+    locking : what stiff motion outside the columns would withhold, and does; None of a linear body
+    """
+
+    linear: tuple[str, ...]
+    derivatives: tuple[str, ...] = ()
+    corrections: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()
+    singular_values_kept: Array = field(default_factory=lambda: np.empty(0))
+    singular_values_dropped: Array = field(default_factory=lambda: np.empty(0))
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    certificate: EigenvalueCertificate | None = None
+    locking: Locking | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("singular_values_kept", "singular_values_dropped"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    def __str__(self) -> str:
+        counts = [f"{len(self.linear)} linear columns", f"{len(self.derivatives)} derivatives"]
+        counts += [f"{len(self.corrections)} corrections"] if self.corrections else []
+        left_out = f"; left out: {', '.join(self.dropped)}" if self.dropped else ""
+        return ", ".join(counts) + left_out
+
+
+def _largest(shares: Array) -> float:
+    return float(np.max(np.nan_to_num(shares, nan=0.0), initial=0.0))
+
+
+def in_percent(share: float) -> str:
+    """A share to two digits, for tables and warnings."""
+    return f"{100 * share:.2g} %" if share >= 1e-4 else "none"
