@@ -23,7 +23,7 @@ from supple.machine import (
 )
 from supple.mesh import CellType
 from supple.reduction import NormalModes
-from supple.results.explicit_fields import largest_stress
+from supple.results.explicit_fields import largest_part_stress
 from supple.simulation import simulate
 
 LENGTH, SPIN = 4.0, 0.3
@@ -66,7 +66,7 @@ def test_stress_beyond_the_yield_stress_is_said_with_its_place():
     assert not heard(System([spinning(yield_stress=2 * STRESS)]))
     part = spinning()
     solution = simulate(System([part]), RUN)
-    found = largest_stress(part.body, solution.times, solution.bodies["rotor"])
+    found = largest_part_stress(part.body, solution.times, solution.bodies["rotor"])
     assert (found.place, found.value) == (node, pytest.approx(stress, rel=1e-3))
 
 

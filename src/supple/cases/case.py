@@ -229,12 +229,12 @@ class Case:
             self._check_stress()
         bodies = []
         for table in tables.body:
-            elements = None if table.explicit is None else self.elements[table.name]
-            bodies.append(table.build(flexible.get(table.name), self.folder, self.notify, elements))
+            model = None if table.explicit is None else self.elements[table.name]
+            bodies.append(table.build(flexible.get(table.name), self.folder, self.notify, model))
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
         loads = [table.build(self.folder, self.place, self.meshes) for table in tables.load]
-        forces = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
+        elements = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
         frictions = [
             table.friction.build(joint)
             for table, joint in zip(tables.joint, joints, strict=True)
@@ -242,7 +242,7 @@ class Case:
         ]
         return replace(
             unloaded,
-            loads=(*loads, *forces, *frictions),
+            loads=(*loads, *elements, *frictions),
             ties=[table.build() for table in tables.tie],
             contacts=[table.build() for table in tables.contact],
             supports=[table.build() for table in tables.support],

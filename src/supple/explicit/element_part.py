@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body.floating_kinematics import node_numbers
+from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
+from supple.body.point_motion import InterfaceMotion, NodeMotion
 from supple.explicit.motions import NodalMotion
 from supple.explicit.node_set import NodeSet, node_sets
 from supple.fem import FiniteElementModel
@@ -20,7 +22,7 @@ __all__ = ["ElementPart"]
 FloatArray = NDArray[np.float64]
 
 
-class ElementPart:
+class ElementPart(FormDefaults):
     """A `BodyForm` whose coordinates are the displacements of its nodes; it has no frame and any rotation."""
 
     name: str
@@ -84,6 +86,17 @@ class ElementPart:
     def positions(self, motion: NodalMotion, nodes: ArrayLike | slice = slice(None)) -> FloatArray:
         """Positions (t, k, 3) in space of some nodes, or all."""
         return motion.nodes[:, nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))]
+
+    def node_motion(self, motion: NodalMotion, nodes: ArrayLike) -> NodeMotion:
+        """Positions and velocities (t, k, 3) of some nodes in space; accelerations are not known, NaN."""
+        own = node_numbers(nodes, len(self.nodes))
+        velocities = motion.velocities[:, own]
+        return NodeMotion(motion.nodes[:, own], velocities, np.full_like(velocities, np.nan))
+
+    def interface_motion(self, motion: NodalMotion, name: str) -> InterfaceMotion:
+        """Mean motion (t, ...) of a node set in space, as `NodeSet.moving`; accelerations are not known."""
+        own = self.interface(name)
+        return own.moving(self.node_motion(motion, own.nodes))
 
     @property
     def is_linear(self) -> bool:

@@ -14,8 +14,10 @@ from supple.arguments import checked_arguments
 from supple.body import FlexibleBody, LinearRayleighDamping, MeanAxisFrame
 from supple.body.damping import refuse_held
 from supple.body.floating_kinematics import node_numbers
+from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
 from supple.body.mass_properties import rigid_mass_properties
+from supple.body.point_motion import InterfaceMotion, NodeMotion
 from supple.errors import ModelError
 from supple.explicit.frame_model import FrameModel
 from supple.explicit.frame_moments import Moments, moments
@@ -35,7 +37,7 @@ LARGEST_RIGID_PART = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class ModalSubdomain:
+class ModalSubdomain(FormDefaults):
     """Modes of a free body on a four-point frame; build it with `modal_subdomain`.
 
     body : FlexibleBody
@@ -150,6 +152,26 @@ class ModalSubdomain:
         P = (motion.points[:, 1:] - motion.points[:, :1]).swapaxes(1, 2)
         local = np.einsum("nik,tk->tni", self.shapes[own], motion.coordinates, optimize=True)
         return weights @ motion.points + local @ P.swapaxes(1, 2)
+
+    def node_motion(self, motion: FourPointMotion, nodes: ArrayLike) -> NodeMotion:
+        """Positions and velocities (t, k, 3) of some nodes in space; accelerations are not known, NaN.
+
+        dx = sum_a w_a dx_a + dP Phi y + P Phi dy
+        """
+        own = node_numbers(nodes, len(self.nodes))
+        weights, shapes = self.points.weights(self.nodes[own]), self.shapes[own]
+        P, dP = (each[:, 1:] - each[:, :1] for each in (motion.points, motion.point_rates))
+        local, rate = (
+            np.einsum("nik,tk->tni", shapes, y, optimize=True)
+            for y in (motion.coordinates, motion.coordinate_rates)
+        )
+        velocities = weights @ motion.point_rates + local @ dP + rate @ P
+        return NodeMotion(self.positions(motion, own), velocities, np.full_like(velocities, np.nan))
+
+    def interface_motion(self, motion: FourPointMotion, name: str) -> InterfaceMotion:
+        """Mean motion (t, ...) of a node set in space, as `NodeSet.moving`; accelerations are not known."""
+        own = self.interface(name)
+        return own.moving(self.node_motion(motion, own.nodes))
 
     @property
     def is_linear(self) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body.averaged_motion import averaged_motion
+from supple.body.point_motion import InterfaceMotion, NodeMotion
 
 __all__ = ["NodeSet", "node_sets"]
 
@@ -35,11 +36,6 @@ class NodeSet:
         return averaged_motion(self.part.nodes[self.nodes], np.ones(len(self.nodes)), self.position, 3)
 
     @property
-    def tied_nodes(self) -> NDArray[np.int64]:
-        """None."""
-        return np.empty(0, dtype=np.int64)
-
-    @property
     def motion(self) -> FloatArray:
         """The same per coordinate of the part, (6, r)."""
         unit = np.eye(self.part.n_coordinates)
@@ -49,6 +45,28 @@ class NodeSet:
     def cubic_turn(self) -> float:
         """None: of small rotations."""
         return 0.0
+
+    @property
+    def tied_nodes(self) -> NDArray[np.int64]:
+        """None: its nodes move as they like."""
+        return np.empty(0, dtype=np.int64)
+
+    def moving(self, nodes: NodeMotion) -> InterfaceMotion:
+        """Its motion from that of its nodes: the mean, and the rotation and spin that fit them best.
+
+        max tr(A^T H),   H = sum (x - x_m) (X - X_m)^T     (Kabsch 1976)
+        J w = sum (x - x_m) x (v - v_m)
+        """
+        position, velocity, acceleration = (each.mean(axis=1) for each in nodes)
+        arms, rates = nodes.position - position[:, None], nodes.velocity - velocity[:, None]
+        left, _, right = np.linalg.svd(
+            np.einsum("tni,nj->tij", arms, self.part.nodes[self.nodes] - self.position)
+        )
+        left[:, :, 2] *= np.linalg.det(left @ right)[:, None]
+        spread = np.einsum("tni,tnj->tij", arms, arms)
+        J = np.trace(spread, axis1=1, axis2=2)[:, None, None] * np.eye(3) - spread
+        spin = np.einsum("tij,tj->ti", np.linalg.pinv(J, rcond=1e-9), np.cross(arms, rates).sum(axis=1))
+        return InterfaceMotion(position, left @ right, velocity, acceleration, spin)
 
 
 def node_sets(part: Any, sets: Mapping[str, NDArray[np.int64]]) -> tuple[NodeSet, ...]:

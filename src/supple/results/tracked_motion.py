@@ -100,9 +100,9 @@ def tracked_motion(
     ModelError  a node number outside the body, an interface that it does not have
     """
     if body.kind in ("modal", "explicit"):  # which deflect against no frame that others could see
-        nodes: Any = getattr(body.interface(at), "nodes") if isinstance(at, str) else at  # noqa: B009
-        place = body.positions(motion, nodes).mean(axis=1)
-        return TrackedMotion(place, "", np.zeros_like(place), is_elastic=False)
+        chosen: Any = getattr(body.interface(at), "nodes") if isinstance(at, str) else at  # noqa: B009
+        where = body.positions(motion, chosen).mean(axis=1)
+        return TrackedMotion(where, "", np.zeros_like(where), is_elastic=False)
     if isinstance(at, str):
         place = observer(body, motion, at)
         rest, position = place.rest, place.origin

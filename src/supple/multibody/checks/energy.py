@@ -47,6 +47,7 @@ class Balances(NamedTuple):
 
 def balances(system: System, solution: Solution) -> Balances:
     """Energies and momenta of the whole system at the output times: the sum over its bodies."""
+    system.check_has_frames()
     every = [
         body_balances(placed.body, solution.bodies[placed.body.name], system.gravity)
         for placed in system.bodies
