@@ -106,6 +106,7 @@ def test_a_search_that_fails_is_reported_with_the_share_reached(monkeypatch):
         tip_at_rest(3, FollowerForce(first="beam.tip", force=(0, 0, 1e5)), n_steps=1)
 
 
+@pytest.mark.slow
 def test_a_run_from_the_equilibrium_of_a_beam_stays_there():
     """Its clamp carries the weight, and its moment about the root; a drive is held where its law is."""
     sag = 0.05
