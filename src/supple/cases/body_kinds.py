@@ -43,6 +43,7 @@ from supple.importers.toml import (
     tables,
 )
 from supple.mesh import Mesh
+from supple.mesh.mesh_part import mesh_part
 
 Kinematics = Literal["green-lagrange", "von-karman"]
 _KINEMATICS = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
@@ -67,8 +68,11 @@ class ElasticKind(BodyKind, ABC):
     is_elastic = True
 
     @abstractmethod
-    def source(self, folder: Path, mesh: str, /) -> BodySource:
-        """What the files hold, which lie in `folder`; a superelement has no mesh file."""
+    def source(self, folder: Path, mesh: str, cells: str | None = None, /) -> BodySource:
+        """What the files hold, which lie in `folder`; a superelement has no mesh file.
+
+        cells : cell set of the mesh that is the body, of `Homogeneous` ones; None: all
+        """
 
 
 class Homogeneous(ElasticKind):
@@ -81,9 +85,14 @@ class Homogeneous(ElasticKind):
     poissons_ratio: float = Field(gt=-1.0, lt=0.5, description="Poisson's ratio")
     density: Positive = Field(description="mass per volume")
 
-    def source(self, folder: Path, mesh: str, /) -> BodySource:
+    def source(self, folder: Path, mesh: str, cells: str | None = None, /) -> BodySource:
         """The mesh file with elements."""
         read = read_mesh(folder / mesh)
+        if cells is not None:
+            part = mesh_part(read, read.cells_of(cells))
+            inside = {name: nodes[np.isin(nodes, part.nodes)] for name, nodes in read.node_sets.items()}
+            sets = {name: nodes for name, nodes in inside.items() if len(nodes)}
+            read = mesh_part(read, read.cells_of(cells), sets).mesh
         material = Isotropic(self.youngs_modulus, self.poissons_ratio, self.density)
         return elements_source(read, lambda: self.model(read, material))
 
@@ -127,7 +136,7 @@ class Nastran(ElasticKind):
         description="membrane strain of shells; von-karman only for flat ones bending out of their plane",
     )
 
-    def source(self, folder: Path, mesh: str, /) -> BodySource:
+    def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
         """The bulk data file."""
         return nastran_source(folder / mesh, _KINEMATICS[self.kinematics])
 
@@ -150,7 +159,7 @@ class Matrices(ElasticKind):
         None, description="largest relative force against rigid motion; from the printed digits if left out"
     )
 
-    def source(self, folder: Path, mesh: str, /) -> BodySource:
+    def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
         """The matrices, and the nodes of the mesh file."""
         return labelled_matrices_source(
             nodes=folder / mesh,
@@ -174,7 +183,7 @@ class Superelement(ElasticKind):
         description="freedoms per node: 3 (translations) or 6 (and rotations)"
     )
 
-    def source(self, folder: Path, _mesh: str, /) -> BodySource:
+    def source(self, folder: Path, _mesh: str, _cells: str | None = None, /) -> BodySource:
         """The three files."""
         return matrices_source(
             nodes=folder / self.nodes,
@@ -230,7 +239,12 @@ def kind_of(body: Raw) -> type[BodyKind] | None:
 def is_elastic(body: Raw) -> bool:
     """True of a body that the case builds, and may reduce; also where it does not say what it is made of."""
     kind = kind_of(body)
-    return kind is None or kind.is_elastic
+    return (kind is None or kind.is_elastic) and not is_explicit(body)
+
+
+def is_explicit(body: Raw) -> bool:
+    """True of a body that marches explicitly, in modes or in finite elements."""
+    return "modal" in body or "explicit" in body
 
 
 def kinds_that(fact: str) -> list[str]:

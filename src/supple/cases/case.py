@@ -116,7 +116,7 @@ class Case:
         """
         self.notify("reading meshes")
         sources = {
-            body.name: body.elastic.source(self.folder, body.mesh or "")
+            body.name: body.elastic.source(self.folder, body.mesh or "", body.cells)
             for body in self.tables.body
             if body.elastic is not None
         }
@@ -194,7 +194,7 @@ class Case:
         """
         flexible = {}
         for table in self.parts.body:
-            if table.name in self.sources:
+            if table.name in self.sources and table.explicit is None:
                 self.notify(f"assembling body '{table.name}'")
                 flexible[table.name] = table.flexible(self.sources[table.name])
                 self.notify(checked_line(flexible[table.name]))
@@ -227,17 +227,26 @@ class Case:
         tables, flexible = self.parts, self.flexible
         if tables.output.colour == "von-mises":
             self._check_stress()
-        bodies = [table.build(flexible.get(table.name), self.folder, self.notify) for table in tables.body]
+        bodies = []
+        for table in tables.body:
+            elements = None if table.explicit is None else self.elements[table.name]
+            bodies.append(table.build(flexible.get(table.name), self.folder, self.notify, elements))
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
         loads = [table.build(self.folder, self.place, self.meshes) for table in tables.load]
-        elements = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
+        forces = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
         frictions = [
             table.friction.build(joint)
             for table, joint in zip(tables.joint, joints, strict=True)
             if table.friction is not None
         ]
-        return replace(unloaded, loads=(*loads, *elements, *frictions))
+        return replace(
+            unloaded,
+            loads=(*loads, *forces, *frictions),
+            ties=[table.build() for table in tables.tie],
+            contacts=[table.build() for table in tables.contact],
+            supports=[table.build() for table in tables.support],
+        )
 
     def controlled(self, system: System, *, allow_code: bool) -> System:
         """The system with the controllers that the case names.

@@ -11,6 +11,7 @@ from pydantic import Field
 from supple.cases import (
     bodies,
     condense,
+    contacts,
     control,
     elements,
     joints,
@@ -23,6 +24,7 @@ from supple.cases import (
     stated_error,
 )
 from supple.cases.bodies import Body
+from supple.cases.contacts import ContactTable, SupportTable, TieTable
 from supple.cases.control import control_file
 from supple.cases.elements import ElementTable
 from supple.cases.ends import place_exists
@@ -56,6 +58,9 @@ class CaseTables(CheckedTable):
     load: Annotated[tuple[Load, ...], Field(strict=False)] = ()
     spring: Annotated[tuple[SpringTable, ...], Field(strict=False)] = ()
     element: Annotated[tuple[ElementTable, ...], Field(strict=False)] = ()
+    tie: Annotated[tuple[TieTable, ...], Field(strict=False)] = ()
+    contact: Annotated[tuple[ContactTable, ...], Field(strict=False)] = ()
+    support: Annotated[tuple[SupportTable, ...], Field(strict=False)] = ()
     control: str | None = Field(None, description="FILE.py:FUNCTION; runs with --allow-code")
     sensor: Annotated[tuple[Sensor, ...], Field(strict=False)] = ()
     simulation: Simulation
@@ -82,6 +87,7 @@ RULES: tuple[Rule, ...] = (
     *loads.RULES,
     *springs.RULES,
     *elements.RULES,
+    *contacts.RULES,
     *control.RULES,
     *simulation.RULES,
     *spin.RULES,

@@ -34,6 +34,7 @@ class Drawing:
     modes: Mapping[str, BodyModes]
     elements: Mapping[str, FiniteElementModel] | None
     bases: Mapping[str, At]
+    colour: str
     units: UnitSystem
     pictures: bool
     film: bool
@@ -43,6 +44,9 @@ class Drawing:
         # Imported here: a run without pictures does not wait for the drawing library.
         from supple.viz import animate_run, draw_run
 
+        if self.system.has_parts:
+            self._draw_march(progress)
+            return
         run = (self.system, self.solution, self.meshes)
         if self.pictures:
             progress("drawing pictures", 0.0)
@@ -62,6 +66,24 @@ class Drawing:
                 *run,
                 elements=self.elements,
                 bases=self.bases,
+                units=self.units,
+                progress=lambda share: progress("drawing the animation", share),
+            )
+
+    def _draw_march(self, progress: Progress) -> None:
+        from supple.viz.explicit_pictures import COLOURINGS, animate_explicit, draw_explicit
+
+        if self.pictures:
+            progress("drawing pictures", 0.0)
+            ways = {name: place.position for name, place in self.tracked.items()}
+            draw_explicit(self.folder, self.solution, ways, units=self.units)
+            progress("drawing pictures", 1.0)
+        if self.film:
+            animate_explicit(
+                self.folder / "motion.gif",
+                self.system,
+                self.solution,
+                COLOURINGS.get(self.colour, COLOURINGS["von-mises"]),
                 units=self.units,
                 progress=lambda share: progress("drawing the animation", share),
             )
@@ -87,6 +109,7 @@ def drawing_of(
         case.held_modes if output.pictures and system.bodies_of(ReducedBody) else {},
         case.elements if output.colour == "von-mises" else None,
         case.bases,
+        output.colour,
         case.units,
         pictures=output.pictures,
         film=output.animation,

@@ -14,7 +14,6 @@ from supple.cases.laws import ONE, LoadLaw
 from supple.cases.shared_rules import PlaceOf
 from supple.cases.table import Key, Made, OneOf, part, table_of
 from supple.errors import ModelError
-from supple.explicit.outer_faces import outer_triangles
 from supple.importers.toml import Mistakes, Raw, Vector, names, tables
 from supple.machine import (
     At,
@@ -28,6 +27,7 @@ from supple.machine import (
     Scaled,
 )
 from supple.mesh import Mesh
+from supple.mesh.outer_faces import outer_triangles
 
 Place = Callable[[str], tuple[str, Any]]
 """The body of BODY.PLACE, and its interface or the nodes of its node set."""

@@ -10,6 +10,7 @@ from supple.cases import Case, read_case
 from supple.cases.outputs import check_not_an_input
 from supple.errors import CaseError, did_you_mean
 from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
+from supple.machine import NodalLoad
 from supple.terminal import console, print_rows, worded
 from supple.units import headed, measured
 
@@ -34,11 +35,8 @@ def export_case(path: Path, target: Path, *, body: str | None, time: float | Non
         flexible, model = case.flexible[name], case.elements[name]
         table = next(one for one in case.tables.body if one.name == name)
         instant = case.run.start + case.run.duration if time is None else time
-        loads = [
-            load.build(*case.place(load.at), case.folder)
-            for load in case.tables.load
-            if load.at.partition(".")[0] == name
-        ]
+        every = [table.build(case.folder, case.place, case.meshes) for table in case.tables.load]
+        loads = [load for load in every if isinstance(load, NodalLoad) and load.body == name]
         nodal = static_load(
             flexible, loads, time=instant, rotation=table.rotation, gravity=case.tables.gravity
         )

@@ -6,13 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 from supple.errors import ModelError
-from supple.integrate import Engine, Kinematic, Run
+from supple.explicit import ExplicitEngine
+from supple.integrate import Engine, ExplicitRule, Kinematic, Run
 from supple.intrinsic import intrinsic_engine
 from supple.machine import System
 from supple.machine.forces import JointFriction
 from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
 
-__all__ = ["EngineFactory", "engine_for", "register_engine"]
+__all__ = ["EngineFactory", "engine_for", "is_explicit", "register_engine"]
 
 EngineFactory = Callable[[System, Run], Engine[Any]]
 """Makes a machine ready for one method."""
@@ -37,6 +38,8 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
     if isinstance(run.method, Kinematic):
         return KinematicEngine(system, run)
     kinds = {placed.body.kind for placed in system.bodies}
+    if is_explicit(system, run):
+        return ExplicitEngine(system, run)
     factory = next((factory for kind, factory in _ENGINES.items() if kind in kinds), CompiledEngine)
     _check_controllers(system, factory)
     frictions = [load for load in system.loads if isinstance(load, JointFriction)]
@@ -46,6 +49,12 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
             "RevoluteFriction or PrismaticFriction"
         )
     return factory(system, run)
+
+
+def is_explicit(system: System, run: Run) -> bool:
+    """Whether a run is an explicit march: its method says so, or a body that knows no other."""
+    kinds = {placed.body.kind for placed in system.bodies}
+    return isinstance(run.method, ExplicitRule) or any(_ENGINES.get(kind) is ExplicitEngine for kind in kinds)
 
 
 def _check_controllers(system: System, factory: Any) -> None:
@@ -58,5 +67,7 @@ def _check_controllers(system: System, factory: Any) -> None:
     )
 
 
+register_engine("modal", ExplicitEngine)
+register_engine("explicit", ExplicitEngine)
 register_engine("intrinsic", intrinsic_engine)
 register_engine("full", FullEngine)
