@@ -63,10 +63,11 @@ def test_programs_are_kept_from_python(tmp_path):
 
 def test_programs_that_fill_the_memory_maps_are_given_back(tmp_path, monkeypatch):
     """Beyond the limit of the system the compiler would end the process."""
-    built = [jax.jit(lambda x, n=n: jnp.sin(x) * n) for n in range(70)]
+    built = [jax.jit(lambda x, n=n: jnp.sin(x) * n) for n in range(4)]
     before = [float(program(1.0)) for program in built]
     limit = tmp_path / "max_map_count"
     monkeypatch.setattr(jax_settings, "_MOST_MAPS", limit)
+    monkeypatch.setattr(jax_settings._Process, "compiled_since_looked", 64)
     limit.write_text("1000000000\n")
     assert not bound_programs()
     limit.write_text("100\n")

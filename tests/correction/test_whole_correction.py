@@ -164,6 +164,7 @@ def test_an_accuracy_of_a_quantity(beam):
     assert beside.total == beside.at_least
 
 
+@pytest.mark.slow
 def test_a_body_that_corrects_itself_states_the_basis_part_of_every_quantity(beam):
     """Against the full run with the same steps; parts that nobody looked at leave no total."""
     full = FullBody(beam, NodalFixedFrame("root"), DAMPING)

@@ -79,6 +79,7 @@ def front(viscosity, kind=CellType.HEXA8, cells=60, stress=0.1):
     )
 
 
+@pytest.mark.slow
 def test_a_front_in_a_bar_is_that_of_d_alembert():
     """Stress sigma and velocity sigma / (rho c) behind it, where c t is; without viscosity a quarter more."""
     stress, velocity, _, _, balance, lost = front(NONE)

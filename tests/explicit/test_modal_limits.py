@@ -70,6 +70,7 @@ def test_stress_beyond_the_yield_stress_is_said_with_its_place():
     assert (found.place, found.value) == (node, pytest.approx(stress, rel=1e-3))
 
 
+@pytest.mark.slow
 def test_a_part_without_a_yield_stress_has_that_of_its_metal():
     law = J2Plasticity(SOFT, LinearHardening(0.8 * STRESS))
     beside = Placed(explicit_bar(CellType.HEXA8, law, (2, 1, 1)), position=(0.0, 5.0, 0.0))

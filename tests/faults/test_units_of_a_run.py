@@ -24,8 +24,8 @@ STEPS = 12
 
 
 @pytest.fixture(
-    params=[("m-kg-s", "mm-t-s"), pytest.param(tuple(SYSTEMS), marks=pytest.mark.slow)],
-    ids=["two", "all"],
+    params=[("m-kg-s", "mm-t-s", "in-lbf-s"), tuple(SYSTEMS)],
+    ids=["three", "all"],
 )
 def runs(machine, request):
     """The machine, run in several systems."""
@@ -64,6 +64,7 @@ def is_number(cell):
     return bool(re.fullmatch(r"[-+.e\d]+(  [-+.e\d]+)*", cell))
 
 
+@pytest.mark.slow
 def test_a_machine_does_not_know_its_units(runs):
     """Motion, forces and words of all runs agree once they are converted."""
     first, (case, result, _) = next(iter(runs.items()))

@@ -101,6 +101,7 @@ def test_a_line_that_nothing_holds_falls():
         equilibrium(System([body], gravity=(0, 0, -9.81)), search=StaticSearch(max_iterations=20))
 
 
+@pytest.mark.slow
 def test_a_run_from_the_equilibrium_of_a_beam_stays_there():
     """Its clamp carries the weight, and its moment about the root; a drive is held where its law is."""
     sag = 0.05

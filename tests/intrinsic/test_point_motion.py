@@ -135,6 +135,7 @@ def test_a_line_that_turns_as_a_rigid_body_has_its_energy_and_momentum():
         )
 
 
+@pytest.mark.slow
 def test_sensors_of_a_machine_of_a_line_and_a_rigid_body_agree():
     """A line on a hinge carries a mass at its tip: both bodies say the same of where they meet."""
     line = released(intrinsic_body(beam_line(straight(1.0, 4), name="a", **SOFT), BALL, 6))

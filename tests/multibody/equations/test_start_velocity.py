@@ -264,6 +264,7 @@ def test_zeros_given_to_all_bodies_and_a_law_with_a_rate(rod):
         simulate(System([bar], [motor]), Run(0.002, 0.001))
 
 
+@pytest.mark.slow
 def test_a_batch_of_driven_bodies_starts_as_each_does(forms, rod):
     """Cases that differ in what is given do not share a start."""
     motor = PrescribedRotation(
