@@ -115,3 +115,26 @@ def test_controllers_ask_for_released_bodies():
         simulate(machine, RUN)
     with pytest.raises(ModelError, match="controllers of machines with intrinsic bodies act in runs alone"):
         equilibrium(System([released(clamped)], [clamp], controllers=[own]))
+
+
+@pytest.mark.slow
+def test_a_sampled_run_in_two_parts_is_one_run():
+    called = []
+
+    def law(time, readings, memory):
+        called.append(time)
+        total = memory["total"] + readings["hinge"].angle
+        return {"motor": 0.3 - total}, {"total": total}
+
+    own = SampledController(
+        reads=READS, drives={"motor": MOTOR}, law=law, every=0.03, memory={"total": 0.0}, name="servo"
+    )
+    machine = System([rod()[0]], [HINGE], controllers=[own])
+    run = Run(0.2, 0.05, step=FixedStep(5e-3), method=GeneralizedAlpha(0.9))
+    parts = []
+    whole = simulate(machine, run, record=parts.append)
+    assert len(parts) > 2
+    called.clear()
+    rest = simulate(machine, run, resume=parts[1])
+    assert np.array_equal(rest.bodies["beam"].rates[-1], whole.bodies["beam"].rates[-1])
+    assert called == pytest.approx([time for time in 0.03 * np.arange(7) if time >= parts[1].times[-1]])
