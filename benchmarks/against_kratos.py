@@ -33,14 +33,15 @@ from peer_process import PeerProcess
 from supple.explicit import (
     BulkViscosity,
     ExplicitEngine,
-    ExplicitOptions,
-    ExplicitSystem,
-    Part,
     StVenantKirchhoff,
     explicit_subdomain,
 )
 from supple.fem import Isotropic, solid_model
-from supple.integrate import Run
+from supple.integrate import FixedStep, Run
+from supple.machine import (
+    Placed,
+    System,
+)
 from supple.mesh import CellType, Mesh, block
 
 STEEL = Isotropic(210e9, 0.3, 7850.0)
@@ -83,9 +84,9 @@ class InSupple:
         model = solid_model(mesh, STEEL)
         part = explicit_subdomain(model, StVenantKirchhoff(STEEL), name="block", bulk_viscosity=none)
         self.step = 0.5 * part.step_limit
-        span = Run(n_steps * self.step, n_steps * self.step)
-        moving = Part(part, velocity=np.cross(SPIN, -CENTRE), angular_velocity=SPIN)
-        self._engine = ExplicitEngine(ExplicitSystem([moving]), span, ExplicitOptions(step=self.step))
+        span = Run(n_steps * self.step, n_steps * self.step, FixedStep(self.step))
+        moving = Placed(part, velocity=np.cross(SPIN, -CENTRE), angular_velocity=SPIN)
+        self._engine = ExplicitEngine(System([moving]), span)
         self._start, self._end = self._engine.start(0.0), span.times[-1:]
         leg = self._engine.march(self._start, self._end)  # compiles
         if leg.stopped is not None or leg.statistics.steps != n_steps:

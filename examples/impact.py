@@ -9,35 +9,26 @@ from pathlib import Path
 import numpy as np
 
 import supple as sp
-from supple.explicit import (
-    ENERGIES,
-    Contact,
-    Energies,
-    ExplicitSystem,
-    J2Plasticity,
-    LinearHardening,
-    Part,
-    RigidPlane,
-    Tie,
-    simulate_explicit,
-)
+from supple.explicit import ENERGIES, Energies, J2Plasticity, LinearHardening
+from supple.machine import Contact, RigidPlane, Tie
 from supple.reduction import NormalModes
 
 ALUMINIUM = sp.Isotropic(70e9, 0.3, 2700.0)
 SPEED = np.array([30.0, 0.0, 0.0])
 
 
-def system() -> ExplicitSystem:
+def system() -> sp.System:
     """The rest, 1 m of hard alloy, in 20 modes; the soft nose, 0.2 m, in elements; the wall at its tip."""
     rest = sp.block(1.0, 0.1, 0.1, 20, 2, 2, sp.CellType.TETRA4)
     nose = sp.block(0.2, 0.1, 0.1, 4, 2, 2, sp.CellType.HEXA8)
     nose = sp.Mesh(nose.nodes + np.array([1.0, 0.0, 0.0]), nose.cells, nose.node_sets)
     body = sp.flexible_body("rest", sp.solid_model(rest, ALUMINIUM))
     law = J2Plasticity(ALUMINIUM, LinearHardening(100e6, 300e6))
-    return ExplicitSystem(
+    soft = sp.explicit_subdomain(sp.solid_model(nose, ALUMINIUM), law, name="nose")
+    return sp.System(
         [
-            Part(sp.modal_subdomain(body, NormalModes(20), yield_stress=500e6), velocity=SPEED),
-            Part(sp.explicit_subdomain(sp.solid_model(nose, ALUMINIUM), law, name="nose"), velocity=SPEED),
+            sp.Placed(sp.modal_subdomain(body, NormalModes(20), yield_stress=500e6), velocity=SPEED),
+            sp.Placed(soft, velocity=SPEED),
         ],
         ties=[Tie(sp.At("nose", "root"), "rest")],
         contacts=[Contact(sp.At("nose", "tip"), RigidPlane((1.2, 0, 0), (-1, 0, 0)))],
@@ -46,8 +37,8 @@ def system() -> ExplicitSystem:
 
 def main(picture: Path = Path("impact.png")) -> np.ndarray:
     """Energies (t, 8), J, drawn over time."""
-    solution = simulate_explicit(system(), sp.Run(1.2e-3, 2.4e-5))
-    energies = solution.bodies[ENERGIES].values
+    solution = sp.simulate(system(), sp.Run(1.2e-3, 2.4e-5))
+    energies = solution.series[ENERGIES]
     balance = energies[:, :7].sum(axis=1) - energies[:, 7]
     assert np.abs(balance / balance[0] - 1).max() < 1e-3
     assert energies[-1, 2] > 0.5 * energies[0, 0]

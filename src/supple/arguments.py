@@ -14,18 +14,21 @@ from collections.abc import Callable
 from functools import cache, wraps
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from supple.errors import ArgumentError
+from supple.errors import ArgumentError, ModelError
 
 __all__ = [
+    "NotNegative",
+    "Positive",
     "check_fields",
     "check_instance",
     "check_members",
     "check_number",
     "check_numbers",
+    "check_ranges",
     "check_sequence",
     "check_text",
     "check_whole_number",
@@ -33,6 +36,8 @@ __all__ = [
     "given",
 ]
 
+Positive = Annotated[float, "positive"]
+NotNegative = Annotated[float, "not negative"]
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 _NUMBERS = frozenset("iuf")
@@ -120,6 +125,31 @@ def check_fields(record: Any) -> None:
     for name, hint in _hints(kind).items():
         if name in kind.__dataclass_fields__:
             _check(f"{kind.__name__}, {name}", getattr(record, name, None), hint)
+
+
+def check_ranges(label: str, record: Any) -> None:
+    """Raise ModelError unless every `Positive` and `NotNegative` field of a dataclass is finite and that."""
+    for name, expected in _ranges(type(record)).items():
+        value = getattr(record, name)
+        if value is not None and not (
+            np.isfinite(value) and (value > 0 or (value == 0 and expected == "not negative"))
+        ):
+            raise ModelError(f"{label}: {name} must be finite and {expected}, got {value}")
+
+
+@cache
+def _ranges(kind: type) -> dict[str, str]:
+    hints = get_type_hints(kind, include_extras=True)
+    options = {
+        name: get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+        for name, hint in hints.items()
+    }
+    return {
+        name: each.__metadata__[0]
+        for name, found in options.items()
+        for each in found
+        if each in (Positive, NotNegative)
+    }
 
 
 def checked_arguments(function: _F) -> _F:

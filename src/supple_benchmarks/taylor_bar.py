@@ -12,19 +12,21 @@ from __future__ import annotations
 import numpy as np
 
 from supple.explicit import (
-    Contact,
-    ExplicitSystem,
     J2Plasticity,
     LinearHardening,
-    Part,
-    RigidPlane,
     explicit_subdomain,
-    simulate_explicit,
 )
 from supple.fem import Isotropic, solid_model
 from supple.integrate import Run
-from supple.machine import At
+from supple.machine import (
+    At,
+    Contact,
+    Placed,
+    RigidPlane,
+    System,
+)
 from supple.mesh import CellType, cylinder
+from supple.simulation import simulate
 
 __all__ = ["COPPER", "taylor_bar", "taylor_bar_end"]
 
@@ -37,11 +39,11 @@ def taylor_bar_end(n_core: int, n_ring: int, n_length: int) -> tuple[float, floa
     mesh = cylinder(RADIUS, LENGTH, n_core, n_ring, n_length, CellType.HEXA8)
     law = J2Plasticity(COPPER, LinearHardening(400e6, 100e6))
     bar = explicit_subdomain(solid_model(mesh, COPPER), law, name="bar")
-    system = ExplicitSystem(
-        [Part(bar, velocity=np.array([-SPEED, 0.0, 0.0]))],
+    system = System(
+        [Placed(bar, velocity=np.array([-SPEED, 0.0, 0.0]))],
         contacts=[Contact(At("bar", "root"), RigidPlane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))],
     )
-    motion = simulate_explicit(system, Run(DURATION, DURATION / 10)).bodies["bar"]
+    motion = simulate(system, Run(DURATION, DURATION / 10)).bodies["bar"]
     x = motion.nodes[-1]
     radius = float(np.hypot(x[:, 1], x[:, 2]).max())
     return float(x[mesh.node_sets["tip"], 0].mean()), radius, float(motion.plastic_strain[-1].max())

@@ -4,11 +4,16 @@ import numpy as np
 import pytest
 
 from supple.body import MeanAxisFrame, flexible_body
-from supple.explicit import ExplicitOptions, ExplicitSystem, Part, modal_subdomain, part_positions
-from supple.explicit import simulate_explicit as march
+from supple.explicit import (
+    Explicit,
+    modal_subdomain,
+)
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Newmark, Run, Tolerances
-from supple.machine import Placed, System
+from supple.machine import (
+    Placed,
+    System,
+)
 from supple.mesh import CellType, block
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
 from supple.simulation import simulate
@@ -39,9 +44,9 @@ def _floating(body, n):
 
 def _four_points(body, largest):
     part = modal_subdomain(body, NormalModes(8))
-    system = ExplicitSystem([Part(part, velocity=VELOCITY, angular_velocity=SPIN)], gravity=GRAVITY)
-    solution = march(system, Run(SPAN, SPAN / 4), options=ExplicitOptions(safety=largest))
-    return part_positions(part, solution.bodies["box"])
+    system = System([Placed(part, velocity=VELOCITY, angular_velocity=SPIN)], gravity=GRAVITY)
+    solution = simulate(system, Run(SPAN, SPAN / 4, method=Explicit(safety=largest)))
+    return part.positions(solution.bodies["box"])
 
 
 @pytest.mark.slow

@@ -8,11 +8,19 @@ import numpy as np
 import pytest
 
 from supple.body import MeanAxisFrame, flexible_body
-from supple.explicit import ExplicitOptions, ExplicitSystem, NodalForce, Part, modal_subdomain, part_positions
-from supple.explicit import simulate_explicit as march
+from supple.explicit import (
+    Explicit,
+    modal_subdomain,
+)
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Newmark, Run, Tolerances
-from supple.machine import At, DeadForce, Placed, Ramp, Scaled, System
+from supple.machine import (
+    DeadForce,
+    Placed,
+    Ramp,
+    Scaled,
+    System,
+)
 from supple.mesh import CellType, block
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
 from supple.simulation import simulate
@@ -45,10 +53,10 @@ def _floating(body, n):
 
 def _four_points(body, largest):
     part = modal_subdomain(body, NormalModes(8))
-    pushes = [NodalForce(At("shaft", end), tuple(PUSH), RISE) for end in ("root", "tip")]
-    system = ExplicitSystem([Part(part, angular_velocity=SPIN)], forces=pushes)
-    solution = march(system, Run(SPAN, SPAN / 4), options=ExplicitOptions(safety=largest))
-    return part_positions(part, solution.bodies["shaft"])
+    pushes = [DeadForce(at=f"shaft.{end}", force=Scaled(PUSH, RISE)) for end in ("root", "tip")]
+    system = System([Placed(part, angular_velocity=SPIN)], loads=pushes)
+    solution = simulate(system, Run(SPAN, SPAN / 4, method=Explicit(safety=largest)))
+    return part.positions(solution.bodies["shaft"])
 
 
 @pytest.mark.slow

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from supple.cases import read_case, read_explicit_case, run_case
+from supple.cases import read_case, run_case
 from supple.cases.case_tables import CaseTables
-from supple.cases.explicit.explicit_tables import ExplicitTables
 from supple.fem import Isotropic, solid_model
 from supple.importers import read_mesh
 from supple.mesh import CellType, block, cylinder
@@ -22,8 +21,8 @@ ROOT = Path(__file__).parents[2]
 
 def words_of_the_schema():
     """Keys of all tables, and their fixed choices."""
-    roots = [CaseTables.model_json_schema(), ExplicitTables.model_json_schema()]
-    for table in [each for root in roots for each in (root, *root["$defs"].values())]:
+    root = CaseTables.model_json_schema()
+    for table in (root, *root["$defs"].values()):
         for key, rule in table["properties"].items():
             yield key
             yield from rule.get("enum", [])
@@ -109,15 +108,15 @@ def test_the_blade_example_is_a_valid_case():
 
 
 def test_the_impact_example_and_page_are_valid_cases(tmp_path):
-    case = read_explicit_case(ROOT / "examples" / "impact.toml")
-    assert [part.name for part in case.tables.part] == ["rest", "nose"]
+    case = read_case(ROOT / "examples" / "impact.toml")
+    assert [body.name for body in case.tables.body] == ["rest", "nose"]
     joint = [case.meshes[name].nodes[case.meshes[name].node_sets["JOINT"]] for name in ("rest", "nose")]
     np.testing.assert_array_equal(*joint)
     page = (ROOT / "docs" / "how-to" / "explicit_impact.md").read_text(encoding="utf-8")
     (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     (tmp_path / "cars.inp").touch()
     (tmp_path / "cars.toml").write_text(text, encoding="utf-8")
-    assert len(read_explicit_case(tmp_path / "cars.toml").tables.contact) == 2
+    assert len(read_case(tmp_path / "cars.toml").tables.contact) == 2
 
 
 def test_the_rod_of_the_examples_is_the_mesh_its_page_says():

@@ -49,6 +49,14 @@ def test_a_condensed_strip_swings_as_the_whole_one(case_folder, tmp_path):
     assert report["bodies"]["strip"]["stations"] == 5
 
 
+def test_a_condensed_strip_rests_as_a_cantilever_under_its_weight(case_folder, tmp_path):
+    """Its tip sags by w L^4 / (8 E I), but for the two hundredths of eight elements and five stations."""
+    path = rewritten(case_folder, (", modes = 4", ""))
+    found = static_case(read_case(path), tmp_path / "rest", errors=False)
+    sag = 7850.0 * 0.01 * 9.81 / (8 * 2.1e11 * 0.01**3 / 12)
+    assert found.tracked["strip.TIP"].position[0, 2] == pytest.approx(-sag, rel=0.02)
+
+
 @pytest.mark.slow
 def test_as_many_modes_are_kept_as_an_accuracy_takes(case_folder, tmp_path):
     path = rewritten(

@@ -14,6 +14,8 @@ from supple.cases import modes_case, read_case
 from supple.cases.static_case import starting_system
 from supple.cli.main import app
 from supple.errors import CaseError, ControlWarning
+from supple.sensors import read_sensors
+from supple.simulation import simulate
 
 CASE = """\
 title = "wheel"
@@ -99,6 +101,12 @@ MADE = {
     f'kind = "force-between", {AXIS}, value = 2.0, law = {{ kind = "ramp", value = 1.0, duration = 2.0 }}': (
         m.ForceBetween
     ),
+    f'kind = "tabled-torque", {AXIS}, angles = [0, 1], rates = [0, 2, 4], values = [[1, 2, 3], [4, 5, 6]]': (
+        m.TabledTorque
+    ),
+    f'kind = "tabled-force", {AXIS}, slides = [0, 1], speeds = [0, 2], values = [[1, 2], [4, 5]]': (
+        m.TabledForce
+    ),
     f'kind = "angle-servo", {AXIS}, law = {{ kind = "constant-rate", rate = 2.0 }}, {KEEP}': (m.AngleServo),
     f'kind = "slide-servo", {AXIS}, law = {{ kind = "constant", value = 2.0 }}, {KEEP}': m.SlideServo,
     f'kind = "motor", {AXIS}, speeds = [0, 1], torques = [3, 1]': m.MotorCurve,
@@ -137,6 +145,9 @@ def test_every_kind_makes_its_element(tmp_path):
     plane = next(load for load in system.loads if isinstance(load, m.SphereOnPlane))
     assert plane.friction == m.Coulomb(coefficient=0.3, width=0.01)
     assert plane.penalty == m.Penalty(stiffness=1e4, exponent=1.5, dissipation=0.1)
+    tabled = next(load for load in system.loads if isinstance(load, m.TabledTorque))
+    own = m.Surface(x=[0, 1], y=[0, 2, 4], z=[[1, 2, 3], [4, 5, 6]])
+    assert tabled == m.TabledTorque(first="ground", second="wheel.rim", axis=(0, 0, 1), torque=own)
 
 
 @pytest.mark.parametrize(
@@ -158,6 +169,53 @@ def test_every_kind_makes_its_element(tmp_path):
 def test_mistakes_of_elements_have_a_line_and_a_remedy(tmp_path, element, message):
     with pytest.raises(CaseError, match=message):
         read_case(written(tmp_path, [element]))
+
+
+def test_springs_are_those_of_python_and_may_end_on_the_ground(tmp_path):
+    """Without a free length a straight one has the distance of its ends at the start."""
+    ends = '[[spring]]\nfirst = "ground"\nsecond = "wheel.rim"\nstiffness = 3.0\n'
+    path = written(tmp_path)
+    straight = f'{ends}kind = "straight"\ndamping = 0.1\nanchor = [0.4, 0, 0.8]\n'
+    torsion = f'{ends}kind = "torsion"\naxis = [0, 0, 1]\nfree_angle = 0.2\n'
+    path.write_text(
+        path.read_text().replace(
+            "[simulation]", f"{straight}{straight}free_length = 0.5\n{torsion}[simulation]"
+        )
+    )
+    own, given, turning = read_case(path).system.loads
+    on = {"first": "ground", "second": "wheel.rim", "stiffness": 3.0}
+    assert own == m.SpringDamper(**on, damping=0.1, anchor=(0.4, 0, 0.8), rest_length=None)
+    assert given == m.SpringDamper(**on, damping=0.1, anchor=(0.4, 0, 0.8), rest_length=0.5)
+    assert turning == m.TorsionSpringDamper(**on, axis=(0, 0, 1), rest_angle=0.2)
+    rim = np.array([0.4, 0, 0])
+    assert own.assembled(np.array(own.anchor), rim).rest_length == pytest.approx(0.8)
+    assert given.assembled(np.array(own.anchor), rim) is given
+
+
+def test_a_case_with_what_only_python_had_runs(tmp_path):
+    """A table of 2 N m turns a wheel of 0.5 kg m2 on a hinge without a name; a spring holds its axle."""
+    table = f'kind = "tabled-torque", {AXIS}, angles = [-9, 9], rates = [-9, 9], values = [[2, 2], [2, 2]]'
+    spring = (
+        '[[spring]]\nkind = "straight"\nfirst = "ground"\nsecond = "wheel.axle"\nanchor = [0, 0, 1]\n'
+        "stiffness = 3.0\n"
+    )
+    sensors = (
+        '[[sensor]]\nname = "hinge"\nkind = "joint-motion"\njoint = "revolute ground - wheel.axle"\n'
+        '[[sensor]]\nname = "spin"\nkind = "angular-velocity"\nat = "wheel.axle"\n'
+    )
+    path = written(tmp_path, [table.replace("wheel.rim", "wheel.axle")])
+    text = (
+        path.read_text()
+        .replace('name = "hinge"\n', "")
+        .replace("[simulation]", spring + sensors + "[simulation]")
+    )
+    path.write_text(text)
+    case = read_case(path)
+    readings = read_sensors(case.sensors, case.system, simulate(case.system, case.run))
+    angle, spin = (reading.values for reading in readings)
+    t = case.run.times
+    assert angle[:, 0] == pytest.approx(2 * t**2, abs=1e-9)
+    assert spin == pytest.approx(np.outer(4 * t, [0, 0, 1]), abs=1e-9)
 
 
 def test_code_runs_only_where_it_is_allowed(tmp_path):

@@ -9,7 +9,7 @@ import pytest
 
 from supple import machine
 from supple.cases.laws import Constant, Ramp, Sine, SpinUp, TableLaw
-from supple.cases.loads import Load
+from supple.cases.loads import Force
 from supple.errors import ImportFormatError
 
 TIMES = np.linspace(0.0, 5.0, 101)
@@ -86,14 +86,14 @@ def test_a_load_that_jumps_does_not_swing(tmp_path):
     """A step of 1 kN within a millisecond: between its rows the force stays between them, as in a script."""
     rows = "0,0\n0.5,0\n0.501,1000\n1,1000\n"
     (tmp_path / "step.csv").write_text(rows)
-    load = Load.model_validate(
+    load = Force.model_validate(
         {
             "kind": "force",
             "at": "bar.tip",
             "vector": [0.0, 0.0, 1.0],
             "law": {"kind": "table", "file": "step.csv"},
         }
-    ).build("bar", "tip", tmp_path)
+    ).build(tmp_path, lambda _: ("bar", "tip"))
     force = np.array([load.law(t)[2] for t in np.linspace(0.0, 1.0, 2001)])
     assert force.min() == 0.0
     assert force.max() == 1000.0

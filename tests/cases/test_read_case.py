@@ -317,10 +317,10 @@ ONE_MISTAKE = {
         'second = "ground"',
         "spring[1].second: ground cannot stand here, only as first end",
     ),
-    "a spring from the ground": (
+    "a spring from nowhere on the ground": (
         'kind = "straight"\nfirst = "hub.flange"',
         'kind = "straight"\nfirst = "ground"',
-        "spring[1].first: ground cannot stand here, only as first end of a joint or torsion spring",
+        "spring[1]: SpringDamper on ground: an end on the ground, and only such an end, needs an anchor",
     ),
     "a torque on a node set": (
         'kind = "force"\nat = "blade.LE"',

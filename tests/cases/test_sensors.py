@@ -91,6 +91,13 @@ def test_a_stress_that_is_none_is_found_while_reading(case):
     line = line_of(case, 'at = "strip.root"')
     with pytest.raises(CaseError, match=rf"line {line}, sensor\[3\].at: 'root' is an interface"):
         read_case(case)
+    text = case.read_text()
+    case.write_text(text + '[error]\nof = [{ kind = "stress", at = "strip.root" }]\n')
+    with pytest.raises(
+        CaseError, match=r"error.of\[1\].at: 'root' is an interface, and stress is that of elements"
+    ):
+        read_case(case)
+    case.write_text(text)
     inertia = "[[1,0,0],[0,1,0],[0,0,1]]"
     rigid = f'[[body]]\nname = "hub"\nrigid = {{ mass = 1.0, centre = [0,0,0], inertia = {inertia} }}\n'
     text = case.read_text().replace('at = "strip.root"', 'at = "hub.eye"')
@@ -100,18 +107,15 @@ def test_a_stress_that_is_none_is_found_while_reading(case):
 
 
 def test_a_sensor_that_its_body_cannot_serve_is_found_before_the_run(case):
-    """The velocity of an intrinsic body: said with its line, not when the run is over."""
+    """A section of a rigid body: refused with its line, not when the run is over."""
+    inertia = "[[1,0,0],[0,1,0],[0,0,1]]"
+    rigid = f'[[body]]\nname = "hub"\nrigid = {{ mass = 1.0, inertia = {inertia} }}\n'
+    eye = '[[body.interface]]\nname = "eye"\nposition = [0, 0, 0]\n'
+    sensor = '\n[[sensor]]\nname = "v"\nkind = "section-force"\nat = "hub.eye"\nnormal = [1, 0, 0]\n'
     text = case.read_text()
-    keys = 'frame = { kind = "mean-axis" }\n', "reduction = "
-    text = text.replace(keys[0], 'condense = { root = "root", tip = "tip", stations = 5 }\n')
-    text = "\n".join(line for line in text.splitlines() if not line.startswith(keys[1]))
-    text = text.replace("\n[[joint]]", '\n[[body.interface]]\nname = "tip"\nnodes = "TIP"\n\n[[joint]]', 1)
-    text = text[: text.index("[[sensor]]")]
-    case.write_text(text + '\n[[sensor]]\nname = "v"\nkind = "velocity"\nat = "strip.tip"\n')
+    case.write_text(text[: text.index("[[sensor]]")].replace("[[joint]]", rigid + eye + "[[joint]]") + sensor)
     line = line_of(case, "[[sensor]]")
-    with pytest.raises(
-        CaseError, match=rf"line {line}, sensor\[1\]: sensor 'v': body 'strip' has no floating"
-    ):
+    with pytest.raises(CaseError, match=rf"line {line}, sensor\[1\]: sensor 'v': body 'hub' is rigid"):
         _ = read_case(case).sensors
 
 
@@ -162,6 +166,11 @@ def test_what_is_read_of_a_set(case, given, component, over):
         ('measure = "xx"', 'measure = "xxx"', "measure"),
         ('measure = "xx"', 'component = "xx"\nmeasure = "yy"', "beside component, measure is one of max"),
         ("normal = [1, 0, 0]", "", "normal"),
+        (
+            'kind = "energy"',
+            'kind = "angular-velocity"\nat = "strip.TIP"',
+            "no interface of 'strip' named 'TIP'",
+        ),
     ],
 )
 def test_a_mistake_is_named(case, before, after, cause):

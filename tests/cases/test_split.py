@@ -8,6 +8,7 @@ import pytest
 from supple.body import RayleighDamping
 from supple.cases import read_case, run_case
 from supple.errors import CaseError, ModelError, SuppleWarning
+from supple.machine import At
 
 SPLIT = "frame = { kind = "
 
@@ -101,3 +102,37 @@ def test_an_interface_across_a_cut_is_refused(case_folder):
     path = rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT), ("[[joint]]", edge))
     with pytest.raises(ModelError, match=r"interface 'edge': its nodes lie in several of the 2 parts"):
         read_case(path).system  # noqa: B018
+
+
+def test_what_is_read_at_a_split_body_is_read_at_its_part(case_folder):
+    """Sensors and quantities of the error; a joint without a name is called by the ends that it was given."""
+    read = (
+        '[[sensor]]\nname = "pull"\nkind = "joint-force"\njoint = "fixed ground - strip.root"\n'
+        '[[sensor]]\nname = "tip"\nkind = "position"\nat = "strip.TIP"\n'
+        '[[sensor]]\nname = "turn"\nkind = "angular-velocity"\nat = "strip.root"\n'
+        '[error]\nof = [{ kind = "deflection", at = "strip.TIP" }, '
+        '{ kind = "joint-force", joint = "fixed ground - strip.root" }]\n'
+    )
+    for split in ("", "split = { parts = 2 }\n"):
+        path = rewritten(case_folder, (SPLIT, split + SPLIT), ("[simulation]", read + "[simulation]"))
+        path.write_text(path.read_text().replace('name = "clamp"\n', ""))
+        case = read_case(path)
+        body = "strip-2" if split else "strip"
+        assert case.system.joints[0].name == "fixed ground - strip.root"
+        force, tip, turn = case.sensors
+        assert turn.at == At("strip-1" if split else "strip", "root")
+        assert (force.joint, tip.place.body) == ("fixed ground - strip.root", body)
+        deflection, pull = case.study.quantities
+        assert (deflection.body, pull.joint) == (body, "fixed ground - strip.root")
+        path.write_text(path.read_text().replace(read, ""))
+
+
+def test_a_set_that_lies_in_several_parts_is_none_to_read_at(case_folder):
+    mesh = case_folder / "strip.inp"
+    mesh.write_text(mesh.read_text() + "*NSET, NSET=ALL, GENERATE\n1, 27, 1\n")
+    sensor = '[[sensor]]\nname = "mean"\nkind = "position"\nat = "strip.ALL"\n[simulation]'
+    path = rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT), ("[simulation]", sensor))
+    with pytest.raises(
+        ModelError, match=r"sensor 'mean': the nodes of 'strip.ALL' lie in 2 of the parts; name an"
+    ):
+        _ = read_case(path).system

@@ -8,10 +8,17 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from supple.cases import read_case, read_explicit_case, run_explicit_case
+from supple.cases import read_case, run_case
 from supple.cli.main import app
 from supple.errors import CaseError
-from supple.explicit import BulkViscosity, EveryNode, MeanMotion, Mortar
+from supple.explicit import (
+    BulkViscosity,
+)
+from supple.machine import (
+    EveryNode,
+    MeanMotion,
+    Mortar,
+)
 from supple.mesh import CellType, block
 from supple.storage import read_solution
 
@@ -19,16 +26,17 @@ CASE = """
 title = "a bar against a wall"
 units = { length = "m", mass = "kg", time = "s" }
 
-[[part]]
+[[body]]
 name = "rest"
 mesh = "bar.inp"
 cells = "REST"
 solid = { youngs_modulus = 70e9, poissons_ratio = 0.3, density = 2700.0 }
-modal = { modes = 4, interfaces = ["JOINT"] }
+modal = { modes = 4 }
+interface = [{ name = "JOINT", kind = "averaging", nodes = "JOINT" }]
 damping = { kind = "linear-rayleigh", alpha = 10.0, beta = 0.0 }
 velocity = [30.0, 0.0, 0.0]
 
-[[part]]
+[[body]]
 name = "nose"
 mesh = "bar.inp"
 cells = "NOSE"
@@ -99,9 +107,9 @@ def test_a_run_writes_its_motion_numbers_pictures_and_films(bar, tmp_path):
     assert numbers["energies"]["kinetic"]["start"] == pytest.approx(0.5 * mass * 30.0**2, rel=1e-9)
     assert numbers["energies"]["plastic"]["end"] > 0.05 * numbers["energies"]["kinetic"]["start"]
     assert numbers["balance"]["relative"] < 1e-6
-    assert numbers["parts"]["nose"]["largest plastic strain"] > 1e-3
+    assert numbers["bodies"]["nose"]["largest plastic strain"] > 1e-3
     written = {path.name for path in folder.iterdir()}
-    assert {"bar.h5", "energies.png", "tracked-motion.png", "von-mises.gif", "plastic-strain.gif"} <= written
+    assert {"bar.h5", "energies.png", "tracked-motion.png", "motion.gif"} <= written
     nose = read_solution(folder / "bar.h5").bodies["nose"]
     # Yielding metal stands at its yield stress, hardened.
     hardest = 100e6 + 300e6 * nose.plastic_strain.max()
@@ -114,7 +122,7 @@ def test_a_run_writes_its_motion_numbers_pictures_and_films(bar, tmp_path):
 @pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # beyond the yield stress of the nose
 def test_a_run_that_was_cut_off_is_resumed_to_the_last_bit(bar, tmp_path):
     path = bar(PLAIN)
-    run_explicit_case(read_explicit_case(path), tmp_path / "whole")
+    run_case(read_case(path), tmp_path / "whole")
 
     class CutError(Exception):
         pass
@@ -124,7 +132,7 @@ def test_a_run_that_was_cut_off_is_resumed_to_the_last_bit(bar, tmp_path):
             raise CutError
 
     with pytest.raises(CutError):
-        run_explicit_case(read_explicit_case(path), tmp_path / "cut", progress=cut)
+        run_case(read_case(path), tmp_path / "cut", progress=cut)
     result = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "cut"), "--resume"])
     assert result.exit_code == 0, result.output
     whole, resumed = (read_solution(tmp_path / name / "bar.h5") for name in ("whole", "cut"))
@@ -138,72 +146,88 @@ def test_every_mistake_is_listed_with_its_line(bar):
         ('nodes = "nose.JOINT"', 'nodes = "rest.JOINT"'),
         ('nodes = "nose.TIP"', 'nodes = "nos.TIP"\nsurface = "rest.JOINT"'),
         ("modulus = 300e6", "modulus = 300e6, factor = 1e8"),
-        ('name = "rest"', 'name = "steps"'),
     )
     with pytest.raises(CaseError) as caught:
-        read_explicit_case(path)
+        read_case(path)
     told = str(caught.value)
-    assert "names a series of the result file" in told
     assert "exactly one of obstacle, surface" in told
     assert "did you mean 'nose'" in told
     assert "needs factor and exponent" in told
     path = bar(('nodes = "nose.JOINT"', 'nodes = "rest.JOINT"'), ('on = "rest"', 'on = "nose"'))
     with pytest.raises(CaseError, match="modal, and tied on an explicit one"):
-        read_explicit_case(path)
+        read_case(path)
     with pytest.raises(CaseError, match="not tied to itself"):
-        read_explicit_case(bar(('on = "rest"', 'on = "nose"')))
+        read_case(bar(('on = "rest"', 'on = "nose"')))
     every = 'on = "rest"\ncontinuity = { kind = "every-node" }'
     with pytest.raises(CaseError, match="hang position for position"):
-        read_explicit_case(bar(('on = "rest"', every)))
+        read_case(bar(('on = "rest"', every)))
 
 
 def test_a_modal_part_stiffens_with_its_spin_where_the_file_says_so(bar):
-    assert read_explicit_case(bar()).system.part("rest").subdomain.spin_stiffness is None
-    spun = ('interfaces = ["JOINT"]', 'interfaces = ["JOINT"], spin_stiffness = true')
-    body = read_explicit_case(bar(spun)).system.part("rest").subdomain
+    assert read_case(bar()).system.placed("rest").body.spin_stiffness is None
+    spun = ("modes = 4", "modes = 4, spin_stiffness = true")
+    body = read_case(bar(spun)).system.placed("rest").body
     assert body.spin_stiffness.shape == (6, body.n_modes, body.n_modes)
 
 
 def test_a_part_has_the_yield_stress_and_the_viscosity_that_the_file_says(bar):
-    system = read_explicit_case(bar()).system
-    assert system.part("rest").subdomain.yield_stress is None
-    assert system.part("nose").subdomain.bulk_viscosity == BulkViscosity()
-    said = ('interfaces = ["JOINT"]', 'interfaces = ["JOINT"], yield_stress = 90e6')
+    system = read_case(bar()).system
+    assert system.placed("rest").body.yield_stress is None
+    assert system.placed("nose").body.bulk_viscosity == BulkViscosity()
+    said = ("modes = 4", "modes = 4, yield_stress = 90e6")
     none = ("modulus = 300e6 }", "modulus = 300e6 }, bulk_viscosity = { linear = 0, quadratic = 0 }")
-    system = read_explicit_case(bar(said, none)).system
-    assert system.part("rest").subdomain.yield_stress == 90e6
-    assert not system.part("nose").subdomain.bulk_viscosity.acts
+    system = read_case(bar(said, none)).system
+    assert system.placed("rest").body.yield_stress == 90e6
+    assert not system.placed("nose").body.bulk_viscosity.acts
 
 
 def test_two_modal_parts_are_tied_as_the_file_says(bar):
     explicit = 'explicit = { law = { kind = "j2", yield_stress = 100e6, modulus = 300e6 } }'
-    modal = (explicit, 'modal = { modes = 3, interfaces = ["JOINT"] }')
-    assert read_explicit_case(bar(modal)).system.ties[0].continuity == MeanMotion()
+    modal = (
+        explicit,
+        'modal = { modes = 3 }\ninterface = [{ name = "JOINT", kind = "averaging", nodes = "JOINT" }]',
+    )
+    assert read_case(bar(modal)).system.ties[0].continuity == MeanMotion()
     every = ('on = "rest"', 'on = "rest"\ncontinuity = { kind = "every-node", tolerance = 1e-3 }')
-    system = read_explicit_case(bar(modal, every)).system
-    assert system.modal_ties[0].continuity == EveryNode(1e-3)
+    system = read_case(bar(modal, every)).system
+    assert system.ties[0].continuity == EveryNode(1e-3)
     mortar = ('on = "rest"', 'on = "rest"\ntransfer = { kind = "mortar" }')
-    assert read_explicit_case(bar(mortar)).system.ties[0].transfer == Mortar()
-    nodal = ('modal = { modes = 4, interfaces = ["JOINT"] }', "explicit = {}")
+    assert read_case(bar(mortar)).system.ties[0].transfer == Mortar()
+    nodal = (
+        'modal = { modes = 4 }\ninterface = [{ name = "JOINT", kind = "averaging", nodes = "JOINT" }]',
+        "explicit = {}",
+    )
     with pytest.raises(CaseError, match="a mortar is for ties on modal parts"):
-        read_explicit_case(bar(mortar, nodal))
+        read_case(bar(mortar, nodal))
 
 
 def test_a_node_set_that_no_mesh_has_is_named(bar):
     with pytest.raises(CaseError, match="did you mean 'TIP'"):
-        _ = read_explicit_case(bar(('nodes = "nose.TIP"', 'nodes = "nose.TIPS"'))).system
+        _ = read_case(bar(('nodes = "nose.TIP"', 'nodes = "nose.TIPS"'))).system
 
 
-def test_other_commands_say_whose_case_it_is(bar):
-    path = bar()
-    with pytest.raises(CaseError, match="supple run"):
+def test_a_file_of_parts_is_told_how_to_say_it_now(bar):
+    path = bar(("[[body]]", "[[part]]"))
+    with pytest.raises(CaseError, match=r"\[\[part\]\] is now \[\[body\]\]: rename these tables; modal = "):
         read_case(path)
-    assert "supple run" in CliRunner().invoke(app, ["reduce", str(path)]).output
+
+
+def test_every_command_reads_such_a_case(bar):
+    path = bar()
+    shown = CliRunner().invoke(app, ["info", str(path)]).output
+    assert "solid, modal in 4 modes" in shown
+    assert "solid, explicit elements" in shown
+    checked = CliRunner().invoke(app, ["check", str(path)])
+    assert checked.exit_code == 0, checked.output
+    assert "Check of body 'rest'" in checked.output
+    for command in ("static", "modes"):
+        said = CliRunner().invoke(app, [command, str(path), "-o", str(path.parent / command)]).output
+        assert "is a part of an explicit march" in " ".join(said.split())
 
 
 PLATE = """
 title = "a plate"
-[[part]]
+[[body]]
 name = "plate"
 mesh = "plate.inp"
 shell = { youngs_modulus = 70e9, poissons_ratio = 0.3, density = 2700.0, thickness = 0.002 }
@@ -222,7 +246,7 @@ def test_a_shell_yields_by_its_law_and_has_no_key_without_effect(bar, tmp_path):
     )
     path = tmp_path / "plate.toml"
     path.write_text(PLATE)
-    plate = read_explicit_case(path).system.part("plate").subdomain
+    plate = read_case(path).system.placed("plate").body
     assert (plate.law.hardening.initial, plate.layers, plate.deletion) == (100e6, 7, 0.2)
     for old, new, told in (
         ('law = { kind = "j2", yield_stress = 100e6 }, ', "", "an elastic shell has no deletion"),
@@ -232,6 +256,6 @@ def test_a_shell_yields_by_its_law_and_has_no_key_without_effect(bar, tmp_path):
     ):
         path.write_text(PLATE.replace(old, new))
         with pytest.raises(CaseError, match=told):
-            read_explicit_case(path)
+            read_case(path)
     with pytest.raises(CaseError, match="layers are of shells"):
-        read_explicit_case(bar(("modulus = 300e6 }", "modulus = 300e6 }, layers = 3")))
+        read_case(bar(("modulus = 300e6 }", "modulus = 300e6 }, layers = 3")))

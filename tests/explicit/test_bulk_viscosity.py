@@ -11,19 +11,20 @@ from supple.errors import ModelError
 from supple.explicit import (
     BulkViscosity,
     ExplicitEngine,
-    ExplicitSystem,
-    NodalForce,
-    Part,
     explicit_subdomain,
-    simulate_explicit,
 )
 from supple.explicit.elements.bulk_viscosity import bulk_pressure
 from supple.explicit.march.interval import nodes_limit
 from supple.explicit.march.march_step import march_step
 from supple.fem import Isotropic, solid_model
 from supple.integrate import Run
-from supple.machine import At
+from supple.machine import (
+    DeadForce,
+    Placed,
+    System,
+)
 from supple.mesh import CellType, block
+from supple.simulation import simulate
 
 ROD = Isotropic(100.0, 0.0, 1.0)  # no lateral strain: waves of a bar are those of a string, c = 10
 C = 10.0
@@ -58,14 +59,14 @@ def front(viscosity, kind=CellType.HEXA8, cells=60, stress=0.1):
     """Of the front of a step force: stress, velocity and place over d'Alembert's; balance; lost energy."""
     model = solid_model(block(0.1 * cells, 0.1, 0.1, cells, 1, 1, kind), ROD)
     rod = explicit_subdomain(model, name="rod", bulk_viscosity=viscosity)
-    push = NodalForce(At("rod", "root"), (stress * 0.01, 0.0, 0.0))
+    push = DeadForce(at="rod.root", force=(stress * 0.01, 0.0, 0.0))
     time = 0.6 * 0.1 * cells / C
-    solution = simulate_explicit(ExplicitSystem([rod], forces=[push]), Run(time, time / 4))
-    motion, e = solution.bodies["rod"], solution.bodies["energies"].values
+    solution = simulate(System([rod], loads=[push]), Run(time, time / 4))
+    motion, e = solution.bodies["rod"], solution.series["energies"]
     middle = motion.von_mises[-1][cells // 6 : cells // 4].mean()
     x, v = rod.nodes[:, 0], motion.velocities[-1, :, 0]
     order, half = np.argsort(-x), 0.5 * stress / C
-    late = time - 0.5 * solution.bodies["steps"].values[-1, 0]
+    late = time - 0.5 * solution.series["steps"][-1, 0]
     place = np.interp(half, v[order], x[order]) / (C * late)
     balance = np.abs(e[:, :7].sum(axis=1) - e[:, 7]).max() / np.abs(e).max()
     return (
@@ -102,7 +103,7 @@ def marched(engine, h, n):
 def test_the_step_accounts_for_it():
     """Of a cube without lateral strain: xi = 3 b_1 of its breathing, dt = L / c (sqrt(1 + xi^2) - xi)."""
     for b1 in (0.0, 0.06, 0.2):
-        engine = ExplicitEngine(ExplicitSystem([cube(BulkViscosity(b1, 0.0))]), Run(1.0, 1.0))
+        engine = ExplicitEngine(System([cube(BulkViscosity(b1, 0.0))]), Run(1.0, 1.0))
         limit = float(nodes_limit(engine.built.model, engine.built.start))
         xi = 3 * b1
         assert limit == pytest.approx(0.1 / C * (np.sqrt(1 + xi**2) - xi), rel=1e-9)
@@ -114,7 +115,7 @@ def test_the_step_accounts_for_it():
 def test_a_compression_shortens_the_step():
     steps = []
     for rate in (0.0, -10.0, 10.0):
-        engine = ExplicitEngine(ExplicitSystem([cube(BulkViscosity(0.0, 1.2))]), Run(1.0, 1.0))
+        engine = ExplicitEngine(System([cube(BulkViscosity(0.0, 1.2))]), Run(1.0, 1.0))
         start = engine.built.start
         steps.append(float(nodes_limit(engine.built.model, start._replace(v=rate * start.x))))
     xi = 3 * 1.2**2 * 0.1 / C * 30.0  # of three directions
@@ -124,8 +125,8 @@ def test_a_compression_shortens_the_step():
 
 def test_it_leaves_free_flight_alone():
     """A rotation by any angle a step leaves det F as it is; what a spin stretches is little."""
-    spun = Part(explicit_bar(CellType.HEXA8), velocity=(1.0, 0, 0), angular_velocity=(0.0, 0.0, 1e-3))
-    e = simulate_explicit(ExplicitSystem([spun]), Run(1.0, 0.5)).bodies["energies"].values
+    spun = Placed(explicit_bar(CellType.HEXA8), velocity=(1.0, 0, 0), angular_velocity=(0.0, 0.0, 1e-3))
+    e = simulate(System([spun]), Run(1.0, 0.5)).series["energies"]
     assert abs(e[-1, 5]) < 1e-12 * e[0, 0]
 
 

@@ -8,14 +8,14 @@ from fixtures.explicit_bars import KINDS, SOFT, explicit_bar
 from scipy.spatial.transform import Rotation
 
 from supple.errors import ModelError
-from supple.explicit.engine import ExplicitEngine
+from supple.explicit import ExplicitEngine
 from supple.explicit.explicit_subdomain import explicit_subdomain
-from supple.explicit.explicit_system import ExplicitSystem
 from supple.explicit.march.nodal_forces import nodal_forces
 from supple.explicit.materials import J2Plasticity, LinearHardening, NeoHookean, StVenantKirchhoff
 from supple.fem import Isotropic, solid_model
 from supple.fem.quadratic_strain import internal_force
 from supple.integrate import Run
+from supple.machine import System
 from supple.mesh import CellType, block
 
 LAWS = (StVenantKirchhoff(SOFT), NeoHookean(SOFT), J2Plasticity(SOFT, LinearHardening(1.0, 10.0)))
@@ -24,7 +24,7 @@ STEEP = np.array([[1.02, 0.03, -0.01], [0.0, 0.97, 0.02], [0.01, 0.0, 1.01]])
 
 def forces(subdomain, x, dx=None):
     """Internal and hourglass force (2, 3, N) at positions x (N, 3)."""
-    engine = ExplicitEngine(ExplicitSystem([subdomain]), Run(1.0, 1.0))
+    engine = ExplicitEngine(System([subdomain]), Run(1.0, 1.0))
     own = engine.built
     back = np.empty_like(x)
     numbers = own.nodes[subdomain.name]
@@ -88,7 +88,7 @@ def test_the_force_is_that_of_the_quadratic_strains(kind):
 
 def true_limit(part):
     """2 / omega_max of the linearised force at rest with the lumped mass."""
-    engine = ExplicitEngine(ExplicitSystem([part]), Run(1.0, 1.0))
+    engine = ExplicitEngine(System([part]), Run(1.0, 1.0))
     own = engine.built
 
     def force(x):

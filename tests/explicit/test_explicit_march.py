@@ -2,30 +2,28 @@
 
 import numpy as np
 import pytest
-from fixtures.explicit_bars import KINDS, SOFT, bar, explicit_bar
+from fixtures.explicit_bars import KINDS, SOFT, bar, explicit_bar, stepped
 
 from supple.body import LinearRayleighDamping
 from supple.errors import ConvergenceError, ModelError
+from supple.explicit import ENERGIES, ExplicitEngine
 from supple.explicit.elements import BulkViscosity
-from supple.explicit.engine import ENERGIES, ExplicitEngine, ExplicitOptions
 from supple.explicit.explicit_subdomain import explicit_subdomain
-from supple.explicit.explicit_system import Contact, ExplicitSystem, NodalForce, Part, Support
 from supple.explicit.materials import J2Plasticity, LinearHardening, NeoHookean
-from supple.explicit.obstacles import RigidPlane
 from supple.fem import lumped_mass
 from supple.integrate import Run, run
-from supple.machine import At
+from supple.machine import At, Contact, DeadForce, Placed, RigidPlane, Support, System
 from supple.mesh import CellType
 
 
-def marched(system, span, n=10, options=None, **more):
-    own = Run(span, span / n)
-    return run(ExplicitEngine(system, own, options), own.times, **more)
+def marched(system, span, n=10, step=None, **more):
+    own = stepped(Run(span, span / n), step)
+    return run(ExplicitEngine(system, own), own.times, **more)
 
 
 def balance(solution):
     """Sum of all energies less external work, relative to the largest there has been."""
-    e = solution.bodies[ENERGIES].values
+    e = solution.series[ENERGIES]
     total = e[:, :7].sum(axis=1) - e[:, 7]
     return np.abs(total - total[0]).max() / np.abs(e).max()
 
@@ -33,10 +31,10 @@ def balance(solution):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 def test_a_bar_that_flies_turns_and_bounces_keeps_its_balance(kind):
-    part = Part(explicit_bar(kind), velocity=(0.5, 0, 0), angular_velocity=(0.1, 0, 0.3))
+    part = Placed(explicit_bar(kind), velocity=(0.5, 0, 0), angular_velocity=(0.1, 0, 0.3))
     wall = Contact(At("bar", "tip"), RigidPlane((4.1, 0, 0), (-1, 0, 0)))
-    solution = marched(ExplicitSystem([part], contacts=[wall], gravity=(0, 0, -0.1)), 1.0)
-    energies = solution.bodies[ENERGIES].values
+    solution = marched(System([part], contacts=[wall], gravity=(0, 0, -0.1)), 1.0)
+    energies = solution.series[ENERGIES]
     assert balance(solution) < 1e-12
     assert energies[:, 4].max() > 1e-3  # contact
     assert energies[:, 1].max() > 1e-2  # strain
@@ -50,7 +48,7 @@ def test_small_vibrations_have_the_frequency_of_the_lumped_model():
     mode = vectors[:, 6] / np.sqrt(m)
     omega = np.sqrt(values[6])
     part = explicit_subdomain(model, name="bar")
-    engine = ExplicitEngine(ExplicitSystem([part]), Run(2 * np.pi / omega, 2 * np.pi / omega / 8))
+    engine = ExplicitEngine(System([part]), Run(2 * np.pi / omega, 2 * np.pi / omega / 8))
     state = engine.start(0.0)._replace(v=1e-6 * np.asarray(mode).reshape(-1, 3).T, initial=np.array(0.5e-12))
     leg = engine.march(state, engine._run.times[1:])
     u = leg.states.rows.x - np.asarray(engine.built.start.x)
@@ -65,10 +63,10 @@ def test_the_same_force_in_equal_parts_of_a_held_bar_settles_at_the_static_solut
 
     model = bar(CellType.TETRA4)
     part = explicit_subdomain(model, name="bar", damping=LinearRayleighDamping(1.0, 0.0))
-    system = ExplicitSystem(
+    system = System(
         [part],
         supports=[Support(At("bar", "root"))],
-        forces=[NodalForce(At("bar", "tip"), (0.0, 0.0, 0.5))],
+        loads=[DeadForce(at="bar.tip", force=(0.0, 0.0, 0.5))],
     )
     solution = marched(system, 60.0)
     u = solution.bodies["bar"].nodes[-1] - model.mesh.nodes
@@ -86,10 +84,12 @@ def test_the_same_force_in_equal_parts_of_a_held_bar_settles_at_the_static_solut
 
 @pytest.mark.slow
 def test_stiffness_damping_takes_the_vibration_and_leaves_the_flight():
-    part = Part(explicit_bar(CellType.HEXA8, damping=LinearRayleighDamping(0.0, 0.01)), velocity=(0.5, 0, 0))
+    part = Placed(
+        explicit_bar(CellType.HEXA8, damping=LinearRayleighDamping(0.0, 0.01)), velocity=(0.5, 0, 0)
+    )
     wall = Contact(At("bar", "tip"), RigidPlane((4.01, 0, 0), (-1, 0, 0)))
-    solution = marched(ExplicitSystem([part], contacts=[wall]), 6.0)
-    e = solution.bodies[ENERGIES].values
+    solution = marched(System([part], contacts=[wall]), 6.0)
+    e = solution.series[ENERGIES]
     v = solution.bodies["bar"].velocities[-1].mean(axis=0)
     assert balance(solution) < 1e-12
     assert e[-1, 5] > 1e-3  # damping
@@ -100,10 +100,10 @@ def test_stiffness_damping_takes_the_vibration_and_leaves_the_flight():
 def test_elements_are_deleted_at_their_plastic_strain():
     law = J2Plasticity(SOFT, LinearHardening(1.0, 1.0))
     part = explicit_bar(CellType.HEXA8, law, deletion=0.1)
-    pulled = ExplicitSystem(
+    pulled = System(
         [part],
         supports=[Support(At("bar", "root"))],
-        forces=[NodalForce(At("bar", "tip"), (6.0, 0.0, 0.0))],
+        loads=[DeadForce(at="bar.tip", force=(6.0, 0.0, 0.0))],
     )
     solution = marched(pulled, 3.0)
     alive = solution.bodies["bar"].alive[-1]
@@ -115,18 +115,18 @@ def test_elements_are_deleted_at_their_plastic_strain():
 def test_a_run_ends_where_an_element_turns_over_and_keeps_what_was_computed():
     """Without bulk viscosity, which would hold it."""
     bar = explicit_bar(CellType.TETRA4, bulk_viscosity=BulkViscosity(0.0, 0.0))
-    part = Part(bar, velocity=(20.0, 0, 0))
+    part = Placed(bar, velocity=(20.0, 0, 0))
     wall = Contact(At("bar", "tip"), RigidPlane((4.1, 0, 0), (-1, 0, 0)))
     kept = []
     with pytest.raises(ConvergenceError, match="turned over"):
-        marched(ExplicitSystem([part], contacts=[wall]), 1.0, 50, record=kept.append)
+        marched(System([part], contacts=[wall]), 1.0, 50, record=kept.append)
     assert sum(len(part.times) for part in kept) > 1
 
 
 def test_a_step_above_the_limit_is_refused():
     part = explicit_bar(CellType.HEXA8)
     with pytest.raises(ModelError, match="above the limit"):
-        marched(ExplicitSystem([part]), 1.0, options=ExplicitOptions(step=1.1 * part.step_limit))
+        marched(System([part]), 1.0, step=1.1 * part.step_limit)
 
 
 @pytest.mark.slow
@@ -134,15 +134,15 @@ def test_energy_from_nothing_stops_the_run():
     """A neo-Hookean bar that is crushed, and that nothing damps, hardens beyond what a fixed step allows."""
     none = BulkViscosity(0.0, 0.0)
     bar = explicit_bar(CellType.HEXA8, NeoHookean(SOFT), (8, 2, 2), bulk_viscosity=none)
-    part = Part(bar, velocity=(9.0, 0, 0))
+    part = Placed(bar, velocity=(9.0, 0, 0))
     wall = Contact(At("bar", "tip"), RigidPlane((4.05, 0, 0), (-1, 0, 0)))
-    step = 0.95 * part.subdomain.step_limit / np.sqrt(1.2)
+    step = 0.95 * part.body.step_limit / np.sqrt(1.2)
     with pytest.raises(ConvergenceError, match=r"negative|open|turned over|not a number"):
-        marched(ExplicitSystem([part], contacts=[wall]), 1.0, 50, ExplicitOptions(step=step))
+        marched(System([part], contacts=[wall]), 1.0, 50, step)
 
 
 def test_nodes_that_begin_inside_an_obstacle_are_refused():
     part = explicit_bar(CellType.HEXA8)
     wall = Contact(At("bar", "tip"), RigidPlane((3.9, 0, 0), (-1, 0, 0)))
     with pytest.raises(ModelError, match="inside the RigidPlane"):
-        marched(ExplicitSystem([part], contacts=[wall]), 1.0)
+        marched(System([part], contacts=[wall]), 1.0)

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from fixtures.explicit_bars import stepped
 from scipy.linalg import eigh
 
 from supple.body import LinearRayleighDamping
@@ -11,17 +12,18 @@ from supple.errors import ModelError
 from supple.explicit import (
     ENERGIES,
     ExplicitEngine,
-    ExplicitOptions,
-    ExplicitSystem,
-    NodalForce,
-    Part,
-    Support,
     explicit_shell,
 )
 from supple.explicit.elements import shell_force
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import Run, run
-from supple.machine import At
+from supple.machine import (
+    At,
+    DeadForce,
+    Placed,
+    Support,
+    System,
+)
 from supple.mesh import strip
 
 PLATE = Isotropic(1000.0, 0.3, 1.0)
@@ -34,14 +36,14 @@ def plate(length=2.0, width=0.5, cells=(8, 2), **more):
 
 
 def marched(system, span, n=10, **options):
-    engine = ExplicitEngine(system, Run(span, span / n), ExplicitOptions(**options))
+    engine = ExplicitEngine(system, stepped(Run(span, span / n), **options))
     return engine, run(engine, Run(span, span / n).times)
 
 
 @pytest.mark.slow
 def test_small_deformation_has_the_forces_of_the_models_stiffness():
     body = plate()
-    engine = ExplicitEngine(ExplicitSystem([body]), Run(1.0, 1.0))
+    engine = ExplicitEngine(System([body]), Run(1.0, 1.0))
     (block,) = engine.built.model.shells
     start = engine.built.start
     rng = np.random.default_rng(3)
@@ -59,8 +61,7 @@ def test_a_turned_plate_has_no_forces_and_a_turned_deformed_one_turned_forces():
     body = plate()
     angle = np.array([0.4, -1.1, 0.7])
     flat, turned = (
-        ExplicitEngine(ExplicitSystem([Part(body, rotation=r)]), Run(1.0, 1.0)).built
-        for r in (np.zeros(3), angle)
+        ExplicitEngine(System([Placed(body, rotation=r)]), Run(1.0, 1.0)).built for r in (np.zeros(3), angle)
     )
     (block,) = turned.model.shells
     rest = shell_force(block, turned.start.x, turned.start.turning.triads)
@@ -81,13 +82,13 @@ def test_the_step_limit_is_below_the_true_one_and_near_it():
     true = 2 / np.sqrt(np.linalg.eigvalsh(K / np.sqrt(diagonal[:, None] * diagonal))[-1])
     assert 0.5 * true < body.step_limit <= true
     with pytest.raises(ModelError, match="above the limit"):
-        ExplicitEngine(ExplicitSystem([body]), Run(1.0, 1.0), ExplicitOptions(step=1.01 * body.step_limit))
+        ExplicitEngine(System([body]), stepped(Run(1.0, 1.0), step=1.01 * body.step_limit))
 
 
 def test_a_plate_that_spins_and_bends_keeps_both_momenta_and_its_balance():
     """Twisted and bent at the start by its own rates; angular momentum with that of the triads."""
-    part = Part(plate(), velocity=(0.3, 0.1, 0), angular_velocity=(1.0, 0.5, 2.0))
-    engine, solution = marched(ExplicitSystem([part]), 2.0)
+    part = Placed(plate(), velocity=(0.3, 0.1, 0), angular_velocity=(1.0, 0.5, 2.0))
+    engine, solution = marched(System([part]), 2.0)
     states = []
     state = engine.start(0.0)
     for _ in range(2):
@@ -98,7 +99,7 @@ def test_a_plate_that_spins_and_bends_keeps_both_momenta_and_its_balance():
         spin = (J * np.asarray(state.turning.rates)).sum(axis=1)
         states.append(np.concatenate([(m * v).sum(axis=1), np.cross(before.T, (m * v).T).sum(axis=0) + spin]))
     assert np.abs(states[1] - states[0]).max() < 1e-11 * np.abs(states[0]).max()
-    e = solution.bodies[ENERGIES].values
+    e = solution.series[ENERGIES]
     total = e[:, :7].sum(axis=1) - e[:, 7]
     assert e[:, 1].max() > 1e-6 * total[0]
     assert np.abs(total / total[0] - 1).max() < 1e-12
@@ -116,8 +117,8 @@ def swing(cells):
     body = plate(length=1.0, cells=cells)
     force = 1e-5
     held = Support(At("plate", "root"), (0, 1, 2, 3, 4, 5))
-    push = NodalForce(At("plate", "tip"), (0.0, 0.0, force))
-    _, solution = marched(ExplicitSystem([body], supports=[held], forces=[push]), 4.5, n=30)
+    push = DeadForce(at="plate.tip", force=(0.0, 0.0, force))
+    _, solution = marched(System([body], supports=[held], loads=[push]), 4.5, n=30)
     sets = body.model.mesh.node_sets
     free = np.setdiff1d(np.arange(body.model.n_dofs), (6 * sets["root"][:, None] + np.arange(6)).ravel())
     K, M = (matrix.toarray()[np.ix_(free, free)] for matrix in (body.model.stiffness, body.model.mass))
@@ -151,14 +152,14 @@ def test_what_is_no_explicit_shell_is_refused():
     with pytest.raises(ModelError, match="explicit shell 'plate': its damping acts against the interface"):
         plate(damping=LinearRayleighDamping(1.0, 0.0, held="root"))
     with pytest.raises(ModelError, match="rotations of shells"):
-        ExplicitSystem([plate()], supports=[Support(At("plate", "root"), (6,))])
+        marched(System([plate()], supports=[Support(At("plate", "root"), (6,))]), 1.0)
 
 
 def test_mass_damping_takes_out_of_turning_what_it_says():
     """A plate that only turns, lightly damped: energy plus what the damping took is constant."""
-    part = Part(plate(damping=LinearRayleighDamping(0.5, 0.0)), angular_velocity=(0, 0, 1.0))
-    _, solution = marched(ExplicitSystem([part]), 1.0)
-    e = solution.bodies[ENERGIES].values
+    part = Placed(plate(damping=LinearRayleighDamping(0.5, 0.0)), angular_velocity=(0, 0, 1.0))
+    _, solution = marched(System([part]), 1.0)
+    e = solution.series[ENERGIES]
     total = e[:, :7].sum(axis=1) - e[:, 7]
     assert e[-1, 0] == pytest.approx(e[0, 0] * np.exp(-1.0), rel=1e-2)
     assert np.abs(total / total[0] - 1).max() < 1e-12

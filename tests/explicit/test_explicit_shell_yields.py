@@ -4,16 +4,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from fixtures.explicit_bars import stepped
 
 from supple.errors import ModelError
 from supple.explicit import (
     ENERGIES,
     ExplicitEngine,
-    ExplicitOptions,
-    ExplicitSystem,
     J2Plasticity,
     LinearHardening,
-    Part,
     PowerHardening,
     explicit_shell,
 )
@@ -21,6 +19,10 @@ from supple.explicit.elements import layered_force, layered_von_mises, rest_laye
 from supple.explicit.materials.plane_stress import mises_of, plane_stress, rest_state
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import Run
+from supple.machine import (
+    Placed,
+    System,
+)
 from supple.mesh import strip
 
 METAL = Isotropic(1000.0, 0.3, 1.0)
@@ -41,7 +43,7 @@ def force():
 
 def built(body, rotation=(0.0, 0.0, 0.0)):
     """Its block, and positions and triads at the start."""
-    made = ExplicitEngine(ExplicitSystem([Part(body, rotation=np.array(rotation))]), Run(1.0, 1.0)).built
+    made = ExplicitEngine(System([Placed(body, rotation=np.array(rotation))]), Run(1.0, 1.0)).built
     return made.model.shells[0], made.start.x, made.start.turning.triads
 
 
@@ -172,12 +174,12 @@ def test_a_spinning_plate_that_yields_and_breaks_keeps_momenta_and_balance():
     """Its own spin tears it: elements go at their plastic strain, and nothing is lost to it."""
     limit = 0.01
     law = J2Plasticity(METAL, LinearHardening(YIELD, 50.0))
-    part = Part(plate(law, deletion=limit), angular_velocity=np.array([0.0, 0.0, 2.0]))
+    part = Placed(plate(law, deletion=limit), angular_velocity=np.array([0.0, 0.0, 2.0]))
     span = Run(0.4, 0.1)
-    engine = ExplicitEngine(ExplicitSystem([part]), span, ExplicitOptions(safety=0.5))
+    engine = ExplicitEngine(System([part]), stepped(span, safety=0.5))
     start = engine.start(0.0)
     leg = engine.march(start, span.times)
-    motion, e = engine.solution(leg).bodies["plate"], engine.solution(leg).bodies[ENERGIES].values
+    motion, e = engine.solution(leg).bodies["plate"], engine.solution(leg).series[ENERGIES]
     momenta = []
     for state in (start, leg.last):
         x, v, m = (np.asarray(a) for a in (state.x, state.v, engine.built.model.mass))

@@ -4,31 +4,31 @@ from functools import cache
 
 import numpy as np
 import pytest
-from fixtures.explicit_bars import SOFT
+from fixtures.explicit_bars import SOFT, stepped
 from fixtures.frame_momentum import nodal_momentum
 
 from supple.body import flexible_body
 from supple.errors import ModelError, ResultFileError
 from supple.explicit import (
     ENERGIES,
-    Contact,
     ExplicitEngine,
-    ExplicitOptions,
-    ExplicitSystem,
-    NodalForce,
-    Part,
-    RigidSphere,
-    Tie,
     explicit_subdomain,
     modal_subdomain,
-    part_positions,
-    simulate_explicit,
 )
 from supple.fem import solid_model
 from supple.integrate import Run, run
-from supple.machine import At
+from supple.machine import (
+    At,
+    Contact,
+    FollowerForce,
+    Placed,
+    RigidSphere,
+    System,
+    Tie,
+)
 from supple.mesh import CellType, Mesh, block
 from supple.reduction import NormalModes
+from supple.simulation import simulate
 
 
 def _block(start, length, cells, kind=CellType.TETRA4):
@@ -43,17 +43,17 @@ def modal_half(n_modes=20):
 
 def system(cells=(4, 1, 1), kind=CellType.TETRA4, within=1e-6, start=4.0, spin=(0.05, 0.02, 0.2), **more):
     explicit = explicit_subdomain(_block(start, 4, cells, kind), name="fe")
-    parts = [Part(modal_half(), angular_velocity=spin), Part(explicit, angular_velocity=spin)]
-    return ExplicitSystem(parts, ties=[Tie(At("fe", "root"), "modal", within)], **more)
+    parts = [Placed(modal_half(), angular_velocity=spin), Placed(explicit, angular_velocity=spin)]
+    return System(parts, ties=[Tie(At("fe", "root"), "modal", within)], **more)
 
 
 def momenta(own, solution, engine):
     """Linear and angular momentum (t, 6) over the step before each output time, from the nodes themselves."""
     built = engine.built
-    h = solution.bodies["steps"].values[:, 0]
+    h = solution.series["steps"][:, 0]
     fe, modal = solution.bodies["fe"], solution.bodies["modal"]
-    body = own.part("modal").subdomain
-    before, push = nodal_momentum(body, modal, h * solution.bodies["steps"].values[:, 1])
+    body = own.placed("modal").body
+    before, push = nodal_momentum(body, modal, h * solution.series["steps"][:, 1])
     m = np.asarray(built.model.mass)[built.nodes["fe"]][:, None]
     x = fe.nodes - h[:, None, None] * fe.velocities
     linear = push.sum(axis=1) + (m * fe.velocities).sum(axis=1)
@@ -65,16 +65,16 @@ def momenta(own, solution, engine):
 def test_a_spinning_pair_in_equal_steps_keeps_momentum_energy_and_continuity():
     own = system()
     span = Run(40.0, 4.0)
-    engine = ExplicitEngine(own, span, ExplicitOptions(largest_ratio=1))
+    engine = ExplicitEngine(own, stepped(span, largest_ratio=1))
     solution = run(engine, span.times)
     p = momenta(own, solution, engine)
     assert np.abs(p - p[0]).max() < 1e-10 * np.abs(p).max()
-    e = solution.bodies[ENERGIES].values
+    e = solution.series[ENERGIES]
     total = e[:, :7].sum(axis=1) - e[:, 7]
     assert np.abs(total / total[0] - 1).max() < 1e-5
-    modal = part_positions(own.part("modal").subdomain, solution.bodies["modal"])
+    modal = own.placed("modal").body.positions(solution.bodies["modal"])
     gap = (
-        modal[:, own.part("modal").mesh.node_sets["tip"]]
+        modal[:, own.node_numbers(At("modal", "tip"))]
         - solution.bodies["fe"].nodes[:, own.node_numbers(At("fe", "root"))]
     )
     assert np.abs(gap).max() < 1e-14 * 100
@@ -85,11 +85,11 @@ def test_longer_steps_of_the_modes_change_little():
     span = Run(20.0, 5.0)
     ends = []
     for ratio in (1, 3):
-        engine = ExplicitEngine(system(), span, ExplicitOptions(step=0.008, largest_ratio=ratio))
+        engine = ExplicitEngine(system(), stepped(span, step=0.008, largest_ratio=ratio))
         assert engine.steps()[1] == ratio
         solution = run(engine, span.times)
         ends.append(solution.bodies["fe"].nodes[-1])
-        e = solution.bodies[ENERGIES].values[-1]
+        e = solution.series[ENERGIES][-1]
         assert abs(e[6]) < 1e-3 * e[0]  # the interface
     assert np.abs(ends[1] - ends[0]).max() < 1e-3 * np.abs(ends[0]).max()
 
@@ -99,7 +99,7 @@ def test_meshes_that_do_not_match_pass_the_patch_test():
     own = system(cells=(2, 3, 3))
     built = ExplicitEngine(own, Run(1.0, 1.0)).built
     arrays = built.model.frames[0]
-    body = own.part("modal").subdomain
+    body = own.placed("modal").body
     x = np.asarray(built.start.x).T[np.asarray(arrays.nodes)]
     assert len(x) == 16
     strain = np.array([[0.1, 0.02, 0.0], [0.0, -0.05, 0.03], [0.01, 0.0, 0.04]])
@@ -118,12 +118,12 @@ def test_a_ball_hits_the_modal_part_and_momentum_goes_over():
     ball = RigidSphere((2.0, 0.5, 1.05), 0.5, velocity=(0.0, 0.0, -0.5), mass=0.5)
     own = system(spin=(0, 0, 0), contacts=[Contact(At("modal", "z_max"), ball)])
     span = Run(4.0, 0.5)
-    engine = ExplicitEngine(own, span, ExplicitOptions(largest_ratio=1))
+    engine = ExplicitEngine(own, stepped(span, largest_ratio=1))
     solution = run(engine, span.times)
-    p = momenta(own, solution, engine)[:, :3] + 0.5 * solution.bodies["obstacles"].values[1:, 3:]
-    assert solution.bodies["obstacles"].values[-1, 5] > -0.4
+    p = momenta(own, solution, engine)[:, :3] + 0.5 * solution.series["obstacles"][1:, 3:]
+    assert solution.series["obstacles"][-1, 5] > -0.4
     assert p == pytest.approx(np.broadcast_to([0, 0, -0.25], p.shape), abs=1e-11)
-    e = solution.bodies[ENERGIES].values
+    e = solution.series[ENERGIES]
     total = e[:, :7].sum(axis=1) - e[:, 7]
     assert np.abs(total / total[0] - 1).max() < 5e-4
 
@@ -134,8 +134,8 @@ def test_the_balance_is_closed_while_a_ball_hits_a_spinning_modal_part():
     ball = RigidSphere((2.0, 0.5, 1.05), 0.5, velocity=(0.0, 0.0, -0.5), mass=0.5)
     own = system(spin=(0.02, 0.1, 0.05), contacts=[Contact(At("modal", "z_max"), ball)])
     span = Run(4.0, 0.5)
-    solution = run(ExplicitEngine(own, span, ExplicitOptions(largest_ratio=1)), span.times)
-    e = solution.bodies[ENERGIES].values
+    solution = run(ExplicitEngine(own, stepped(span, largest_ratio=1)), span.times)
+    e = solution.series[ENERGIES]
     total = e[:, :7].sum(axis=1) - e[:, 7]
     assert np.abs(e[:, 4]).max() > 4e-4 * total[0]  # contact, at the output times
     assert np.abs(total / total[0] - 1).max() < 1e-10
@@ -144,12 +144,12 @@ def test_the_balance_is_closed_while_a_ball_hits_a_spinning_modal_part():
 
 def test_a_force_that_follows_the_frame_turns_with_it():
     body = modal_half()
-    force = NodalForce(At("modal", "tip"), (0.0, 0.1, 0.0), follows=True)
-    solution = simulate_explicit(ExplicitSystem([body], forces=[force]), Run(10.0, 1.0))
+    force = FollowerForce(first=At("modal", "tip"), force=(0.0, 0.1, 0.0))
+    solution = simulate(System([body], loads=[force]), Run(10.0, 1.0))
     points = solution.bodies["modal"].points[-1]
     assert np.linalg.norm(points[1] - points[0]) == pytest.approx(body.points.arm, rel=1e-13)
     assert not np.allclose(points[1] - points[0], [body.points.arm, 0, 0], atol=0.1)
-    e = solution.bodies[ENERGIES].values
+    e = solution.series[ENERGIES]
     assert e[-1, 0] + e[-1, 1] == pytest.approx(e[-1, 7], rel=1e-4)
 
 
@@ -161,7 +161,7 @@ def test_interfaces_that_do_not_meet_are_refused():
 @pytest.mark.slow
 def test_a_run_that_was_cut_off_goes_on_to_the_last_bit(tmp_path):
     own, span = system(), Run(2.0, 0.2)
-    whole = simulate_explicit(own, span, file=tmp_path / "whole.h5")
+    whole = simulate(own, span, file=tmp_path / "whole.h5")
 
     class CutError(Exception):
         pass
@@ -171,10 +171,10 @@ def test_a_run_that_was_cut_off_goes_on_to_the_last_bit(tmp_path):
             raise CutError
 
     with pytest.raises(CutError):
-        simulate_explicit(own, span, file=tmp_path / "cut.h5", progress=cut)
-    resumed = simulate_explicit(own, span, file=tmp_path / "cut.h5")
+        simulate(own, span, file=tmp_path / "cut.h5", progress=cut)
+    resumed = simulate(own, span, file=tmp_path / "cut.h5")
     for name, motion in whole.bodies.items():
         for field, values in motion.arrays().items():
             assert np.array_equal(values, resumed.bodies[name].arrays()[field]), (name, field)
     with pytest.raises(ResultFileError, match="another run"):
-        simulate_explicit(own, Run(3.0, 0.2), file=tmp_path / "whole.h5")
+        simulate(own, Run(3.0, 0.2), file=tmp_path / "whole.h5")

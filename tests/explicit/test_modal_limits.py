@@ -10,21 +10,21 @@ from fixtures.explicit_bars import SOFT, bar, explicit_bar
 from supple.body import LinearRayleighDamping, flexible_body
 from supple.errors import ModelError, ValidityError, ValidityWarning
 from supple.explicit import (
-    ExplicitSystem,
     J2Plasticity,
     LinearHardening,
-    NodalForce,
-    Part,
     explicit_subdomain,
     modal_subdomain,
-    part_positions,
-    simulate_explicit,
 )
 from supple.integrate import Run, Validity
-from supple.machine import At
+from supple.machine import (
+    DeadForce,
+    Placed,
+    System,
+)
 from supple.mesh import CellType
 from supple.reduction import NormalModes
 from supple.results.explicit_fields import largest_stress
+from supple.simulation import simulate
 
 LENGTH, SPIN = 4.0, 0.3
 STRESS = SOFT.density * SPIN**2 * LENGTH**2 / 8
@@ -37,7 +37,7 @@ def spinning(spin=SPIN, **options):
     body = flexible_body("rotor", bar(CellType.HEXA8, (12, 1, 1)))
     damping = LinearRayleighDamping(2.0, 0.0)
     own = modal_subdomain(body, NormalModes(30), damping=damping, **options)
-    return Part(own, angular_velocity=(0.0, 0.0, spin), velocity=(0.0, -spin * LENGTH / 2, 0.0))
+    return Placed(own, angular_velocity=(0.0, 0.0, spin), velocity=(0.0, -spin * LENGTH / 2, 0.0))
 
 
 def test_damping_against_an_interface_is_of_floating_frames_alone():
@@ -51,56 +51,56 @@ def test_damping_against_an_interface_is_of_floating_frames_alone():
 def heard(system, run=RUN):
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
-        simulate_explicit(system, run)
+        simulate(system, run)
     return [str(each.message) for each in found if issubclass(each.category, ValidityWarning)]
 
 
 def test_stress_beyond_the_yield_stress_is_said_with_its_place():
-    (said,) = heard(ExplicitSystem([spinning(yield_stress=0.8 * STRESS)]))
+    (said,) = heard(System([spinning(yield_stress=0.8 * STRESS)]))
     stress = float(re.search(r"von Mises stress of (\S+) at node (\d+)", said).group(1))
     node = int(re.search(r"at node (\d+)", said).group(1))
     # The first swing goes beyond the pull that remains, at most to twice of it.
     assert STRESS < stress < 2 * STRESS
     assert bar(CellType.HEXA8, (12, 1, 1)).mesh.nodes[node, 0] == pytest.approx(LENGTH / 2, abs=0.4)
     assert f"above its yield stress {0.8 * STRESS:.4g}" in said
-    assert not heard(ExplicitSystem([spinning(yield_stress=2 * STRESS)]))
+    assert not heard(System([spinning(yield_stress=2 * STRESS)]))
     part = spinning()
-    solution = simulate_explicit(ExplicitSystem([part]), RUN)
-    found = largest_stress(part.subdomain, solution.times, solution.bodies["rotor"])
+    solution = simulate(System([part]), RUN)
+    found = largest_stress(part.body, solution.times, solution.bodies["rotor"])
     assert (found.place, found.value) == (node, pytest.approx(stress, rel=1e-3))
 
 
 def test_a_part_without_a_yield_stress_has_that_of_its_metal():
     law = J2Plasticity(SOFT, LinearHardening(0.8 * STRESS))
-    beside = Part(explicit_bar(CellType.HEXA8, law, (2, 1, 1)), position=(0.0, 5.0, 0.0))
+    beside = Placed(explicit_bar(CellType.HEXA8, law, (2, 1, 1)), position=(0.0, 5.0, 0.0))
     short = Run(6.0, 2.0)
-    (said,) = heard(ExplicitSystem([spinning(), beside]), short)
+    (said,) = heard(System([spinning(), beside]), short)
     assert f"above the yield stress of 'bar', of the same material, {0.8 * STRESS:.4g}" in said
-    assert not heard(ExplicitSystem([spinning(yield_stress=np.inf), beside]), short)
+    assert not heard(System([spinning(yield_stress=np.inf), beside]), short)
 
 
 def test_a_strict_run_ends_where_a_limit_is_passed():
-    system = ExplicitSystem([spinning(yield_stress=0.5 * STRESS)])
+    system = System([spinning(yield_stress=0.5 * STRESS)])
     with pytest.raises(ValidityError, match="it would yield there"):
-        simulate_explicit(system, Run(20.0, 2.0, validity=Validity(strict=True)))
+        simulate(system, Run(20.0, 2.0, validity=Validity(strict=True)))
 
 
 def test_a_spin_too_fast_for_modes_at_rest_is_said():
     run = Run(0.2, 0.1)
-    first = spinning().subdomain.frequencies[0]
-    (said,) = heard(ExplicitSystem([spinning(0.35 * first)]), run)
+    first = spinning().body.frequencies[0]
+    (said,) = heard(System([spinning(0.35 * first)]), run)
     assert "0.35 times its lowest frequency" in said
-    assert not heard(ExplicitSystem([spinning(0.25 * first)]), run)
+    assert not heard(System([spinning(0.25 * first)]), run)
 
 
 def test_a_bar_that_bends_far_is_said():
     """Ends that are pushed while the middle lags: the slope there is the angle that is said."""
-    part = spinning(0.0).subdomain
-    push = [NodalForce(At("rotor", end), (0.0, 0.0, 1.5)) for end in ("root", "tip")]
+    part = spinning(0.0).body
+    push = [DeadForce(at=f"rotor.{end}", force=(0.0, 0.0, 1.5)) for end in ("root", "tip")]
     with pytest.warns(ValidityWarning, match="rad against its frame") as said:
-        solution = simulate_explicit(ExplicitSystem([part], forces=push), Run(2.0, 0.1))
+        solution = simulate(System([part], loads=push), Run(2.0, 0.1))
     angle = float(re.search(r"turns by (\S+) rad", str(said[0].message)).group(1))
-    x, z = part.body.nodes[:, 0], part_positions(part, solution.bodies["rotor"])[:, :, 2]
+    x, z = part.body.nodes[:, 0], part.positions(solution.bodies["rotor"])[:, :, 2]
     inner, end = (z[:, np.isclose(x, at)].mean(axis=1) for at in (LENGTH * 11 / 12, LENGTH))
     assert angle == pytest.approx(np.abs(end - inner).max() / (LENGTH / 12), rel=0.05)
 

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from fixtures.explicit_bars import SOFT
+from fixtures.explicit_bars import SOFT, stepped
 from fixtures.frame_momentum import nodal_momentum
 from jax import lax
 from scipy import linalg
@@ -15,25 +15,25 @@ from supple.body import AveragingInterface, flexible_body
 from supple.errors import ModelError
 from supple.explicit import (
     ENERGIES,
-    EveryNode,
     ExplicitEngine,
-    ExplicitOptions,
-    ExplicitSystem,
-    MeanMotion,
     ModalSubdomain,
-    NodalForce,
-    Part,
     ProjectedDifference,
     PublishedScheme,
-    Tie,
     explicit_subdomain,
     modal_subdomain,
-    part_positions,
 )
 from supple.explicit.frame_model import Generalized, Steps
 from supple.fem import solid_model
 from supple.integrate import Run, run
-from supple.machine import At
+from supple.machine import (
+    At,
+    DeadForce,
+    EveryNode,
+    MeanMotion,
+    Placed,
+    System,
+    Tie,
+)
 from supple.mesh import CellType, Mesh, block
 from supple.reduction import NormalModes, Rubin
 
@@ -68,29 +68,29 @@ def pair(
     """Two halves that fly as one; the push is there always, so that all marches are one program."""
     flight = {"angular_velocity": spin, "velocity": velocity}
     tie = Tie(At("left", "tip"), "right", continuity=continuity or MeanMotion())
-    return ExplicitSystem(
-        [Part(first, **flight), Part(second, **flight), *parts],
+    return System(
+        [Placed(first, **flight), Placed(second, **flight), *parts],
         ties=[tie, *ties],
-        forces=[NodalForce(At("right", "tip"), push)],
+        loads=[DeadForce(at="right.tip", force=push)],
     )
 
 
 def marched(system, span, n=8, **options):
     own = Run(span, span / n)
-    engine = ExplicitEngine(system, own, ExplicitOptions(**options))
+    engine = ExplicitEngine(system, stepped(own, **options))
     return engine, run(engine, own.times)
 
 
 def balance(solution):
-    e = solution.bodies[ENERGIES].values
+    e = solution.series[ENERGIES]
     total = e[:, :7].sum(axis=1) - e[:, 7]
     return np.abs(total - total[0]).max() / np.abs(e).max()
 
 
 def modal_momenta(system, solution, name):
     """Linear and angular momentum (t, 6) over the step before each output time, from the nodes."""
-    body, motion = system.part(name).subdomain, solution.bodies[name]
-    steps = solution.bodies["steps"].values
+    body, motion = system.placed(name).body, solution.bodies[name]
+    steps = solution.series["steps"]
     old, push = nodal_momentum(body, motion, steps[:, 0] * steps[:, 1])
     return np.column_stack([push.sum(axis=1), np.cross(old, push).sum(axis=1)])[1:]
 
@@ -99,10 +99,10 @@ def interface(system, solution):
     """Positions (t, n, 3) of the joint's nodes, as each half places them; the same mesh on both sides."""
     sides = []
     for name, nodes in (("left", "tip"), ("right", "root")):
-        part = system.part(name)
+        part = system.placed(name).body
         numbers = part.mesh.node_sets[nodes]
         order = np.lexsort(part.mesh.nodes[numbers].T)
-        sides.append(part_positions(part.subdomain, solution.bodies[name], numbers[order]))
+        sides.append(part.positions(solution.bodies[name], numbers[order]))
     return sides
 
 
@@ -126,7 +126,7 @@ def test_mean_displacement_and_mean_turn_of_the_joint_are_equal(flight):
     left, right = interface(system, solution)
     gap, size = left - right, np.abs(left).max()
     points = solution.bodies["right"].points
-    local = gap @ (points[:, 1:] - points[:, :1]).swapaxes(1, 2) / system.part("right").subdomain.points.arm
+    local = gap @ (points[:, 1:] - points[:, :1]).swapaxes(1, 2) / system.placed("right").body.points.arm
     X = left[0]
     turn = np.cross(X - X.mean(axis=0), local).mean(axis=1)
     assert np.abs(gap.mean(axis=1)).max() < 1e-13 * size
@@ -146,9 +146,9 @@ def test_meshes_that_do_not_match_keep_momenta_and_balance():
 def bent(system, name, **options):
     """Mean displacement (t, 3) of the tip of a part over 1.5 periods of the first bending mode of the bar."""
     solution = marched(system, 1.5 * PERIOD, **options)[1]
-    part = system.part(name)
+    part = system.placed(name).body
     tip = part.mesh.node_sets["tip"]
-    return (part_positions(part.subdomain, solution.bodies[name], tip) - part.nodes[tip]).mean(axis=1)
+    return (part.positions(solution.bodies[name], tip) - part.nodes[tip]).mean(axis=1)
 
 
 PUSH = (0.0, 2e-3, 1e-3)
@@ -163,9 +163,9 @@ def test_a_bar_cut_in_two_moves_like_one_modal_part_and_like_explicit_elements()
     ends = [AveragingInterface("tip", "tip")]
     whole = modal_subdomain(flexible_body("one", model, ends), Rubin(10))
     two = bent(pair(half(*LEFT), half(*RIGHT), spin=(0, 0, 0), velocity=(0, 0, 0), push=PUSH), "right")
-    one = bent(ExplicitSystem([whole], forces=[NodalForce(At("one", "tip"), PUSH)]), "one")
+    one = bent(System([whole], loads=[DeadForce(at="one.tip", force=PUSH)]), "one")
     fe = explicit_subdomain(model, name="fe")
-    nodal = bent(ExplicitSystem([fe], forces=[NodalForce(At("fe", "tip"), PUSH)]), "fe")
+    nodal = bent(System([fe], loads=[DeadForce(at="fe.tip", force=PUSH)]), "fe")
     size = np.abs(one).max()
     assert np.abs(two - one).max() < 0.01 * size
     assert np.abs(two - nodal).max() < 0.04 * size
@@ -231,7 +231,7 @@ def test_ties_that_close_a_loop_keep_what_is_independent():
     bases = [whole_basis("left", 0, 4, (2, 1, 1)), whole_basis("right", 4, 4, (2, 1, 1))]
     left, right = (ModalSubdomain(own.body, np.zeros((own.body.n, 0)), np.zeros(0)) for own in bases)
     system = pair(left, right, ties=[Tie(At("left", "tip"), "right", continuity=EveryNode())])
-    built = ExplicitEngine(system, Run(1.0, 1.0), ExplicitOptions(step=0.01)).built
+    built = ExplicitEngine(system, stepped(Run(1.0, 1.0), step=0.01)).built
     assert sum(len(tie.first.weights) for tie in built.model.ties) == 6
     after = flown(built, 0.01, 500)
     # Both turn as one body.
@@ -242,13 +242,13 @@ def test_ties_that_close_a_loop_keep_what_is_independent():
 
 @pytest.mark.slow
 def test_an_explicit_end_on_one_of_two_tied_parts_shares_their_momentum():
-    end = Part(
+    end = Placed(
         explicit_subdomain(_model(8, 2, (2, 2, 2)), name="end"), angular_velocity=SPIN, velocity=(0.1, 0, 0)
     )
     system = pair(half(*LEFT), half(*RIGHT), parts=[end], ties=[Tie(At("end", "root"), "right")])
     engine, solution = marched(system, 10.0, 4, largest_ratio=1)
     p = sum(modal_momenta(system, solution, name) for name in ("left", "right"))
-    h = solution.bodies["steps"].values[1:, 0, None, None]
+    h = solution.series["steps"][1:, 0, None, None]
     motion = solution.bodies["end"]
     m = np.asarray(engine.built.model.mass)[engine.built.nodes["end"]][:, None]
     push = m * motion.velocities[1:]
@@ -284,12 +284,14 @@ def test_what_cannot_be_tied_is_refused():
     with pytest.raises(ModelError, match="by ProjectedDifference"):
         marched(pair(left, right), 1.0, scheme=PublishedScheme())
     with pytest.raises(ModelError, match=r"fly apart by 1 m/s"):
-        ExplicitSystem([Part(left, velocity=(1, 0, 0)), right], ties=[Tie(At("left", "tip"), "right")])
+        marched(
+            System([Placed(left, velocity=(1, 0, 0)), right], ties=[Tie(At("left", "tip"), "right")]), 1.0
+        )
     fe = explicit_subdomain(_model(8, 2, (2, 2, 2)), name="end")
     with pytest.raises(ModelError, match="'end' is explicit; tie its nodes"):
-        ExplicitSystem([right, fe], ties=[Tie(At("right", "tip"), "end")])
+        marched(System([right, fe], ties=[Tie(At("right", "tip"), "end")]), 1.0)
     with pytest.raises(ModelError, match="not tied to itself"):
-        ExplicitSystem([right], ties=[Tie(At("right", "tip"), "right")])
+        marched(System([right], ties=[Tie(At("right", "tip"), "right")]), 1.0)
     with pytest.raises(ModelError, match="does not meet"):
         marched(pair(left, half(*RIGHT, shift=0.5)), 1.0)
     with pytest.raises(ModelError, match="tolerance of a tie"):
@@ -300,7 +302,7 @@ def test_an_explicit_node_hangs_on_one_modal_part():
     """A pin through the joint of two halves, tied on both: its mass would count twice."""
     pin = explicit_subdomain(_model(4, 2, (2, 2, 2)), name="pin")
     ties = [Tie(At("pin", "root"), name) for name in ("left", "right")]
-    flying = Part(pin, angular_velocity=SPIN, velocity=(0.1, 0, 0))
+    flying = Placed(pin, angular_velocity=SPIN, velocity=(0.1, 0, 0))
     system = pair(half(*LEFT), half(*RIGHT), parts=[flying], ties=ties)
     with pytest.raises(ModelError, match="is tied on 'left' and 'right'"):
         marched(system, 1.0)

@@ -7,20 +7,22 @@ from fixtures.explicit_bars import SOFT
 from supple.body import flexible_body
 from supple.errors import ModelError
 from supple.explicit import (
-    Collocated,
     ExplicitEngine,
-    ExplicitSystem,
-    Mortar,
-    Part,
-    Tie,
     explicit_subdomain,
     modal_subdomain,
 )
-from supple.explicit.outer_faces import outer_triangles
 from supple.fem import solid_model
 from supple.integrate import Run
-from supple.machine import At
+from supple.machine import (
+    At,
+    Collocated,
+    Mortar,
+    Placed,
+    System,
+    Tie,
+)
 from supple.mesh import CellType, Mesh, block
+from supple.mesh.outer_faces import outer_triangles
 from supple.reduction import NormalModes
 
 FINE, COARSE = (2, 5, 3), (1, 2, 2)
@@ -115,9 +117,9 @@ def test_a_tie_of_a_system_uses_it():
     body = modal_subdomain(flexible_body("modal", model), NormalModes(30))
     coarse = block(2, 1, 1, *COARSE, CellType.HEXA8)
     end = solid_model(Mesh(coarse.nodes + np.array([4.0, 0, 0]), coarse.cells, coarse.node_sets), SOFT)
-    parts = [Part(body), Part(explicit_subdomain(end, name="end"))]
+    parts = [Placed(body), Placed(explicit_subdomain(end, name="end"))]
     tie = Tie(At("end", "root"), "modal", transfer=Mortar())
-    built = ExplicitEngine(ExplicitSystem(parts, ties=[tie]), Run(1.0, 1.0)).built
+    built = ExplicitEngine(System(parts, ties=[tie]), Run(1.0, 1.0)).built
     arrays = built.model.frames[0]
     corners, shares = Mortar().weights(
         np.asarray(built.start.x).T[np.asarray(arrays.nodes)],
@@ -128,11 +130,9 @@ def test_a_tie_of_a_system_uses_it():
     )
     own = body.shapes @ built.frames["modal"].turned
     assert np.asarray(arrays.shapes) == pytest.approx(np.einsum("nc,ncik->nik", shares, own[corners]))
+    tie = Tie(At("next", "root"), "end", transfer=Mortar())
     with pytest.raises(ModelError, match="a mortar needs a modal part"):
-        ExplicitSystem(
-            [parts[1], explicit_subdomain(end, name="next")],
-            ties=[Tie(At("next", "root"), "end", transfer=Mortar())],
-        )
+        ExplicitEngine(System([parts[1], explicit_subdomain(end, name="next")], ties=[tie]), Run(1.0, 1.0))
 
 
 def test_faces_that_are_not_covered_and_nodes_without_faces_are_refused():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fixtures.explicit_bars import stepped
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
@@ -11,13 +12,8 @@ from supple.explicit import (
     ENERGIES,
     CentrifugalStiffness,
     ExplicitEngine,
-    ExplicitOptions,
-    ExplicitSystem,
-    NodalForce,
-    Part,
     PublishedScheme,
     modal_subdomain,
-    part_positions,
 )
 from supple.explicit.frame_invariants import angular_momentum
 from supple.explicit.frame_model import FrameState
@@ -25,7 +21,12 @@ from supple.explicit.spin_stiffness import PAIRS, largest_of_unit_spin
 from supple.fem import Isotropic, solid_model
 from supple.integrate import Run, run
 from supple.linearization import linearize, machine_modes
-from supple.machine import At, Placed, Spin, System
+from supple.machine import (
+    DeadForce,
+    Placed,
+    Spin,
+    System,
+)
 from supple.mesh import CellType, block
 from supple.reduction import CompressedDerivatives, NoLoads, NormalModes, reduce
 
@@ -77,17 +78,17 @@ def test_a_slender_rotor_stiffens_as_a_string_under_its_tension(body, rotor):
 
 def flapped(part, rate, span=24.0, n=96):
     """A rotor that spins about z and is pushed along z at its ends, which bends it out of its plane."""
-    pushes = [NodalForce(At("rotor", end), (0.0, 0.0, 2e-4)) for end in ("root", "tip")]
+    pushes = [DeadForce(at=f"rotor.{end}", force=(0.0, 0.0, 2e-4)) for end in ("root", "tip")]
     # The spin is about the middle.
-    placed = Part(part, velocity=(0.0, -4.0 * rate, 0.0), angular_velocity=(0.0, 0.0, rate))
+    placed = Placed(part, velocity=(0.0, -4.0 * rate, 0.0), angular_velocity=(0.0, 0.0, rate))
     own = Run(span, span / n)
-    engine = ExplicitEngine(ExplicitSystem([placed], forces=pushes), own, ExplicitOptions(safety=0.3))
+    engine = ExplicitEngine(System([placed], loads=pushes), stepped(own, safety=0.3))
     return engine, run(engine, own.times)
 
 
 def frequency(part, solution):
     """Of the ends against the middle, rad/s: what fits a cosine about a constant best."""
-    z = part_positions(part, solution.bodies["rotor"])[:, :, 2]
+    z = part.positions(solution.bodies["rotor"])[:, :, 2]
     ends = np.concatenate([part.body.model.mesh.node_sets[end] for end in ("root", "tip")])
     w = z[:, ends].mean(axis=1) - z[:, np.abs(part.body.nodes[:, 0] - 4) < 1e-9].mean(axis=1)
     t = solution.times
@@ -124,13 +125,13 @@ def test_the_frequency_of_flapping_is_that_of_the_floating_frame(body, rotor, fl
 
 def test_momentum_is_kept_and_the_balance_is_closed(flapping):
     _, engine, solution = flapping
-    e = solution.bodies[ENERGIES].values
+    e = solution.series[ENERGIES]
     total = e[:, :7].sum(axis=1) - e[:, 7]
     assert np.abs(total - total[0]).max() < 1e-12 * np.abs(e).max()
     assert e[:, 1].max() > 1e-6
     own, model = solution.bodies["rotor"], engine.built.model.frames[0].model
     turned = engine.built.frames["rotor"].turned.T
-    h = solution.bodies["steps"].values
+    h = solution.series["steps"]
     L = [
         angular_momentum(model, FrameState(p, turned @ y, vp, turned @ vy), step)
         for p, y, vp, vy, step in zip(
@@ -146,18 +147,18 @@ def test_the_step_shrinks_with_the_spin_by_a_bound_of_its_stiffness(rotor):
     for spin in np.random.default_rng(0).normal(size=(20, 3)):
         largest = np.linalg.eigvalsh(spun(rotor.spin_stiffness, spin))[-1]
         assert largest <= bound * spin @ spin * (1 + 1e-12)
-    fast = Part(rotor, angular_velocity=(0.0, 0.0, 1.0))
-    own, options = Run(100.0, 100.0), ExplicitOptions(safety=1.0)
-    step = ExplicitEngine(ExplicitSystem([fast]), own, options).steps()[0]
+    fast = Placed(rotor, angular_velocity=(0.0, 0.0, 1.0))
+    own = stepped(Run(100.0, 100.0), safety=1.0)
+    step = ExplicitEngine(System([fast]), own).steps()[0]
     expected = 2 / np.hypot(rotor.frequencies[-1], np.sqrt(bound))
     assert 0.98 * expected < step <= expected * (1 + 1e-9)
     assert expected < 0.9 * rotor.step_limit
     with pytest.raises(ModelError, match="above the limit"):
-        ExplicitEngine(ExplicitSystem([fast]), own, ExplicitOptions(step=1.01 * expected))
+        ExplicitEngine(System([fast]), stepped(own, step=1.01 * expected))
 
 
 def test_what_cannot_stiffen_is_refused(body, rotor):
     with pytest.raises(ModelError, match="no quadratic strains"):
         modal_subdomain(body.linearized(), NormalModes(4), stiffening=CentrifugalStiffness())
     with pytest.raises(ModelError, match="stiffens as it spins"):
-        ExplicitEngine(ExplicitSystem([rotor]), Run(1.0, 1.0), ExplicitOptions(scheme=PublishedScheme()))
+        ExplicitEngine(System([rotor]), stepped(Run(1.0, 1.0), scheme=PublishedScheme()))

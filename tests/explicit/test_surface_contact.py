@@ -2,24 +2,24 @@
 
 import numpy as np
 import pytest
-from fixtures.explicit_bars import SOFT
+from fixtures.explicit_bars import SOFT, stepped
 
 from supple.body import flexible_body
 from supple.errors import ModelError
 from supple.explicit import (
     ENERGIES,
     ExplicitEngine,
-    ExplicitOptions,
-    ExplicitSystem,
-    Part,
-    SurfaceContact,
     explicit_subdomain,
     modal_subdomain,
-    part_positions,
 )
 from supple.fem import Isotropic, solid_model
 from supple.integrate import Run, run
-from supple.machine import At
+from supple.machine import (
+    At,
+    Placed,
+    SurfaceContact,
+    System,
+)
 from supple.mesh import CellType, block
 from supple.reduction import NormalModes
 
@@ -30,10 +30,10 @@ SPEED_OF_SOUND = 10.0
 def rods(v=0.1, cells=40, length=4.0, gap=0.0, **contact):
     """Two equal rods along x; the first flies into the second."""
     model = solid_model(block(length, 0.2, 0.2, cells, 1, 1, CellType.HEXA8), ROD)
-    first = Part(explicit_subdomain(model, name="first"), velocity=(v, 0, 0))
-    second = Part(explicit_subdomain(model, name="second"), position=(length + gap, 0, 0))
+    first = Placed(explicit_subdomain(model, name="first"), velocity=(v, 0, 0))
+    second = Placed(explicit_subdomain(model, name="second"), position=(length + gap, 0, 0))
     touch = SurfaceContact(At("first", "tip"), At("second", "root"), **contact)
-    return ExplicitSystem([first, second], contacts=[touch])
+    return System([first, second], contacts=[touch])
 
 
 def nodal_momentum(engine, solution, name):
@@ -61,7 +61,7 @@ def test_equal_rods_exchange_their_velocities_in_the_time_of_two_wave_travels():
         # The force is rho c v A / 2 throughout: the velocity of the second grows linearly, done at 2 L / c.
         halfway.append(np.interp(0.5 * v, second, solution.times))
         done.append(solution.times[np.argmax(second > 0.98 * v)])
-        held = solution.bodies[ENERGIES].values[:, 4]
+        held = solution.series[ENERGIES][:, 4]
         assert held.max() > 1e-4 * mass * v**2
         assert abs(held[-1]) < 1e-2 * held.max()
     assert 2 * halfway[1] - halfway[0] == pytest.approx(0.5 * duration, rel=0.01)
@@ -74,15 +74,17 @@ def test_an_oblique_hit_keeps_both_momenta_and_the_energy():
     hitting = explicit_subdomain(solid_model(block(1, 1, 1, 2, 2, 2, CellType.HEXA8), SOFT), name="cube")
     plate = explicit_subdomain(solid_model(block(0.4, 2, 2, 1, 5, 5, CellType.TETRA4), SOFT), name="plate")
     parts = [
-        Part(hitting, position=(-1.01, 0.55, 0.35), velocity=(1.0, 0.2, 0.1), angular_velocity=(0, 0.1, 0.2)),
-        Part(plate),
+        Placed(
+            hitting, position=(-1.01, 0.55, 0.35), velocity=(1.0, 0.2, 0.1), angular_velocity=(0, 0.1, 0.2)
+        ),
+        Placed(plate),
     ]
     touch = SurfaceContact(At("cube", "tip"), At("plate", "root"))
     span = Run(0.6, 0.02)
-    engine = ExplicitEngine(ExplicitSystem(parts, contacts=[touch]), span)
+    engine = ExplicitEngine(System(parts, contacts=[touch]), span)
     solution = run(engine, span.times)
     m = np.asarray(engine.built.model.mass)
-    h = solution.bodies["steps"].values[:, 0]
+    h = solution.series["steps"][:, 0]
     linear, angular = np.zeros((len(h), 3)), np.zeros((len(h), 3))
     for name, numbers in engine.built.nodes.items():
         x, v = solution.bodies[name].nodes, solution.bodies[name].velocities
@@ -90,7 +92,7 @@ def test_an_oblique_hit_keeps_both_momenta_and_the_energy():
         angular += np.einsum("n,tni->ti", m[numbers], np.cross(x - h[:, None, None] * v, v))
     assert np.abs(linear - linear[0]).max() < 1e-13 * np.abs(linear).max() * 100
     assert np.abs(angular[1:] - angular[1]).max() < 1e-11 * np.abs(angular).max()
-    e = solution.bodies[ENERGIES].values
+    e = solution.series[ENERGIES]
     assert e[:, 4].max() > 1e-3 * e[0, 0]
     assert np.abs(nodal_momentum(engine, solution, "plate")[-1]).max() > 0.1
     total = e[:, :7].sum(axis=1) - e[:, 7]
@@ -108,7 +110,7 @@ def test_the_stated_limit_is_below_the_true_one_with_all_contacts_closed(cells):
         for n, name in zip(cells, ("mine", "theirs"), strict=True)
     )
     touch = SurfaceContact(At("mine", "tip"), At("theirs", "root"), fraction=0.5)
-    system = ExplicitSystem([mine, Part(theirs, position=(1, 0, 0))], contacts=[touch])
+    system = System([mine, Placed(theirs, position=(1, 0, 0))], contacts=[touch])
     model = ExplicitEngine(system, Run(1.0, 1.0)).built
     (surface,) = model.model.surfaces
     at = projected(surface, model.start.x)
@@ -132,11 +134,11 @@ def test_the_face_of_a_modal_part_takes_part(which):
     cube = explicit_subdomain(solid_model(block(1, 1, 1, 2, 2, 2, CellType.HEXA8), SOFT), name="cube")
     ends = [At("cube", "root"), At("block", "tip")]
     touch = SurfaceContact(*(ends if which == "nodes" else ends[::-1]))
-    parts = [modal, Part(cube, position=(1.0, 0.1, 0.05), velocity=(-0.2, 0, 0))]
+    parts = [modal, Placed(cube, position=(1.0, 0.1, 0.05), velocity=(-0.2, 0, 0))]
     span = Run(0.8, 0.05)
-    engine = ExplicitEngine(ExplicitSystem(parts, contacts=[touch]), span, ExplicitOptions(largest_ratio=1))
+    engine = ExplicitEngine(System(parts, contacts=[touch]), stepped(span, largest_ratio=1))
     solution = run(engine, span.times)
-    h = solution.bodies["steps"].values[:, 0]
+    h = solution.series["steps"][:, 0]
     motion = solution.bodies["block"]
     before = type(motion)(
         motion.points - h[:, None, None] * motion.point_rates,
@@ -145,12 +147,12 @@ def test_the_face_of_a_modal_part_takes_part(which):
         motion.coordinate_rates,
     )
     M = body.nodal_mass[::3][:, ::3].toarray()
-    moved = part_positions(modal, motion)[1:] - part_positions(modal, before)[1:]
+    moved = modal.positions(motion)[1:] - modal.positions(before)[1:]
     p = np.einsum("nm,tmi->ti", M, moved / h[1:, None, None])
     p += nodal_momentum(engine, solution, "cube")[1:]
     assert np.abs(p - [-0.2, 0, 0]).max() < 1e-11
     assert nodal_momentum(engine, solution, "cube")[-1, 0] > -0.1
-    e = solution.bodies[ENERGIES].values
+    e = solution.series[ENERGIES]
     assert e[:, 4].max() > 1e-3 * e[0, 0]
     total = e[:, :7].sum(axis=1) - e[:, 7]
     assert np.abs(total / total[0] - 1).max() < 1e-3

@@ -15,16 +15,17 @@ from supple.storage import read_header, read_solution
 STEPS = 1_000_000
 MARCH = """
 from fixtures.explicit_bars import explicit_bar
-from supple.explicit import ExplicitOptions, ExplicitSystem, Part, simulate_explicit
-from supple.integrate import Run
+from supple.integrate import FixedStep, Run
+from supple.machine import Placed, System
 from supple.mesh import CellType
+from supple.simulation import simulate
 
 
 def marched(path, progress=None):
     '''One cell that turns and breathes.'''
-    cell = Part(explicit_bar(CellType.HEXA8, counts=(1, 1, 1)), angular_velocity=(0.02, 0.01, 0.05))
-    run, options = Run(10_000.0, 100.0), ExplicitOptions(step=0.01)
-    return simulate_explicit(ExplicitSystem([cell]), run, options=options, file=path, progress=progress)
+    cell = Placed(explicit_bar(CellType.HEXA8, counts=(1, 1, 1)), angular_velocity=(0.02, 0.01, 0.05))
+    run = Run(10_000.0, 100.0, FixedStep(0.01))
+    return simulate(System([cell]), run, file=path, progress=progress)
 """
 KILLED = MARCH + "import sys; marched(sys.argv[1], print)"
 
@@ -47,6 +48,6 @@ def test_a_million_steps_are_killed_and_resumed_to_the_same_bits(tmp_path):
     resumed = names["marched"](path)
     assert whole.statistics.steps == STEPS
     assert bits(resumed) == bits(whole) == bits(read_solution(path))
-    e = whole.bodies["energies"].values
+    e = whole.series["energies"]
     total = e[:, :7].sum(axis=1) - e[:, 7]
     assert np.abs(total / total[0] - 1).max() < 1e-6

@@ -7,7 +7,18 @@ from fixtures.beam_lines import beam_line, straight
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, Run
 from supple.intrinsic import CLAMPED, FREE, intrinsic_body
-from supple.machine import ConstantRate, DeadForce, Fixed, FollowerForce, PrescribedRotation, Spin, System
+from supple.machine import (
+    Bushing,
+    ConstantRate,
+    DeadForce,
+    Fixed,
+    FollowerForce,
+    Placed,
+    PrescribedRotation,
+    Spin,
+    SpringDamper,
+    System,
+)
 from supple.multibody import StaticSearch
 from supple.simulation import equilibrium, simulate
 from supple_benchmarks.references.elastica import elastica
@@ -109,3 +120,21 @@ def test_a_run_from_the_equilibrium_of_a_beam_stays_there():
     assert driven.joint_forces["drive"][[0, 1, 2]] == pytest.approx([0, 0, 8 * sag], abs=1e-10)
     with pytest.raises(ModelError, match=r"its root is held against it.*Give a joint about the axis"):
         equilibrium(System([body], [CLAMP]), spin=Spin(1.0, (0, 0, 1)))
+
+
+@pytest.mark.parametrize(
+    "element",
+    [
+        Bushing(first="a.tip", second="b.tip", stiffness=[10.0] * 6),
+        SpringDamper(first="a.tip", second="b.tip", stiffness=10.0, rest_length=None),
+    ],
+    ids=["bushing", "spring"],
+)
+def test_an_element_between_two_lines_is_undeformed_where_they_start(element):
+    """Two cantilevers a metre apart stay straight."""
+    lines = [intrinsic_body(beam_line(straight(1.0, 4), name=name, **BEAM), CLAMPED) for name in "ab"]
+    bodies = [Placed(lines[0]), Placed(lines[1], position=[0.0, 0.0, 1.0])]
+    joints = [Fixed(first="ground", second=f"{name}.root") for name in "ab"]
+    rest = equilibrium(System(bodies, joints, [element])).solution.bodies
+    for height, name, line in zip((0.0, 1.0), "ab", lines, strict=True):
+        assert line.places(rest[name])[1][0, -1] == pytest.approx([1.0, 0.0, height], abs=1e-9)

@@ -5,19 +5,20 @@ import pytest
 from fixtures.explicit_bars import SOFT, explicit_bar
 
 from supple.explicit import (
-    Contact,
-    ExplicitSystem,
     NodalMotion,
-    Part,
+    explicit_subdomain,
+)
+from supple.fem import solid_model
+from supple.integrate import Solution, Statistics
+from supple.machine import (
+    At,
+    Contact,
+    Placed,
     RigidPlane,
     RigidSphere,
     SurfaceContact,
-    explicit_subdomain,
+    System,
 )
-from supple.explicit.series_motion import SeriesMotion
-from supple.fem import solid_model
-from supple.integrate import Solution, Statistics
-from supple.machine import At
 from supple.mesh import CellType, block
 from supple.viz import explicit_pictures, skin_of
 from supple.viz.camera import Camera
@@ -33,14 +34,14 @@ STILL = np.zeros((1, 1, 3))
 
 def pressed(obstacle=WALL):
     """A bar whose tip is a little inside what it hits, and that obstacle."""
-    system = ExplicitSystem([explicit_bar(CellType.HEXA8)], contacts=[Contact(At("bar", "tip"), obstacle)])
-    positions = system.part("bar").nodes + np.array([1e-3, 0.0, 0.0])
+    system = System([explicit_bar(CellType.HEXA8)], contacts=[Contact(At("bar", "tip"), obstacle)])
+    positions = system.placed("bar").positions() + np.array([1e-3, 0.0, 0.0])
     return system, {"bar": positions[None]}
 
 
 def seen_from_behind(system, positions):
     """Numbers of the parts, 0 the bar and 1 the wall, seen where the wall is, from its far side."""
-    bar = Actor(skin_of(system.part("bar").mesh), positions["bar"])
+    bar = Actor(skin_of(system.placed("bar").body.mesh), positions["bar"])
     scene = scene_of([bar, obstacle_actor(WALL, STILL[:, 0], positions["bar"][0])])
     camera = Camera.looking(along=(-1.0, 0.1, -0.2), up=(0.0, 0.0, 1.0))
     plane, nearness = camera.project(scene.positions[0][scene.skin.triangles])
@@ -76,10 +77,10 @@ def test_nodes_stand_before_an_obstacle_that_moves():
 
 def test_nodes_stand_before_the_faces_of_another_part():
     model = solid_model(block(1, 1, 1, 1, 1, 1, CellType.HEXA8), SOFT)
-    block_behind = Part(explicit_subdomain(model, name="block"), position=(4.0, 0.0, 0.0))
+    block_behind = Placed(explicit_subdomain(model, name="block"), position=(4.0, 0.0, 0.0))
     touch = SurfaceContact(At("bar", "tip"), At("block", "root"))
-    system = ExplicitSystem([explicit_bar(CellType.HEXA8), block_behind], contacts=[touch])
-    positions = {name: system.part(name).nodes[None] for name in ("bar", "block")}
+    system = System([explicit_bar(CellType.HEXA8), block_behind], contacts=[touch])
+    positions = {name: system.placed(name).positions()[None] for name in ("bar", "block")}
     positions["bar"] = positions["bar"] + np.array([1e-3, 0.0, 0.0])
     shown = clear_of_contact(system, positions, STILL[:, :0])
     tip = system.node_numbers(At("bar", "tip"))
@@ -105,7 +106,7 @@ def test_ways_and_energies_of_round_off_are_no_curves(tmp_path, monkeypatch):
     times = np.linspace(0.0, 1.0, 5)
     energies = np.zeros((5, 8))
     energies[:, 0], energies[:, 6] = 1.0, 1e-14 * times
-    solution = Solution(times, {"energies": SeriesMotion(energies)}, {}, Statistics())
+    solution = Solution(times, {}, {}, Statistics(), series={"energies": energies})
     way = np.column_stack([1.2 + 0.01 * times, 1e-15 * times, np.full(5, 0.3)])
     draw_explicit(tmp_path, solution, {"tip": way})
     (energy,), (x, y, z) = panels

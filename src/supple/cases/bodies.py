@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -19,7 +19,7 @@ from supple.body import (
     check_rigid_connections,
     rigid_mass_properties,
 )
-from supple.cases import condense, damping, interfaces, line_on_grids, reductions, split
+from supple.cases import condense, damping, explicit_parts, interfaces, line_on_grids, reductions, split
 from supple.cases.body_kinds import (
     KINDS,
     ElasticKind,
@@ -29,18 +29,22 @@ from supple.cases.body_kinds import (
     Shell,
     Solid,
     Superelement,
+    is_explicit,
     kind_of,
 )
 from supple.cases.condense import Condense, is_condensed
-from supple.cases.damping import Damping, Modal, Rayleigh
+from supple.cases.damping import Damping, LinearRayleigh, Modal, Rayleigh
+from supple.cases.explicit_parts import ExplicitPart, ModalPart
 from supple.cases.interfaces import Interface
 from supple.cases.line_on_grids import line_on_grids as built_on_grids
 from supple.cases.notify import Notify
-from supple.cases.reductions import FullOrder, Reduction, derivative_choice, quartic_choice
-from supple.cases.shared_rules import usable_names
+from supple.cases.reductions import FullOrder, Reduced, Reduction, derivative_choice, quartic_choice
+from supple.cases.shared_rules import FileName, usable_names
 from supple.cases.split import Split
-from supple.cases.table import Made
+from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import ModelError
+from supple.explicit import ExplicitShell, ExplicitSubdomain, ModalSubdomain
+from supple.fem import FiniteElementModel
 from supple.importers.toml import (
     ZERO,
     CheckedTable,
@@ -59,35 +63,24 @@ from supple.reduction import CondensedQuartic, NoLoads, ReducedBody, reduce
 from supple.reduction.eigenvalues.mode_search import search_words
 from supple.storage import read_reduced_body
 
-
-class MeanAxis(Made):
-    """Frame that follows the mean motion of the body."""
-
-    makes = MeanAxisFrame
-
-    kind: Literal["mean-axis"]
-
-
-class NodalFixed(Made):
-    """Frame fixed to one interface."""
-
-    makes = NodalFixedFrame
-
-    kind: Literal["nodal-fixed"]
-    interface: str = Field(description="name of the interface the frame moves with")
-
-
-Frame = Annotated[MeanAxis | NodalFixed, Field(discriminator="kind")]
+MeanAxis = table_of(MeanAxisFrame, "mean-axis")
+NodalFixed = table_of(
+    NodalFixedFrame, "nodal-fixed", interface=Key(str, "name of the interface the frame moves with")
+)
+Frame = Annotated[Made, OneOf(MeanAxis, NodalFixed)]
 
 
 class Body(CheckedTable):
     """A rigid or elastic body and where it starts."""
 
     name: str = Field(min_length=1, description="used as NAME.INTERFACE by joints, loads and output")
-    mesh: str | None = Field(
+    mesh: FileName | None = Field(
         None,
         description="mesh file beside the case file: Gmsh .msh, Abaqus/CalculiX .inp or Nastran .bdf; "
         "for matrices also HDF5 .h5",
+    )
+    cells: str | None = Field(
+        None, description="cell set of the mesh that is this body, of shell and solid; all if left out"
     )
     shell: Shell | None = None
     solid: Solid | None = None
@@ -95,7 +88,7 @@ class Body(CheckedTable):
     matrices: Matrices | None = None
     superelement: Superelement | None = None
     rigid: Rigid | None = None
-    reduced: str | None = Field(
+    reduced: FileName | None = Field(
         None, description="file of a reduced body, made by supple reduce, beside the case file"
     )
     interface: Annotated[tuple[Interface, ...], Field(strict=False)] = ()
@@ -104,6 +97,8 @@ class Body(CheckedTable):
     damping: Damping | None = None
     split: Split | None = None
     condense: Condense | None = None
+    modal: ModalPart | None = None
+    explicit: ExplicitPart | None = None
     linear: bool = Field(False, description="true leaves the nonlinear strains out (for comparison)")
     position: Vector = Field(ZERO, description="start of the mesh origin, global axes")
     rotation: Vector = Field(ZERO, description="start orientation as a rotation vector, global axes, rad")
@@ -141,10 +136,15 @@ class Body(CheckedTable):
         return self.condense is not None and self.matrices is not None
 
     @property
+    def is_explicit(self) -> bool:
+        """True of a body that marches explicitly, in modes or in finite elements."""
+        return self.modal is not None or self.explicit is not None
+
+    @property
     def corrects_itself(self) -> bool:
         """True of an elastic body whose reduction has no fixed size."""
         if self.reduction is None:
-            return self.elastic is not None and self.condense is None
+            return self.elastic is not None and self.condense is None and not self.is_explicit
         return self.reduction.corrects_itself
 
     def flexible(self, source: BodySource) -> FlexibleBody:
@@ -167,17 +167,42 @@ class Body(CheckedTable):
             raise
         return body.linearized() if self.linear else body
 
-    def build(self, flexible: FlexibleBody | None, folder: Path, notify: Notify) -> Placed:
+    def build(
+        self,
+        flexible: FlexibleBody | None,
+        folder: Path,
+        notify: Notify,
+        elements: FiniteElementModel | None = None,
+    ) -> Placed:
         """The body where it starts; in full if its basis is "none", or if its reduction is to correct itself.
 
         flexible : from `flexible`; None of a body that is not elastic, or is a file
         folder : where that file lies
         notify : hears of each long step
+        elements : of a body that is to march in them
         """
         given = {key: getattr(self, key) for key in _START}
         start: dict[str, Any] = {key: np.array(value) for key, value in given.items() if value is not None}
-        placed = Placed(self._form(flexible, folder, notify), **start)
+        form = (
+            self._part(flexible, elements, notify)
+            if self.is_explicit
+            else self._form(flexible, folder, notify)
+        )
+        placed = Placed(form, **start)
         return placed if self.centre_velocity is None else placed.with_centre_velocity(self.centre_velocity)
+
+    def _part(
+        self, flexible: FlexibleBody | None, elements: FiniteElementModel | None, notify: Notify
+    ) -> ModalSubdomain | ExplicitSubdomain | ExplicitShell:
+        """The body as it marches explicitly."""
+        damping = self.damping.build() if isinstance(self.damping, LinearRayleigh) else None
+        if self.modal is not None:
+            assert flexible is not None
+            notify(f"reducing body '{self.name}' ({flexible.n} freedoms)")
+            return self.modal.build(flexible, damping)
+        assert self.explicit is not None
+        assert elements is not None
+        return self.explicit.build(self.name, elements, damping)
 
     def _form(
         self, flexible: FlexibleBody | None, folder: Path, notify: Notify
@@ -208,6 +233,7 @@ class Body(CheckedTable):
             return FullBody(flexible, frame, damped)
         step = f"reducing body '{self.name}' ({flexible.n} freedoms)"
         notify(step)
+        assert isinstance(self.reduction, Reduced)
         body = reduce(
             flexible,
             frame,
@@ -224,6 +250,7 @@ class Body(CheckedTable):
 
 
 _START = ("position", "rotation", "velocity", "angular_velocity")
+_MADE_OF_CELLS = (Shell, Solid)
 _ELASTIC_ONLY = ("frame", "reduction", "damping", "split", "linear", "condense")
 
 
@@ -250,8 +277,10 @@ def _is_of_one_kind(path: KeyPath, body: Raw) -> Mistakes:
         yield path, f'a {key} body needs a mesh; add mesh = "FILE{kind.mesh_suffixes[0]}"'
     if not kind.mesh_suffixes and "mesh" in body:
         yield (*path, "mesh"), f"a {key} body takes no mesh; remove the key"
-    if kind.is_elastic and "frame" not in body and not is_condensed(body):
+    if kind.is_elastic and "frame" not in body and not is_condensed(body) and not is_explicit(body):
         yield path, f'a {key} body needs frame; for example frame = {{kind = "mean-axis"}}'
+    if "cells" in body and kind not in _MADE_OF_CELLS:
+        yield (*path, "cells"), f"a {key} body is all of its file; remove the key, or give shell or solid"
     if not kind.is_elastic:
         for needless in (each for each in _ELASTIC_ONLY if each in body):
             yield (*path, needless), f"a {key} body takes no {needless}; remove the key"
@@ -300,5 +329,6 @@ RULES = (
         *split.RULES_OF_BODY,
         *condense.RULES_OF_BODY,
         *line_on_grids.RULES_OF_BODY,
+        *explicit_parts.RULES_OF_BODY,
     ),
 )

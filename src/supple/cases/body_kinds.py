@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import ClassVar, Literal
@@ -19,6 +19,7 @@ from supple.body import (
     matrices_source,
     nastran_source,
 )
+from supple.cases.shared_rules import FileName
 from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
@@ -29,8 +30,20 @@ from supple.fem import (
     solid_model,
 )
 from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, NODE_SUFFIXES, read_mesh
-from supple.importers.toml import ZERO, CheckedTable, Matrix, Positive, Raw, Vector
+from supple.importers.toml import (
+    ZERO,
+    CheckedTable,
+    KeyPath,
+    Matrix,
+    Mistakes,
+    Positive,
+    Raw,
+    Vector,
+    names,
+    tables,
+)
 from supple.mesh import Mesh
+from supple.mesh.mesh_part import mesh_part
 
 Kinematics = Literal["green-lagrange", "von-karman"]
 _KINEMATICS = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
@@ -41,8 +54,6 @@ class BodyKind(CheckedTable):
 
     mesh_suffixes: ClassVar[tuple[str, ...]] = ()
     """Of its mesh file; none if it takes no mesh."""
-    file_keys: ClassVar[tuple[str, ...]] = ()
-    """Keys that name further files."""
     is_elastic: ClassVar[bool] = False
     """True of what the case builds, and may reduce: it has a frame, a reduction and a damping."""
     has_elements: ClassVar[bool] = False
@@ -57,8 +68,11 @@ class ElasticKind(BodyKind, ABC):
     is_elastic = True
 
     @abstractmethod
-    def source(self, folder: Path, mesh: str, /) -> BodySource:
-        """What the files hold, which lie in `folder`; a superelement has no mesh file."""
+    def source(self, folder: Path, mesh: str, cells: str | None = None, /) -> BodySource:
+        """What the files hold, which lie in `folder`; a superelement has no mesh file.
+
+        cells : cell set of the mesh that is the body, of `Homogeneous` ones; None: all
+        """
 
 
 class Homogeneous(ElasticKind):
@@ -71,9 +85,14 @@ class Homogeneous(ElasticKind):
     poissons_ratio: float = Field(gt=-1.0, lt=0.5, description="Poisson's ratio")
     density: Positive = Field(description="mass per volume")
 
-    def source(self, folder: Path, mesh: str, /) -> BodySource:
+    def source(self, folder: Path, mesh: str, cells: str | None = None, /) -> BodySource:
         """The mesh file with elements."""
         read = read_mesh(folder / mesh)
+        if cells is not None:
+            part = mesh_part(read, read.cells_of(cells))
+            inside = {name: nodes[np.isin(nodes, part.nodes)] for name, nodes in read.node_sets.items()}
+            sets = {name: nodes for name, nodes in inside.items() if len(nodes)}
+            read = mesh_part(read, read.cells_of(cells), sets).mesh
         material = Isotropic(self.youngs_modulus, self.poissons_ratio, self.density)
         return elements_source(read, lambda: self.model(read, material))
 
@@ -117,7 +136,7 @@ class Nastran(ElasticKind):
         description="membrane strain of shells; von-karman only for flat ones bending out of their plane",
     )
 
-    def source(self, folder: Path, mesh: str, /) -> BodySource:
+    def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
         """The bulk data file."""
         return nastran_source(folder / mesh, _KINEMATICS[self.kinematics])
 
@@ -126,13 +145,12 @@ class Matrices(ElasticKind):
     """A linear body from matrices exported by another program, with the nodes of its mesh file."""
 
     mesh_suffixes = NODE_SUFFIXES
-    file_keys = ("stiffness", "mass")
     has_connections = True
 
-    stiffness: str = Field(
+    stiffness: FileName = Field(
         description="DMIG .pch, OUTPUT4 .op4, HDF5 .h5, Abaqus .mtx or CalculiX .sti, beside the case file"
     )
-    mass: str = Field(description="likewise, or CalculiX .mas; may be the same file")
+    mass: FileName = Field(description="likewise, or CalculiX .mas; may be the same file")
     stiffness_name: str | None = Field(
         None, description="matrix to take from a DMIG or OUTPUT4 file; the one with K.. if left out"
     )
@@ -141,7 +159,7 @@ class Matrices(ElasticKind):
         None, description="largest relative force against rigid motion; from the printed digits if left out"
     )
 
-    def source(self, folder: Path, mesh: str, /) -> BodySource:
+    def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
         """The matrices, and the nodes of the mesh file."""
         return labelled_matrices_source(
             nodes=folder / mesh,
@@ -156,16 +174,16 @@ class Matrices(ElasticKind):
 class Superelement(ElasticKind):
     """A linear body from matrices made elsewhere."""
 
-    file_keys = ("stiffness", "mass", "nodes")
-
-    stiffness: str = Field(description="Matrix Market file of the stiffness matrix, beside the case file")
-    mass: str = Field(description="Matrix Market file of the mass matrix, beside the case file")
-    nodes: str = Field(description="Matrix Market file of the node positions, an array of 3 columns")
+    stiffness: FileName = Field(
+        description="Matrix Market file of the stiffness matrix, beside the case file"
+    )
+    mass: FileName = Field(description="Matrix Market file of the mass matrix, beside the case file")
+    nodes: FileName = Field(description="Matrix Market file of the node positions, an array of 3 columns")
     dofs_per_node: Literal[3, 6] = Field(
         description="freedoms per node: 3 (translations) or 6 (and rotations)"
     )
 
-    def source(self, folder: Path, _mesh: str, /) -> BodySource:
+    def source(self, folder: Path, _mesh: str, _cells: str | None = None, /) -> BodySource:
         """The three files."""
         return matrices_source(
             nodes=folder / self.nodes,
@@ -221,9 +239,39 @@ def kind_of(body: Raw) -> type[BodyKind] | None:
 def is_elastic(body: Raw) -> bool:
     """True of a body that the case builds, and may reduce; also where it does not say what it is made of."""
     kind = kind_of(body)
-    return kind is None or kind.is_elastic
+    return (kind is None or kind.is_elastic) and not is_explicit(body)
+
+
+def is_explicit(body: Raw) -> bool:
+    """True of a body that marches explicitly, in modes or in finite elements."""
+    return "modal" in body or "explicit" in body
 
 
 def kinds_that(fact: str) -> list[str]:
     """Keys of the kinds of which a fact is true, such as `has_elements`."""
     return [key for key, kind in KINDS.items() if getattr(kind, fact)]
+
+
+def at_elements(
+    raw: Raw, given: Iterable[tuple[KeyPath, Raw]], kinds: Mapping[str, tuple[str, str]]
+) -> Mistakes:
+    """The rule that tables of some kinds are at node sets of bodies with elements.
+
+    kinds : by kind, what it would be of a body without elements, and what it is
+    """
+    bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
+    for path, each in given:
+        name, _, where = str(each.get("at")).partition(".")
+        would_be, is_of = kinds.get(str(each.get("kind")), ("", ""))
+        if not is_of or name not in bodies:
+            continue
+        kind = kind_of(bodies[name])
+        if kind is not None and not kind.has_elements:
+            able = ", ".join(kinds_that("has_elements"))
+            yield (*path, "at"), f"body {name!r} has no elements, {would_be} ({able} have)"
+        elif where in names(bodies[name], "interface"):
+            yield (
+                (*path, "at"),
+                f"{where!r} is an interface, and {is_of} elements: this is no node set of a body with "
+                "elements; name one",
+            )

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from supple.body import BodySource, FlexibleBody, FullBody
 from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
-from supple.cases.case_tables import CaseTables, files_named
+from supple.cases.case_tables import CaseTables, files_named, places_named
 from supple.cases.control import controllers_of
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
-from supple.cases.sensors import SensedCase, sensed_places
+from supple.cases.sensors import SensedCase
 from supple.cases.split import SplitSource, split_source
 from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
-from supple.cases.stated_error import Judged, judged_places
+from supple.cases.stated_error import Judged
 from supple.correction import ErrorStudy, JudgedQuantity, ReductionStart
 from supple.errors import CaseError, ModelError, SuppleError
 from supple.fem import FiniteElementModel, stress_recovery
@@ -116,7 +116,7 @@ class Case:
         """
         self.notify("reading meshes")
         sources = {
-            body.name: body.elastic.source(self.folder, body.mesh or "")
+            body.name: body.elastic.source(self.folder, body.mesh or "", body.cells)
             for body in self.tables.body
             if body.elastic is not None
         }
@@ -194,7 +194,7 @@ class Case:
         """
         flexible = {}
         for table in self.parts.body:
-            if table.name in self.sources:
+            if table.name in self.sources and table.explicit is None:
                 self.notify(f"assembling body '{table.name}'")
                 flexible[table.name] = table.flexible(self.sources[table.name])
                 self.notify(checked_line(flexible[table.name]))
@@ -227,18 +227,26 @@ class Case:
         tables, flexible = self.parts, self.flexible
         if tables.output.colour == "von-mises":
             self._check_stress()
-        bodies = [table.build(flexible.get(table.name), self.folder, self.notify) for table in tables.body]
+        bodies = []
+        for table in tables.body:
+            elements = None if table.explicit is None else self.elements[table.name]
+            bodies.append(table.build(flexible.get(table.name), self.folder, self.notify, elements))
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
-        loads = [table.build(*self.place(table.at), self.folder) for table in tables.load]
-        springs = [table.build(unloaded) for table in tables.spring]
-        elements = [table.build(self.folder) for table in tables.element]
+        loads = [table.build(self.folder, self.place, self.meshes) for table in tables.load]
+        forces = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
         frictions = [
             table.friction.build(joint)
             for table, joint in zip(tables.joint, joints, strict=True)
             if table.friction is not None
         ]
-        return replace(unloaded, loads=(*loads, *springs, *elements, *frictions))
+        return replace(
+            unloaded,
+            loads=(*loads, *forces, *frictions),
+            ties=[table.build() for table in tables.tie],
+            contacts=[table.build() for table in tables.contact],
+            supports=[table.build() for table in tables.support],
+        )
 
     def controlled(self, system: System, *, allow_code: bool) -> System:
         """The system with the controllers that the case names.
@@ -301,7 +309,7 @@ class Case:
         Bodies of a fixed size are judged where that is asked for; the integration of machines with bodies in
         full too, for each of the two runs costs as much as the first.
         """
-        given = self.tables.error
+        given = self.parts.error
         in_full = any(name not in self.starts for name in self.system.bodies_of(FullBody))
         return ErrorStudy(
             basis=bool(given.basis),
@@ -350,19 +358,8 @@ class Case:
                 if interface.nodes is not None:
                     yield ("body", i, "interface", j, "nodes"), body.name, interface.nodes
         interfaces = {f"{body.name}.{interface.name}" for body in tables.body for interface in body.interface}
-        places: list[tuple[KeyPath, str]] = [
-            (("load", i, "at"), load.at) for i, load in enumerate(tables.load)
-        ]
-        places += [(("output", "track", i), place) for i, place in enumerate(tables.output.track)]
-        raw = tomllib.loads(self.text)
-        for path, key, place, is_set in sensed_places(raw):
-            if is_set and isinstance(place, str):
-                places.append(((*path, key), place))
-        for path, each in judged_places(raw):
-            if isinstance(each.get("at"), str):
-                places.append(((*path, "at"), each["at"]))
-        for path, place in places:
-            if place not in interfaces:
+        for path, place, may_be in places_named(tomllib.loads(self.text)):
+            if may_be == "node set" and place not in interfaces:
                 body, _, name = place.partition(".")
                 yield path, body, name
 

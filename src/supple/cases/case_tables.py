@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
 from supple.cases import (
     bodies,
     condense,
+    contacts,
     control,
     elements,
     joints,
@@ -23,22 +24,23 @@ from supple.cases import (
     stated_error,
 )
 from supple.cases.bodies import Body
-from supple.cases.body_kinds import KINDS
+from supple.cases.contacts import ContactTable, SupportTable, TieTable
 from supple.cases.control import control_file
 from supple.cases.elements import ElementTable
-from supple.cases.ends import ends_exist
+from supple.cases.ends import place_exists
 from supple.cases.joints import Joint
 from supple.cases.laws import tables_suit_the_run
 from supple.cases.loads import Load
 from supple.cases.output import Output
-from supple.cases.sensors import SensorTable
+from supple.cases.sensors import Sensor
 from supple.cases.simulation import Simulation
 from supple.cases.spin import SpinTable
-from supple.cases.springs import Spring
+from supple.cases.springs import SpringTable
 from supple.cases.stated_error import StatedError
+from supple.cases.table import named_in
 from supple.errors import ModelError
 from supple.importers.text_file import is_file
-from supple.importers.toml import ZERO, CheckedTable, KeyPath, Mistakes, Raw, Rule, Vector, table, tables
+from supple.importers.toml import ZERO, CheckedTable, KeyPath, Mistakes, Raw, Rule, Vector
 from supple.units import UnitSystem
 
 
@@ -54,10 +56,13 @@ class CaseTables(CheckedTable):
     body: Annotated[tuple[Body, ...], Field(strict=False)]
     joint: Annotated[tuple[Joint, ...], Field(strict=False)] = ()
     load: Annotated[tuple[Load, ...], Field(strict=False)] = ()
-    spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
+    spring: Annotated[tuple[SpringTable, ...], Field(strict=False)] = ()
     element: Annotated[tuple[ElementTable, ...], Field(strict=False)] = ()
+    tie: Annotated[tuple[TieTable, ...], Field(strict=False)] = ()
+    contact: Annotated[tuple[ContactTable, ...], Field(strict=False)] = ()
+    support: Annotated[tuple[SupportTable, ...], Field(strict=False)] = ()
     control: str | None = Field(None, description="FILE.py:FUNCTION; runs with --allow-code")
-    sensor: Annotated[tuple[SensorTable, ...], Field(strict=False)] = ()
+    sensor: Annotated[tuple[Sensor, ...], Field(strict=False)] = ()
     simulation: Simulation
     spin: SpinTable | None = None
     error: StatedError = Field(default_factory=lambda: StatedError.model_validate({}))
@@ -82,6 +87,7 @@ RULES: tuple[Rule, ...] = (
     *loads.RULES,
     *springs.RULES,
     *elements.RULES,
+    *contacts.RULES,
     *control.RULES,
     *simulation.RULES,
     *spin.RULES,
@@ -89,7 +95,6 @@ RULES: tuple[Rule, ...] = (
     *stated_error.RULES,
     *sensors.RULES,
     units_are_one_set,
-    ends_exist,
 )
 """What one key demands of another; each section states its own."""
 
@@ -103,6 +108,7 @@ def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
     folder : Path    where the case file lies: its file names are relative to it
     """
     broken = [mistake for rule in RULES for mistake in rule(raw)]
+    broken += [mistake for place in places_named(raw) for mistake in place_exists(raw, *place)]
     return [*broken, *_files_exist(raw, folder), *tables_suit_the_run(raw, folder)]
 
 
@@ -114,15 +120,12 @@ def _files_exist(raw: Raw, folder: Path) -> Mistakes:
             yield path, f"there is no file {folder / name}; file names are relative to the case file"
 
 
-def files_named(raw: Raw) -> Iterator[tuple[KeyPath, object]]:
-    """Every key of a case that may name a file, and what stands there."""
-    for path, body in tables(raw, "body"):
-        yield (*path, "mesh"), body.get("mesh")
-        yield (*path, "reduced"), body.get("reduced")
-        for kind, made_of in KINDS.items():
-            for key in made_of.file_keys:
-                yield (*path, kind, key), table(body, kind).get(key)
+def places_named(raw: Raw) -> Iterator[tuple[KeyPath, Any, str]]:
+    """Every key of a case that names a place, what stands there, and what may."""
+    return (each for each in named_in(CaseTables, raw) if each[-1] != "file")
+
+
+def files_named(raw: Raw) -> Iterator[tuple[KeyPath, Any]]:
+    """Every key of a case that names a file, and what stands there."""
+    yield from ((path, name) for path, name, what in named_in(CaseTables, raw) if what == "file")
     yield ("control",), control_file(raw.get("control"))
-    for section in ("joint", "load", "element"):
-        for path, item in tables(raw, section):
-            yield (*path, "law", "file"), table(item, "law").get("file")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -18,7 +18,7 @@ from supple.body import (
     RayleighDamping,
     rayleigh_at_modes,
 )
-from supple.cases.table import Made
+from supple.cases.table import Key, table_of
 from supple.errors import SuppleWarning
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Raw, table
 from supple.reduction import ReducedBody, clamped_modes
@@ -66,44 +66,35 @@ class LinearRayleighRatio(_RatioOfTwoModes):
         return self._fitted(body, frame).linearized()
 
 
-class Rayleigh(Made):
+_OF_MASS_AND_STIFFNESS: dict[str, Any] = {
+    "alpha": Key(NonNegative, "per time"),
+    "beta": Key(NonNegative, "a time"),
+    "held": Key(description=HELD),
+}
+
+
+class Rayleigh(table_of(RayleighDamping, "rayleigh", **_OF_MASS_AND_STIFFNESS)):
     """Damping by mass, and by stiffness K_mat(q) that follows the strain rate."""
 
-    makes = RayleighDamping
 
-    kind: Literal["rayleigh"]
-    alpha: NonNegative = Field(description="per time")
-    beta: NonNegative = Field(description="a time")
-    held: str | None = Field(None, description=HELD)
-
-
-class LinearRayleigh(Made):
+class LinearRayleigh(table_of(LinearRayleighDamping, "linear-rayleigh", **_OF_MASS_AND_STIFFNESS)):
     """Rayleigh damping by mass, and by the stiffness of the undeformed body."""
 
-    makes = LinearRayleighDamping
 
-    kind: Literal["linear-rayleigh"]
-    alpha: NonNegative = Field(description="per time")
-    beta: NonNegative = Field(description="a time")
-    held: str | None = Field(None, description=HELD)
+_MODES = "number of modes damped, from the lowest up; a body that is not reduced needs it"
+_CLAMPED = "interface clamped in these modes, the same in every frame; none: those in the frame"
 
 
-class Modal(Made):
+class Modal(
+    table_of(
+        ModalDamping,
+        "modal",
+        ratios=Key(NonNegative, "damping ratio, 0.02 for 2 %", "ratio"),
+        n_modes=Key(Annotated[int, Field(ge=1)], _MODES, "modes"),
+        held=Key(description=_CLAMPED),
+    )
+):
     """The same damping ratio on the modes of the body: all of a reduced body, or the lowest."""
-
-    makes = ModalDamping
-
-    kind: Literal["modal"]
-    ratio: NonNegative = Field(description="damping ratio, 0.02 for 2 %")
-    modes: int | None = Field(
-        None,
-        ge=1,
-        description="number of modes damped, from the lowest up; a body that is not reduced needs it",
-    )
-    held: str | None = Field(
-        None,
-        description="interface clamped in these modes, the same in every frame; none: those in the frame",
-    )
 
 
 Damping = Annotated[

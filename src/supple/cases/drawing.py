@@ -24,6 +24,7 @@ class Drawing:
     """Pictures and a film of a run, as its case asks for them; fields as for `draw_run`.
 
     pictures, film : whether they are asked for
+    colour : of the film
     """
 
     folder: Path
@@ -37,12 +38,16 @@ class Drawing:
     units: UnitSystem
     pictures: bool
     film: bool
+    colour: str = "deflection"
 
     def draw(self, progress: Progress = silent) -> None:
         """Draw them into the folder."""
         # Imported here: a run without pictures does not wait for the drawing library.
         from supple.viz import animate_run, draw_run
 
+        if self.system.has_parts:
+            self._draw_march(progress)
+            return
         run = (self.system, self.solution, self.meshes)
         if self.pictures:
             progress("drawing pictures", 0.0)
@@ -62,6 +67,24 @@ class Drawing:
                 *run,
                 elements=self.elements,
                 bases=self.bases,
+                units=self.units,
+                progress=lambda share: progress("drawing the animation", share),
+            )
+
+    def _draw_march(self, progress: Progress) -> None:
+        from supple.viz.explicit_pictures import COLOURINGS, animate_explicit, draw_explicit
+
+        if self.pictures:
+            progress("drawing pictures", 0.0)
+            ways = {name: place.position for name, place in self.tracked.items()}
+            draw_explicit(self.folder, self.solution, ways, units=self.units)
+            progress("drawing pictures", 1.0)
+        if self.film:
+            animate_explicit(
+                self.folder / "motion.gif",
+                self.system,
+                self.solution,
+                COLOURINGS.get(self.colour, COLOURINGS["von-mises"]),
                 units=self.units,
                 progress=lambda share: progress("drawing the animation", share),
             )
@@ -90,4 +113,5 @@ def drawing_of(
         case.units,
         pictures=output.pictures,
         film=output.animation,
+        colour=output.colour,
     )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, get_args
@@ -11,7 +12,8 @@ from pydantic import Field
 
 from supple import machine
 from supple.cases.laws import Law
-from supple.cases.shared_rules import axes_with_length, usable_names
+from supple.cases.shared_rules import End, InterfaceOf, axes_with_length, joint_label, usable_names
+from supple.cases.table import Made
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Positive, Raw, Vector, on_each
 
 JointKind = Literal[
@@ -25,21 +27,17 @@ JointKind = Literal[
     "prescribed-rotation",
     "prescribed-translation",
 ]
-
-_KINDS: Mapping[JointKind, tuple[Callable[..., machine.Joint], Mapping[str, str]]] = MappingProxyType(
-    {
-        "fixed": (machine.Fixed, {}),
-        "ball": (machine.Ball, {}),
-        "revolute": (machine.Revolute, {"axis": "axis"}),
-        "universal": (machine.Universal, {"axis": "first_axis", "second_axis": "second_axis"}),
-        "cylindrical": (machine.Cylindrical, {"axis": "axis"}),
-        "prismatic": (machine.Prismatic, {"axis": "axis"}),
-        "point-on-line": (machine.PointOnLine, {"axis": "axis"}),
-        "prescribed-rotation": (machine.PrescribedRotation, {"axis": "axis", "law": "angle"}),
-        "prescribed-translation": (machine.PrescribedTranslation, {"axis": "axis", "law": "displacement"}),
-    }
+_KINDS: Mapping[str, type[machine.Joint]] = MappingProxyType(
+    {kind: getattr(machine, kind.title().replace("-", "")) for kind in get_args(JointKind)}
 )
-"""The joint of each kind, and the keys it needs besides its ends, each with the name it has there."""
+_RENAMED = {"first_axis": "axis", "angle": "law", "displacement": "law"}
+
+
+def _needed(kind: str) -> dict[str, str]:
+    """The keys that a kind needs besides its ends, by their names in its class."""
+    own = (each.name for each in fields(_KINDS[kind]) if each.name not in ("first", "second", "name"))
+    return {name: _RENAMED.get(name, name) for name in own}
+
 
 _EXAMPLES = {
     "axis": "[1, 0, 0]",
@@ -69,8 +67,8 @@ class Joint(CheckedTable):
 
     kind: JointKind
     name: str | None = Field(None, description="label in results; made from kind and ends if left out")
-    first: str = Field(description="ground or BODY.INTERFACE")
-    second: str = Field(description="BODY.INTERFACE")
+    first: End = Field(description="ground or BODY.INTERFACE")
+    second: InterfaceOf = Field(description="BODY.INTERFACE")
     axis: Vector | None = Field(
         None, description="direction at the start, global axes; its length does not matter"
     )
@@ -80,23 +78,23 @@ class Joint(CheckedTable):
     )
     friction: Friction | None = Field(None, description="revolute and prismatic: under the joint's own force")
 
-    def build(self, folder: Path) -> machine.Joint:
-        """The joint.
+    @property
+    def label(self) -> str:
+        """What it is called."""
+        return self.name or joint_label(self.kind, self.first, self.second)
 
-        folder : where the file of a law lies
-        """
-        made, needed = _KINDS[self.kind]
-        law = self.law.build(folder) if self.law else None
-        given: dict[str, Any] = {"axis": self.axis, "second_axis": self.second_axis, "law": law}
-        own = {name: given[key] for key, name in needed.items()}
-        return made(first=self.first, second=self.second, name=self.name or "", **own)
+    def build(self, folder: Path) -> machine.Joint:
+        """The joint; folder: where the file of a law lies."""
+        own: dict[str, Any] = {name: getattr(self, key) for name, key in _needed(self.kind).items()}
+        own = {name: value.build(folder) if isinstance(value, Made) else value for name, value in own.items()}
+        return _KINDS[self.kind](first=self.first, second=self.second, name=self.label, **own)
 
 
 def _has_what_its_kind_needs(path: KeyPath, joint: Raw) -> Mistakes:
-    kind: Any = joint.get("kind")
-    if kind not in get_args(JointKind):
+    kind = str(joint.get("kind"))
+    if kind not in _KINDS:
         return
-    _, needed = _KINDS[kind]
+    needed = _needed(kind).values()
     for key, example in _EXAMPLES.items():
         if key in needed and key not in joint:
             yield path, f"a {kind} joint needs {key}; add {key} = {example}"

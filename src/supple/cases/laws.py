@@ -3,87 +3,52 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
 
 from supple import machine
-from supple.cases.table import Made
+from supple.cases.shared_rules import FileName
+from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import ImportFormatError, ModelError
 from supple.importers.text_file import is_file
 from supple.importers.time_table import read_time_table
-from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, table, tables
+from supple.importers.toml import Mistakes, Positive, Raw, table, tables
 from supple.machine import TimeLaw
 
-
-class Constant(Made):
-    """value"""
-
-    makes = machine.Constant
-
-    kind: Literal["constant"]
-    value: float
-
-
-class Ramp(Made):
-    """From 0 to value in duration with a smooth start and end, then constant."""
-
-    makes = machine.Ramp
-
-    kind: Literal["ramp"]
-    value: float
-    duration: Positive = Field(description="a time")
-
-
-class Sine(Made):
-    """amplitude sin(2 pi frequency_hz t)"""
-
-    makes = machine.Sine
-
-    kind: Literal["sine"]
-    amplitude: float
-    frequency_hz: Positive = Field(description="periods per time")
-
-
-class SpinUp(Made):
-    """An angle (or path) whose rate grows smoothly from 0 to speed in duration, then stays."""
-
-    makes = machine.SpinUp
-
-    kind: Literal["spin-up"]
-    speed: float = Field(description="rate after the spin-up: rad or length, per time")
-    duration: Positive = Field(description="a time")
-
-
-class ConstantRate(Made):
-    """start + rate t"""
-
-    makes = machine.ConstantRate
-
-    kind: Literal["constant-rate"]
-    rate: float = Field(description="rad or length, per time")
-    start: float = 0.0
-
+Constant = table_of(machine.Constant, "constant", value=float)
+Ramp = table_of(machine.Ramp, "ramp", value=float, duration=Key(Positive, "a time"))
+Sine = table_of(machine.Sine, "sine", amplitude=float, frequency_hz=Key(Positive, "periods per time"))
+SpinUp = table_of(
+    machine.SpinUp,
+    "spin-up",
+    speed=Key(description="rate after the spin-up: rad or length, per time"),
+    rise_time=Key(Positive, "a time", "duration", ...),
+)
+ConstantRate = table_of(
+    machine.ConstantRate, "constant-rate", rate=Key(float, "rad or length, per time"), start=float
+)
+ONE = Constant(kind="constant", value=1.0)
 
 LARGEST_EXCURSION = 0.01
 """By which a curve through the rows of a motion may leave their range: sixteen rows a period stay within."""
 
 
-class TableLaw(CheckedTable):
+class TableLaw(Made):
     """Values from a file, joined by straight lines (loads) or by a cubic spline (prescribed motions)."""
 
     kind: Literal["table"]
-    file: str = Field(description="CSV file of time,value rows beside the case file")
+    file: FileName = Field(description="CSV file of time,value rows beside the case file")
 
-    def build(self, folder: Path) -> TimeLaw:
-        """The smooth curve through the rows of the file, which lies in or under `folder`.
+    def build(self, *context: Any) -> TimeLaw:
+        """The smooth curve through the rows of the file; context: the folder where it lies.
 
         Raises
         ------
         ImportFormatError   a curve that swings beyond its rows, as through a jump
         """
-        path = folder / self.file
+        path = context[0] / self.file
         spline = machine.Spline(*read_time_table(path))
         beyond = spline.excursions()
         row = int(np.argmax(beyond))
@@ -95,9 +60,15 @@ class TableLaw(CheckedTable):
             )
         return spline
 
-    def build_of_load(self, folder: Path) -> TimeLaw:
+    def build_of_load(self, *context: Any) -> TimeLaw:
         """Straight lines: a spline swings where a load jumps."""
-        return machine.Table(*read_time_table(folder / self.file))
+        return machine.Table(*read_time_table(context[0] / self.file))
+
+
+class _LinesLaw(TableLaw):
+    """Values from a file, joined by straight lines."""
+
+    build = TableLaw.build_of_load
 
 
 def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
@@ -130,4 +101,7 @@ def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
                 )
 
 
-Law = Annotated[Constant | ConstantRate | Ramp | Sine | SpinUp | TableLaw, Field(discriminator="kind")]
+_LAWS = (Constant, ConstantRate, Ramp, Sine, SpinUp)
+Law = Annotated[Made, OneOf(*_LAWS, TableLaw)]
+LoadLaw = Annotated[Made, OneOf(*_LAWS, _LinesLaw)]
+"""Of loads and elements, which may jump."""

@@ -2,45 +2,54 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from supple.cases.laws import Constant, Law, TableLaw
-from supple.importers.toml import CheckedTable, Mistakes, Raw, Vector, names, tables
+from supple.cases.body_kinds import at_elements
+from supple.cases.laws import ONE, LoadLaw
+from supple.cases.shared_rules import PlaceOf
+from supple.cases.table import Key, Made, OneOf, part, table_of
+from supple.errors import ModelError
+from supple.importers.toml import Mistakes, Raw, Vector, names, tables
 from supple.machine import (
     At,
+    BaseAcceleration,
     DeadForce,
     DeadTorque,
     FollowerForce,
+    FollowerPressure,
     FollowerTorque,
     ForceElement,
     Scaled,
 )
+from supple.mesh import Mesh
+from supple.mesh.outer_faces import outer_triangles
+
+Place = Callable[[str], tuple[str, Any]]
+"""The body of BODY.PLACE, and its interface or the nodes of its node set."""
 
 
-class Load(CheckedTable):
+class Force(Made):
     """A force or torque in time."""
 
     kind: Literal["force", "torque"]
-    at: str = Field(description="BODY.INTERFACE; or BODY.NODE_SET, whose nodes share a force evenly")
+    at: PlaceOf = Field(description="BODY.INTERFACE; or BODY.NODE_SET, whose nodes share a force evenly")
     vector: Vector = Field(description="a force or moment, along global axes (at the start, if it follows)")
     follower: bool = Field(False, description="true turns the load with its interface")
-    law: Law = Field(
-        default=Constant(kind="constant", value=1.0), description="factor on vector against time"
-    )
+    law: LoadLaw = Field(ONE, description="factor on vector against time")
 
-    def build(self, body: str, at: str | NDArray[np.int64], folder: Path) -> DeadForce | ForceElement:
-        """The load on a body, at an interface or at nodes; over nodes a force is shared evenly.
+    def build(self, *context: Any) -> DeadForce | ForceElement:
+        """The load; over nodes a force is shared evenly.
 
-        folder : where the file of its law lies
+        context : the folder of the file of its law, and what finds its place
         """
-        law = self.law
-        factor = law.build_of_load(folder) if isinstance(law, TableLaw) else law.build(folder)
-        vector = np.array(self.vector)
+        folder, place, *_ = context
+        body, at = place(self.at)
+        factor, vector = self.law.build(folder), np.array(self.vector)
         if not isinstance(at, str):
             return DeadForce(body=body, at=at, force=Scaled(vector / len(at), factor))
         history = Scaled(vector, factor)
@@ -55,6 +64,38 @@ class Load(CheckedTable):
                 return FollowerTorque(first=At(body, at), torque=history)
 
 
+def _faces(at: str, _: Path, place: Place, meshes: Mapping[str, Mesh]) -> np.ndarray:
+    body, nodes = place(at)
+    found = outer_triangles(meshes[body], nodes)
+    if not len(found):
+        raise ModelError(
+            f"a pressure on '{at}' finds no outer face of a solid or shell with all corners in the set; "
+            "name a set with whole faces"
+        )
+    return found
+
+
+_FACTOR = Key(LoadLaw, "factor against time", "law", ONE)
+Pressure = table_of(
+    FollowerPressure,
+    "pressure",
+    body=Key(
+        PlaceOf,
+        "BODY.NODE_SET, whose outer faces it pushes against",
+        "at",
+        through=lambda at, *_: at.partition(".")[0],
+    ),
+    faces=Key(str, name="at", through=_faces),
+    pressure=part(Scaled, vector=Key(float, "force per area", "pressure"), factor=_FACTOR),
+)
+Base = table_of(
+    BaseAcceleration,
+    "base-acceleration",
+    acceleration=part(Scaled, vector=Key(Vector, "an acceleration, global axes"), factor=_FACTOR),
+)
+Load = Annotated[Made, OneOf(Force, Pressure, Base)]
+
+
 def _suit_their_place(raw: Raw) -> Mistakes:
     """A node set carries forces only: it has no axes for a load to turn with, nor rotations for a torque."""
     places = {
@@ -67,4 +108,8 @@ def _suit_their_place(raw: Raw) -> Mistakes:
             yield (*path, "at"), message
 
 
-RULES = (_suit_their_place,)
+_OF_PRESSURE = ("on whose faces the pressure would be", "a pressure is on the faces of")
+RULES = (
+    _suit_their_place,
+    lambda raw: at_elements(raw, tables(raw, "load"), {"pressure": _OF_PRESSURE}),
+)

@@ -7,20 +7,22 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from supple.cases.body_kinds import kinds_that
+from supple.cases.shared_rules import PlaceOf
 from supple.importers.toml import CheckedTable, Mistakes, Raw, table, tables
 
 
 class Output(CheckedTable):
     """What is drawn besides the result file."""
 
-    track: Annotated[tuple[str, ...], Field(strict=False)] = Field(
+    track: Annotated[tuple[PlaceOf, ...], Field(strict=False)] = Field(
         (), description="BODY.INTERFACE or BODY.NODE_SET whose motion is printed and drawn"
     )
     pictures: bool = Field(True, description="draw mesh, modes, motion and deformed bodies (PNG)")
     animation: bool = Field(True, description="draw the motion (GIF)")
-    colour: Literal["deflection", "von-mises"] = Field(
+    colour: Literal["deflection", "von-mises", "plastic-strain"] = Field(
         "deflection",
-        description="what colours the film; von-mises also draws contours where the stress is largest",
+        description="what colours the film; von-mises also draws contours where the stress is largest; "
+        "plastic-strain is of bodies in explicit elements",
     )
 
 
@@ -32,4 +34,10 @@ def _stress_has_elements(raw: Raw) -> Mistakes:
         yield ("output", "colour"), message
 
 
-RULES = (_stress_has_elements,)
+def _plastic_strain_has_elements(raw: Raw) -> Mistakes:
+    marched = any("explicit" in body for _, body in tables(raw, "body"))
+    if table(raw, "output").get("colour") == "plastic-strain" and not marched:
+        yield ("output", "colour"), "no body is in explicit elements, which alone yield; remove the key"
+
+
+RULES = (_stress_has_elements, _plastic_strain_has_elements)

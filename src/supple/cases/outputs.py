@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from supple.cases.case import Case
-from supple.cases.explicit.explicit_case import ExplicitCase
 from supple.cases.remains import readings_paths, report_path, result_path
 from supple.errors import CaseError
 from supple.importers import files_read_with
@@ -31,7 +30,7 @@ def check_outputs(case: Case, folder: Path) -> None:
     check_not_an_input(case, [result, report_path(case, folder), *kept, *readings])
 
 
-def check_not_an_input(case: Case | ExplicitCase, targets: Sequence[Path]) -> None:
+def check_not_an_input(case: Case, targets: Sequence[Path]) -> None:
     """CaseError where one of the files to be written is the case file, or one that it names or includes."""
     named = [case.folder / name for name in case.files]
     read = {path.resolve() for each in named for path in files_read_with(each)} | {case.path.resolve()}

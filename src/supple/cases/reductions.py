@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -13,7 +13,7 @@ from supple.body import FlexibleBody
 from supple.cases.body_kinds import is_elastic, kind_of
 from supple.cases.damping import damps_all_modes
 from supple.cases.stated_error import Judged
-from supple.cases.table import Made
+from supple.cases.table import Key, Made, OneOf, table_of
 from supple.correction import JudgedQuantity, ReductionStart, SelfCorrection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, names, table
 from supple.reduction import DerivativeChoice, LinearBasisRecipe, QuarticChoice
@@ -30,33 +30,15 @@ Tell = Callable[[str], None]
 """Hears in words how far a search for the number of modes has come."""
 
 
-class AllPairsCompressed(Made):
-    """Modal derivatives of all pairs, compressed to the leading directions."""
-
-    makes = reduction.CompressedDerivatives
-
-    kind: Literal["compressed"]
-    number: int = Field(ge=1, description="directions kept")
-
-
-class Picked(Made):
-    """The modal derivatives of the heaviest pairs."""
-
-    makes = reduction.PickedDerivatives
-
-    kind: Literal["picked"]
-    number: int = Field(ge=1, description="derivatives kept")
-
-
-class NoDerivatives(Made):
-    """A basis without modal derivatives: small deformation only."""
-
-    makes = reduction.NoDerivatives
-
-    kind: Literal["none"]
-
-
-Derivatives = Annotated[AllPairsCompressed | Picked | NoDerivatives, Field(discriminator="kind")]
+_COUNT = Annotated[int, Field(ge=1)]
+AllPairsCompressed = table_of(
+    reduction.CompressedDerivatives, "compressed", n=Key(_COUNT, "directions kept", "number"), weights=None
+)
+Picked = table_of(
+    reduction.PickedDerivatives, "picked", n=Key(_COUNT, "derivatives kept", "number"), criterion=None
+)
+NoDerivatives = table_of(reduction.NoDerivatives, "none")
+Derivatives = Annotated[Made, OneOf(AllPairsCompressed, Picked, NoDerivatives)]
 
 
 _CONDENSED = Field(
@@ -73,7 +55,7 @@ def quartic_choice(condensed: bool | None, default: QuarticChoice) -> QuarticCho
     return reduction.CondensedQuartic() if condensed else reduction.PlainQuartic()
 
 
-def derivative_choice(table: Derivatives | None) -> DerivativeChoice:
+def derivative_choice(table: Made | None) -> DerivativeChoice:
     """The choice of modal derivatives; none unless they are asked for."""
     return table.build() if table else reduction.NoDerivatives()
 
@@ -102,17 +84,44 @@ class Accuracy(CheckedTable):
         return SelfCorrection(**given)
 
 
-class Sized(CheckedTable):
-    """A basis of a number of modes besides static columns; it corrects itself unless the number is given."""
+class Basis(Made):
+    """How a body is reduced."""
 
-    made: ClassVar[Callable[[int], LinearBasisRecipe]]
-    needs_interface: ClassVar[bool] = True
+    choice = "basis"
 
-    basis: Any
-    modes: int | None = None
+    @property
+    def corrects_itself(self) -> bool:
+        """True unless the size is fixed."""
+        return False
+
+
+class FullOrder(Basis):
+    """No reduction: every freedom of the mesh is simulated."""
+
+    basis: Literal["none"]
+
+
+class Correctable(Basis):
+    """A basis that corrects itself where it is to reach an accuracy; else its size is fixed."""
+
     derivatives: Derivatives | None = None
     accuracy: Accuracy | None = None
     condensed: bool | None = _CONDENSED
+
+    def recipe(self, _tell: Tell | None = None) -> LinearBasisRecipe:
+        """The linear columns; of those to start with, where no number is given."""
+        return self.build()
+
+    @property
+    def corrects_itself(self) -> bool:
+        """True of a basis that is to reach an accuracy."""
+        return self.accuracy is not None
+
+
+class Sized(Correctable):
+    """A basis of a number of modes besides static columns; it corrects itself unless the number is given."""
+
+    modes: int | None = None
     steady: bool = Field(
         True,
         description="false leaves out of a fixed size the static answers to steady motion: "
@@ -124,34 +133,13 @@ class Sized(CheckedTable):
         """True unless the size is fixed."""
         return self.accuracy is not None or self.modes is None
 
-    @property
-    def n_modes(self) -> int:
-        """Modes of the basis, or of the first one."""
-        return FIRST_MODES if self.modes is None else self.modes
-
     def recipe(self, _tell: Tell | None = None) -> LinearBasisRecipe:
         """The linear columns; of those to start with, where no number is given."""
-        columns = self._columns()
+        columns = self.build()
         return columns if self.corrects_itself or not self.steady else reduction.SteadyLoads(columns)
 
-    def _columns(self) -> LinearBasisRecipe:
-        return type(self).made(self.n_modes)
 
-
-class Rubin(Sized):
-    """Free-interface modes and attachment modes."""
-
-    made = reduction.Rubin
-
-    basis: Literal["rubin"]
-    modes: int | None = Field(None, ge=1, description="vibration modes, besides the attachment modes")
-
-
-class CraigBampton(Sized):
-    """Fixed-interface modes and constraint modes."""
-
-    basis: Literal["craig-bampton"]
-    modes: int | None = Field(None, ge=0, description="fixed-interface modes, besides the constraint modes")
+class _Selecting(Sized):
     select: Literal["lowest-frequency", "effective-interface-mass", "coupling-moment"] = Field(
         "lowest-frequency", description="which modes are kept: the lowest, or those the interfaces feel most"
     )
@@ -159,73 +147,48 @@ class CraigBampton(Sized):
         None, ge=1, description="lowest modes to select among; five times as many as are kept if left out"
     )
 
-    def _columns(self) -> LinearBasisRecipe:
-        candidates = self.candidates or max(CANDIDATES_PER_MODE * self.n_modes, 1)
-        selection = {
-            "lowest-frequency": reduction.LowestFrequency,
-            "effective-interface-mass": lambda: reduction.EffectiveInterfaceMass(candidates),
-            "coupling-moment": lambda: reduction.CouplingMoment(candidates),
-        }[self.select]()
-        return reduction.CraigBampton(self.n_modes, selection=selection)
+    def build(self, *context: Any) -> reduction.CraigBampton:
+        """The columns."""
+        lowest = super().build(*context)
+        candidates = self.candidates or max(CANDIDATES_PER_MODE * lowest.n_modes, 1)
+        if self.select == "effective-interface-mass":
+            return replace(lowest, selection=reduction.EffectiveInterfaceMass(candidates))
+        if self.select == "coupling-moment":
+            return replace(lowest, selection=reduction.CouplingMoment(candidates))
+        return lowest
 
 
-class CraigBamptonResidual(Sized):
-    """Fixed-interface modes, constraint modes, and the static answer of the modes left out."""
-
-    made = reduction.CraigBamptonResidual
-
-    basis: Literal["craig-bampton-residual"]
-    modes: int | None = Field(
-        None, ge=0, description="fixed-interface modes, besides the constraint and residual modes"
-    )
+def _sized(makes: Any, basis: str, modes: str, least: int = 1, base: type[Sized] = Sized) -> Any:
+    number: Any = Annotated[int, Field(ge=least)]
+    first = Key(number | None, modes, "modes", None, through=lambda n: FIRST_MODES if n is None else n)
+    return table_of(makes, basis, base, n_modes=first, n_columns=None, selection=None)
 
 
-class Herting(Sized):
-    """Constraint modes, inertia relief modes and free-interface modes."""
-
-    made = reduction.Herting
-
-    basis: Literal["herting"]
-    modes: int | None = Field(
-        None, ge=1, description="free-interface modes, besides the constraint and inertia relief modes"
-    )
-
-
-class NormalModes(Sized):
-    """Vibration modes only."""
-
-    made = reduction.NormalModes
-    needs_interface = False
-
-    basis: Literal["normal-modes"]
-    modes: int | None = Field(None, ge=1, description="vibration modes")
-
-
-class Guyan(CheckedTable):
-    """Static shapes of the interfaces only."""
-
-    needs_interface: ClassVar[bool] = True
-
-    basis: Literal["guyan"]
-    derivatives: Derivatives | None = None
-    accuracy: Accuracy | None = None
-    condensed: bool | None = _CONDENSED
-
-    @property
-    def corrects_itself(self) -> bool:
-        """True of a basis that is to reach an accuracy; else its size is that of the interfaces."""
-        return self.accuracy is not None
-
-    def recipe(self, _tell: Tell | None = None) -> LinearBasisRecipe:
-        """The linear columns."""
-        return reduction.Guyan()
+Rubin = _sized(reduction.Rubin, "rubin", "vibration modes, besides the attachment modes")
+CraigBampton = _sized(
+    reduction.CraigBampton,
+    "craig-bampton",
+    "fixed-interface modes, besides the constraint modes",
+    least=0,
+    base=_Selecting,
+)
+CraigBamptonResidual = _sized(
+    reduction.CraigBamptonResidual,
+    "craig-bampton-residual",
+    "fixed-interface modes, besides the constraint and residual modes",
+    least=0,
+)
+Herting = _sized(
+    reduction.Herting,
+    "herting",
+    "free-interface modes, besides the constraint and inertia relief modes",
+)
+NormalModes = _sized(reduction.NormalModes, "normal-modes", "vibration modes")
+Guyan = table_of(reduction.Guyan, "guyan", Correctable)
 
 
-class ErrorControlled(CheckedTable):
+class ErrorControlled(Basis):
     """The lowest vibrations of the free body, each eigenvalue proven to be within a tolerance."""
-
-    needs_interface: ClassVar[bool] = True
-    corrects_itself: ClassVar[bool] = False
 
     basis: Literal["error-controlled"]
     # The lower end is what round-off leaves, as in supple.reduction.
@@ -246,25 +209,33 @@ class ErrorControlled(CheckedTable):
         return reduction.AttachmentModes(vibrations) if self.attachment_modes else vibrations
 
 
-class FullOrder(CheckedTable):
-    """No reduction: every freedom of the mesh is simulated."""
-
-    corrects_itself: ClassVar[bool] = False
-
-    basis: Literal["none"]
-
-
-CorrectableOrder = Rubin | CraigBampton | CraigBamptonResidual | Herting | NormalModes | Guyan
-_NEED_INTERFACES = {
-    get_args(made.model_fields["basis"].annotation)[0]
-    for made in (Rubin, CraigBampton, CraigBamptonResidual, Herting, NormalModes, Guyan, ErrorControlled)
-    if made.needs_interface
-}
-Reduction = Annotated[CorrectableOrder | ErrorControlled | FullOrder, Field(discriminator="basis")]
+Reduced = Correctable | ErrorControlled
+_NEED_INTERFACES = (
+    "rubin",
+    "craig-bampton",
+    "craig-bampton-residual",
+    "herting",
+    "guyan",
+    "error-controlled",
+)
+Reduction = Annotated[
+    Basis,
+    OneOf(
+        Rubin,
+        CraigBampton,
+        CraigBamptonResidual,
+        Herting,
+        NormalModes,
+        Guyan,
+        ErrorControlled,
+        FullOrder,
+        by="basis",
+    ),
+]
 
 
 def reduction_start(
-    given: Reduction | None, body: FlexibleBody, quantity: JudgedQuantity | None = None
+    given: Basis | None, body: FlexibleBody, quantity: JudgedQuantity | None = None
 ) -> ReductionStart:
     """Where the reduction of a body starts that corrects itself, and where it may stop.
 
@@ -275,7 +246,7 @@ def reduction_start(
         given = CraigBampton.model_validate({"basis": "craig-bampton"})
     elif given is None:
         given = NormalModes.model_validate({"basis": "normal-modes"})
-    assert isinstance(given, Sized | Guyan)  # the others have no start
+    assert isinstance(given, Correctable)  # the others have no start
     derivatives = derivative_choice(given.derivatives)
     if given.derivatives is None and not body.is_linear:
         derivatives = reduction.CompressedDerivatives(FIRST_DERIVATIVES)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple.cases.case import Case
-from supple.cases.explicit.explicit_case import ExplicitCase
 from supple.correction import ROUNDS_FOLDER, CorrectionFolder
 from supple.errors import ResultFileError
 from supple.storage import read_header
@@ -19,7 +18,7 @@ def result_path(case: Path, folder: Path) -> Path:
     return folder / f"{case.stem}.h5"
 
 
-def report_path(case: Case | ExplicitCase, folder: Path) -> Path:
+def report_path(case: Case, folder: Path) -> Path:
     """The file of the numbers of a run."""
     return folder / f"{case.path.stem}.json"
 
@@ -45,7 +44,7 @@ def kept_so_far(case: Path, folder: Path) -> str:
     return "nothing was computed yet; run it again"
 
 
-def check_remains(case: Case | ExplicitCase, folder: Path, *, resume: bool, force: bool) -> None:
+def check_remains(case: Case, folder: Path, *, resume: bool, force: bool) -> None:
     """Before anything is read or built: may this run write to the folder?
 
     Raises
@@ -66,7 +65,7 @@ def check_remains(case: Case | ExplicitCase, folder: Path, *, resume: bool, forc
         )
 
 
-def _check_to_continue(case: Case | ExplicitCase, path: Path, rounds: CorrectionFolder) -> None:
+def _check_to_continue(case: Case, path: Path, rounds: CorrectionFolder) -> None:
     if path.exists():
         header = read_header(path)
         check_same_run(path, header, case.text, case.inputs)

@@ -68,7 +68,7 @@ def run_case(
     force : replace the result that is there; otherwise one that is finished or was cut off is an error
     strict : a motion beyond what a body's kinematics can describe is an error
     errors : state how wrong the run is, which takes two more runs where the case does not say otherwise;
-        without, an accuracy is that of the basis alone
+        without, an accuracy is that of the basis alone; nothing is known of the error of an explicit march
     allow_code : run the Python file of `control`, if the case names one
 
     Raises
@@ -244,7 +244,7 @@ def _simulated(
 
     simulating(0.0)
     system, solution = simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
-    if errors:
+    if errors and not system.has_parts:
         known(system, solution)
         solution = state_errors(system, case.run, solution, case.study, fulls=case.fulls, progress=progress)
         write_errors(path, solution)

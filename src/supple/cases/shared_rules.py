@@ -1,8 +1,29 @@
-"""Rules that several sections of a case share: on names, and on directions."""
+"""What several sections of a case share: types of keys that name places and files, rules on names."""
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from supple.importers.toml import KeyPath, Mistakes, Raw, tables
+
+End = Annotated[str, "ground"]
+InterfaceOf = Annotated[str, "interface"]
+PlaceOf = Annotated[str, "node set"]
+FileName = Annotated[str, "file"]
+"""What a key names, and what it may name besides an interface."""
+
+
+def joint_label(kind: object, first: object, second: object) -> str:
+    """What a joint without a name is called: its kind without hyphens, and its ends."""
+    return f"{str(kind).replace('-', '')} {first} - {second}"
+
+
+def joint_names(raw: Raw) -> list[str]:
+    """What the joints of a case are called."""
+    return [
+        str(each.get("name") or joint_label(each.get("kind"), each.get("first"), each.get("second")))
+        for _, each in tables(raw, "joint")
+    ]
 
 
 def usable_names(raw: Raw, key: str, path: KeyPath = ()) -> Mistakes:

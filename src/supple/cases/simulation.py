@@ -6,21 +6,25 @@ from typing import Literal
 
 from pydantic import Field
 
-from supple.cases.table import Made
-from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, table
+from supple.cases.body_kinds import is_explicit
+from supple.cases.explicit_method import ExplicitMethod
+from supple.cases.table import Key, table_of
+from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, table, tables
 from supple.integrate import MOST_OUTPUT_TIMES, AdaptiveStep, FixedStep, GeneralizedAlpha, Kinematic, Run
 
+_TOLERANCE = "local error allowed per step, relative to the system's size"
 
-class Adaptive(Made):
-    """Steps chosen from the local error."""
 
-    makes = AdaptiveStep
-
-    first: Positive = Field(description="first step, a time")
-    largest: Positive = Field(description="largest step, a time")
-    tolerance: Positive = Field(
-        1e-6, description="local error allowed per step, relative to the system's size"
+class Adaptive(
+    table_of(
+        AdaptiveStep,
+        first=Key(Positive, "first step, a time", default=...),
+        largest=Key(Positive, "largest step, a time", default=...),
+        tolerance=Key(Positive, _TOLERANCE),
+        smallest=None,
     )
+):
+    """Steps chosen from the local error."""
 
 
 class Simulation(CheckedTable):
@@ -28,7 +32,9 @@ class Simulation(CheckedTable):
 
     duration: Positive = Field(description="a time")
     output_step: Positive = Field(description="time between stored states")
-    step: Positive | None = Field(None, description="fixed time step")
+    step: Positive | None = Field(
+        None, description="fixed time step; of explicit parts what is stable if left out"
+    )
     adaptive: Adaptive | None = None
     rho_inf: float = Field(
         0.8, ge=0.0, le=1.0, description="spectral radius at infinity of generalized-alpha"
@@ -38,13 +44,17 @@ class Simulation(CheckedTable):
     )
 
     assemble: bool = Field(False, description="move the bodies rigidly until all joints fit")
+    explicit: ExplicitMethod | None = None
     kinematic: bool = Field(
         False, description="the joints and their laws move the machine; only forces are sought"
     )
 
     def build(self) -> Run:
         """The run."""
-        step = self.adaptive.build() if self.adaptive else FixedStep(self.step or self.output_step)
+        fixed = FixedStep(self.step) if self.step else None
+        step = self.adaptive.build() if self.adaptive else fixed
+        if self.explicit is not None:
+            return Run(self.duration, self.output_step, step, self.explicit.build())
         method = Kinematic() if self.kinematic else GeneralizedAlpha(self.rho_inf)
         return Run(self.duration, self.output_step, step=step, method=method)
 
@@ -52,8 +62,27 @@ class Simulation(CheckedTable):
 def _steps_are_given_once(raw: Raw) -> Mistakes:
     given = raw.get("simulation")
     if isinstance(given, dict) and ("step" in given) == ("adaptive" in given):
+        if "step" not in given and _marches_explicitly(raw):
+            return  # as long as is stable
         path = ("simulation", "step") if "step" in given else ("simulation",)
         yield path, "give either step = TIME or adaptive = {first = .., largest = ..}, not both or none"
+
+
+def _marches_explicitly(raw: Raw) -> bool:
+    return any(is_explicit(body) for _, body in tables(raw, "body"))
+
+
+def _an_explicit_march_has_its_own_steps(raw: Raw) -> Mistakes:
+    given = table(raw, "simulation")
+    if not _marches_explicitly(raw):
+        if "explicit" in given:
+            yield ("simulation", "explicit"), "no body marches modal or explicit; remove the key"
+        return
+    for key in ("adaptive", "rho_inf", "kinematic", "assemble"):
+        if key in given:
+            yield ("simulation", key), "an explicit march has no such thing; remove the key"
+    if given.get("start") == "equilibrium":
+        yield ("simulation", "start"), "parts of an explicit march start as they are placed; remove the key"
 
 
 def _first_step_is_not_too_long(raw: Raw) -> Mistakes:
@@ -99,6 +128,7 @@ def _a_kinematic_run_takes_no_steps_of_an_integrator(raw: Raw) -> Mistakes:
 RULES = (
     _a_kinematic_run_takes_no_steps_of_an_integrator,
     _steps_are_given_once,
+    _an_explicit_march_has_its_own_steps,
     _first_step_is_not_too_long,
     output_steps_fill_the_duration,
 )

@@ -7,22 +7,23 @@ from typing import Annotated
 from pydantic import Field
 
 from supple.cases.shared_rules import axes_with_length
-from supple.cases.table import Made
+from supple.cases.table import Key, table_of
 from supple.importers.toml import ZERO, KeyPath, Mistakes, Raw, Vector, table, tables
 from supple.machine import Spin
 
+_NAMES = Annotated[tuple[str, ...], Field(strict=False)]
 
-class SpinTable(Made):
-    """A steady rotation: of `supple static`, `supple modes`, and of runs that start in equilibrium."""
 
-    makes = Spin
-
-    rate: float = Field(description="rad per unit of time")
-    axis: Vector = Field(description="global axes; its length does not matter")
-    point: Vector = Field(ZERO, description="on the axis, global")
-    bodies: Annotated[tuple[str, ...], Field(strict=False)] | None = Field(
-        None, description="names of the bodies that turn; all of them if left out"
+class SpinTable(
+    table_of(
+        Spin,
+        rate=Key(float, "rad per unit of time"),
+        axis=Key(Vector, "global axes; its length does not matter", default=...),
+        point=Key(Vector, "on the axis, global", default=ZERO),
+        bodies=Key(_NAMES, "names of the bodies that turn; all of them if left out"),
     )
+):
+    """A steady rotation: of `supple static`, `supple modes`, and of runs that start in equilibrium."""
 
 
 def _spin_has_an_axis(raw: Raw) -> Mistakes:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import getitem
 from typing import Any
 
 import numpy as np
@@ -16,9 +18,9 @@ from supple.cases.case_tables import CaseTables
 from supple.cases.damping import Rayleigh, RayleighRatio
 from supple.cases.interfaces import Interface
 from supple.cases.joints import Joint
-from supple.cases.loads import Load
-from supple.cases.sensors import SensorTable
+from supple.cases.loads import Force
 from supple.cases.split import SplitSource
+from supple.cases.table import named_in
 from supple.errors import ModelError, SuppleWarning
 from supple.machine import At
 from supple.machine.split_body import SplitBody, cut_name, frequency_changes, part_name
@@ -66,25 +68,40 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
             text = each.place(text)
         return text
 
-    def at_parts(item: Any) -> Any:
-        return item.model_copy(update={"first": placed(item.first), "second": placed(item.second)})
+    def at_part(place: str, called: str) -> str:
+        places = _places(placed(place), by_name)
+        if len(places) > 1:
+            raise ModelError(
+                f"{called}: the nodes of '{place}' lie in {len(places)} of the parts; name an interface, or "
+                "a set within one part"
+            )
+        return places[0][0]
 
     bodies = [
         part
         for body in tables.body
         for part in (_parts(by_name[body.name]) if body.name in by_name else [body])
     ]
+    joints = [each.model_copy(update={"name": each.label}) for each in tables.joint]
     track = [place for text in tables.output.track for place, _ in _places(placed(text), by_name)]
-    changed = {
+    changed: dict[str, Any] = {
         "body": tuple(bodies),
-        "sensor": tuple(_sensor_of_part(each, placed, by_name) for each in tables.sensor),
-        "joint": (*map(at_parts, tables.joint), *(joint for each in given for joint in _ties(each))),
-        "spring": tuple(map(at_parts, tables.spring)),
-        "element": tuple(map(at_parts, tables.element)),
-        "load": tuple(part for load in tables.load for part in _load_parts(load, placed(load.at), by_name)),
+        "joint": (*joints, *(joint for each in given for joint in _ties(each))),
+        "load": tuple(part for load in tables.load for part in _load_parts(load, placed, by_name)),
         "output": tables.output.model_copy(update={"track": tuple(track)}),
     }
-    return tables.model_copy(update=changed)
+    return _renamed(tables.model_copy(update=changed), at_part)
+
+
+def _renamed(tables: CaseTables, at_part: Callable[[str, str], str]) -> CaseTables:
+    """The case with every place that it names at the part that has it."""
+    raw: Any = tables.model_dump(mode="json", exclude_unset=True)
+    for (*outer, key), place, word in list(named_in(CaseTables, raw)):
+        if word != "file":
+            holder = reduce(getitem, outer, raw)
+            name = holder.get("name") if isinstance(holder, dict) else None
+            holder[key] = at_part(place, f"{outer[0]} '{name}'" if name else str(outer[0]))
+    return CaseTables.model_validate(raw)
 
 
 def base_of(body: Body, source: SplitSource) -> At | None:
@@ -185,7 +202,7 @@ def _parts(split: _SplitTable) -> Iterator[Body]:
 
 def _frame(split: _SplitTable, part: int) -> object:
     """The frame of a part: fixed to the interface that was named, or to the cut that leads there."""
-    frame = split.body.frame
+    frame: Any = split.body.frame
     if not isinstance(frame, NodalFixed):
         return frame
     held = split.holders[frame.interface]
@@ -215,28 +232,12 @@ def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, 
     return [(f"{part}.{node_set}", len(own) / len(nodes)) for part, own in found]
 
 
-def _sensor_of_part(
-    sensor: SensorTable, placed: Callable[[str], str], split: Mapping[str, _SplitTable]
-) -> SensorTable:
-    """A sensor at the part that has its place.
-
-    Raises ModelError for a node set whose nodes lie in several parts.
-    """
-    changed = {}
-    if (at := getattr(sensor, "at", None)) is not None:
-        places = _places(placed(at), split)
-        if len(places) > 1:
-            raise ModelError(
-                f"sensor '{sensor.name}': the nodes of '{at}' lie in {len(places)} of the parts; name an "
-                "interface, or a set within one part"
-            )
-        changed["at"] = places[0][0]
-    if (base := getattr(sensor, "seen_from", None)) is not None:
-        changed["seen_from"] = placed(base)
-    return sensor.model_copy(update=changed)
-
-
-def _load_parts(load: Load, at: str, split: Mapping[str, _SplitTable]) -> Iterator[Load]:
-    for place, share in _places(at, split):
-        vector = tuple(share * component for component in load.vector)
-        yield load.model_copy(update={"at": place, "vector": vector})
+def _load_parts(load: Any, placed: Callable[[str], str], split: Mapping[str, _SplitTable]) -> Iterator[Any]:
+    if not hasattr(load, "at"):
+        yield load
+        return
+    for place, share in _places(placed(load.at), split):
+        changed: dict[str, Any] = {"at": place}
+        if isinstance(load, Force):
+            changed["vector"] = tuple(share * component for component in load.vector)
+        yield load.model_copy(update=changed)

@@ -2,69 +2,40 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
-import numpy as np
 from pydantic import Field
 
-from supple.cases.shared_rules import axes_with_length, usable_names
-from supple.importers.toml import CheckedTable, Mistakes, NonNegative, Raw, Vector, on_each
-from supple.machine import SpringDamper, System, TorsionSpringDamper, as_end
+from supple.cases.shared_rules import End, InterfaceOf, axes_with_length, usable_names
+from supple.cases.table import Key, Made, OneOf, table_of
+from supple.importers.toml import Mistakes, Raw, on_each
+from supple.machine import SpringDamper, TorsionSpringDamper
 
 
-class StraightSpring(CheckedTable):
-    """A spring and damper along the line between two interfaces that stay apart."""
+class Spring(Made):
+    """A spring and damper between two interfaces, or one and the ground."""
 
-    kind: Literal["straight"]
     name: str | None = Field(None, description="for sensors")
-    first: str = Field(description="BODY.INTERFACE")
-    second: str = Field(description="BODY.INTERFACE")
-    stiffness: NonNegative = Field(description="force per length")
-    damping: NonNegative = Field(0.0, description="force per velocity")
-    free_length: NonNegative | None = Field(
-        None, description="a length; the distance at the start if left out"
-    )
-
-    def build(self, system: System) -> SpringDamper:
-        """The spring between bodies of a system."""
-        length = self.free_length
-        if length is None:
-            first, second = (system.initial_point(as_end(end)) for end in (self.first, self.second))
-            length = float(np.linalg.norm(second - first))
-        return SpringDamper(
-            first=self.first,
-            second=self.second,
-            stiffness=self.stiffness,
-            damping=self.damping,
-            rest_length=length,
-        )
+    first: End = Field(description="ground or BODY.INTERFACE")
+    second: InterfaceOf = Field(description="BODY.INTERFACE")
 
 
-class TorsionSpring(CheckedTable):
-    """A spring and damper about an axis, between two interfaces or one and the ground."""
-
-    kind: Literal["torsion"]
-    name: str | None = Field(None, description="for sensors")
-    first: str = Field(description="ground or BODY.INTERFACE")
-    second: str = Field(description="BODY.INTERFACE")
-    axis: Vector = Field(description="direction at the start, global axes; its length does not matter")
-    stiffness: NonNegative = Field(description="moment per angle in rad")
-    damping: NonNegative = Field(0.0, description="moment per angular velocity in rad per time")
-    free_angle: float = Field(0.0, description="angle, rad")
-
-    def build(self, _system: System) -> TorsionSpringDamper:
-        """The spring between bodies of a system."""
-        return TorsionSpringDamper(
-            first=self.first,
-            second=self.second,
-            axis=self.axis,
-            stiffness=self.stiffness,
-            damping=self.damping,
-            rest_angle=self.free_angle,
-        )
-
-
-Spring = Annotated[StraightSpring | TorsionSpring, Field(discriminator="kind")]
+_STIFFNESS = Key(default=...)
+StraightSpring = table_of(
+    SpringDamper,
+    "straight",
+    Spring,
+    stiffness=_STIFFNESS,
+    rest_length=Key(name="free_length", default=None),
+)
+TorsionSpring = table_of(
+    TorsionSpringDamper,
+    "torsion",
+    Spring,
+    stiffness=_STIFFNESS,
+    rest_angle=Key(float, "angle, rad", "free_angle"),
+)
+SpringTable = Annotated[Spring, OneOf(StraightSpring, TorsionSpring)]
 
 
 def _names_differ(raw: Raw) -> Mistakes:

@@ -7,9 +7,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from supple.cases.body_kinds import at_elements
+from supple.cases.shared_rules import PlaceOf, joint_names
 from supple.correction import Deflection, JointForce, JudgedQuantity
 from supple.fem import FiniteElementModel
-from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, names, table, tables, unknown
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, table, tables, unknown
 from supple.results.judged_stress import JudgedStress
 
 Place = Callable[[str], tuple[str, Any]]
@@ -20,7 +22,7 @@ class DeflectionOf(CheckedTable):
     """Positions of an interface, or of the nodes of a set."""
 
     kind: Literal["deflection"]
-    at: str = Field(description="BODY.INTERFACE or BODY.NODE_SET")
+    at: PlaceOf = Field(description="BODY.INTERFACE or BODY.NODE_SET")
 
     def quantity(self, place: Place, _: Mapping[str, FiniteElementModel]) -> JudgedQuantity:
         """What is judged."""
@@ -32,7 +34,7 @@ class StressOf(CheckedTable):
     """Von Mises stress at the nodes of a set."""
 
     kind: Literal["stress"]
-    at: str = Field(description="BODY.NODE_SET")
+    at: PlaceOf = Field(description="BODY.NODE_SET")
 
     def quantity(self, place: Place, elements: Mapping[str, FiniteElementModel]) -> JudgedQuantity:
         """What is judged."""
@@ -88,11 +90,15 @@ def _listed(given: Any) -> list[Raw]:
 
 def _judged_joints_exist(raw: Raw) -> Mistakes:
     """The rule that a joint whose force is judged is there."""
-    joints = list(names(raw, "joint"))
+    joints = joint_names(raw)
     for path, each in judged_places(raw):
         name = each.get("joint")
         if isinstance(name, str) and name not in joints:
             yield (*path, "joint"), unknown("joint", name, joints)
 
 
-RULES = (_judged_joints_exist,)
+OF_STRESS = ("whose stress it would be", "stress is that of")
+RULES = (
+    _judged_joints_exist,
+    lambda raw: at_elements(raw, judged_places(raw), {"stress": OF_STRESS}),
+)

@@ -1,22 +1,222 @@
-"""A table of a case file that stands for one object of the library."""
+"""Tables of a case file, made from the classes of the objects that they stand for."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, ClassVar
+import inspect
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache, reduce
+from operator import or_
+from types import NoneType, UnionType
+from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
-from supple.importers.toml import CheckedTable
+from pydantic import Field, GetCoreSchemaHandler, create_model
+from pydantic_core import CoreSchema
+
+from supple import arguments
+from supple.importers.toml import CheckedTable, KeyPath, NonNegative, Positive
+
+
+@dataclass(frozen=True)
+class Key:
+    """The key of a parameter, where it differs from the parameter.
+
+    type : of its values; that of the parameter if None
+    description : in messages; from the docstring of the class if empty and the type is the parameter's
+    name : that of the parameter if empty
+    default : that of the parameter unless given
+    through : the argument from the value and the context of `build`; the value itself if None
+    """
+
+    type: Any = None
+    description: str = ""
+    name: str = ""
+    default: Any = inspect.Parameter.empty
+    through: Callable[..., Any] | None = None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """An object that a table stands for: its class, and for each parameter its key, or the plan of a part."""
+
+    makes: Callable[..., Any]
+    parameters: Mapping[str, Key | Plan]
+
+    def made(self, table: CheckedTable, *context: Any) -> Any:
+        """The object; None for a part that lacks what it needs."""
+        given = {}
+        for parameter, source in self.parameters.items():
+            value = source.made(table, *context) if isinstance(source, Plan) else getattr(table, source.name)
+            value = value.build(*context) if isinstance(value, Made) else value
+            if isinstance(source, Key) and source.through is not None:
+                value = source.through(value, *context)
+            if value is not None or NoneType in get_args(_hints(self.makes)[parameter]):
+                given[parameter] = value
+            elif _parameters(self.makes)[parameter].default is inspect.Parameter.empty:
+                return None
+        return self.makes(**given)
 
 
 class Made(CheckedTable):
-    """A table that stands for one object, whose parameters begin with the keys of the table, in order."""
+    """A table that stands for one object."""
 
-    makes: ClassVar[Callable[..., Any]]
-    """The class of the object."""
-    chosen_by: ClassVar[tuple[str, ...]] = ("kind", "basis")
-    """Keys that choose among tables; they are no parameters."""
+    choice: ClassVar[str] = "kind"
+    """The key that chooses among tables."""
+    plan: ClassVar[Plan]
 
-    def build(self, *_: Any) -> Any:
-        """The object; what other tables of the same choice need besides their keys does not matter."""
-        keys = (key for key in type(self).model_fields if key not in self.chosen_by)
-        return type(self).makes(*(getattr(self, key) for key in keys))
+    @property
+    def chosen(self) -> str:
+        """The value of that key."""
+        return getattr(self, self.choice)
+
+    def build(self, *context: Any) -> Any:
+        """The object.
+
+        context : what tables of the same choice need, such as the folder of the files of laws
+        """
+        return type(self).plan.made(self, *context)
+
+
+def part(makes: Callable[..., Any], **by_hand: Any) -> tuple[Callable[..., Any], dict[str, Any]]:
+    """A parameter that is an object, whose own parameters are keys of the table; as `table_of`."""
+    return makes, by_hand
+
+
+def table_of(
+    makes: Callable[..., Any], kind: str | None = None, base: type[Made] = Made, **by_hand: Any
+) -> Any:
+    """The table of a class: its parameters are the keys, with their types, ranges, defaults and descriptions.
+
+    Descriptions are lines `name : text` of the docstrings of the class and those it inherits from.
+
+    kind : value of the key by which the base chooses the table among others
+    base : table with keys that all tables of a section have
+    by_hand : by parameter, what differs: a type, a `Key`, a `part`, or None for a parameter without key
+    """
+    fields: dict[str, Any] = {} if kind is None else {base.choice: (Literal[kind], ...)}
+    plan = _planned(makes, by_hand, fields, base.model_fields)
+    made = create_model(makes.__name__, __base__=base, __doc__=(makes.__doc__ or "").split("\n")[0], **fields)
+    made.plan = plan
+    return made
+
+
+def _planned(
+    makes: Callable[..., Any],
+    by_hand: Mapping[str, Any],
+    fields: dict[str, Any],
+    shared: Mapping[str, Any],
+) -> Plan:
+    """The plan of a class; adds its keys to `fields`."""
+    plan: dict[str, Key | Plan] = {}
+    hints, descriptions = _hints(makes), _descriptions(makes)
+    unknown = [name for name, own in by_hand.items() if own is not None and name not in _parameters(makes)]
+    if unknown:
+        raise TypeError(f"{makes.__name__} has no parameter {', '.join(unknown)}")
+    for name, parameter in _parameters(makes).items():
+        own = by_hand.get(name, Key())
+        if own is None:
+            continue
+        if isinstance(own, tuple):
+            inner, its_own = own
+            plan[name] = _planned(inner, its_own, fields, shared)
+            continue
+        own = own if isinstance(own, Key) else Key(own)
+        key = own.name or name
+        plan[name] = replace(own, name=key)
+        if key in fields or (key in shared and name not in by_hand):
+            continue
+        default = parameter.default if own.default is inspect.Parameter.empty else own.default
+        kind = _of_toml(hints[name] if own.type is None else own.type)
+        description = own.description or (descriptions.get(name) if own.type is None else None)
+        if default is inspect.Parameter.empty:
+            default = ...
+        elif not (default is ... or isinstance(default, str | int | tuple | Made) or _is_finite(default)):
+            kind, default = (
+                kind | None,
+                None,
+            )  # no file can hold it: what is left out is the class's own default
+        fields[key] = (kind, Field(default, description=description))
+    return Plan(makes, plan)
+
+
+def _is_finite(default: Any) -> bool:
+    return isinstance(default, float) and math.isfinite(default)
+
+
+@cache
+def _parameters(makes: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
+    return inspect.signature(makes).parameters
+
+
+@cache
+def _hints(makes: Callable[..., Any]) -> Mapping[str, Any]:
+    return get_type_hints(makes, include_extras=True)
+
+
+_DESCRIBED = re.compile(
+    r"(?:^ {4}| {4,})(\w+(?:, \w+)*) : +((?:(?! {4,}\w+(?:, \w+)* : )(?:.|\n {8,}(?=\S)))+)", re.MULTILINE
+)
+
+
+@cache
+def _descriptions(makes: Any) -> Mapping[str, str]:
+    """Texts of lines `name, name : text`, which go on where a line is indented further."""
+    found: dict[str, str] = {}
+    for each in reversed(inspect.getmro(makes)):
+        for names, text in _DESCRIBED.findall(each.__doc__ or ""):
+            found |= dict.fromkeys(names.split(", "), " ".join(text.split()))
+    return found
+
+
+def _of_toml(hint: Any) -> Any:
+    """The type of a parameter as that of a key: an array may fill a tuple, and numbers keep their range."""
+    ranges = {arguments.Positive: Positive, arguments.NotNegative: NonNegative}
+    if hint in ranges:
+        return ranges[hint]
+    inner = tuple(map(_of_toml, get_args(hint)))
+    if get_origin(hint) is tuple:
+        return Annotated[tuple[inner], Field(strict=False)]
+    return reduce(or_, inner) if get_origin(hint) in (Union, UnionType) else hint
+
+
+def named_in(table: Any, value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any, str]]:
+    """What a file names under keys of types `Annotated[str, WORD]`: path, what stands there, the word.
+
+    table : class of the table, or type of the value, that stands at the path
+    """
+    while get_origin(table) is Annotated:
+        table, *metadata = get_args(table)
+        yield from ((path, value, word) for word in metadata if isinstance(word, str))
+        table = next((each.chosen(value) for each in metadata if isinstance(each, OneOf)), None) or table
+    if get_origin(table) in (Union, UnionType):
+        for option in get_args(table):
+            yield from named_in(option, value, path)
+    elif get_origin(table) is tuple and isinstance(value, list):
+        for position, item in enumerate(value):
+            yield from named_in(get_args(table)[0], item, (*path, position))
+    elif isinstance(table, type) and issubclass(table, CheckedTable) and isinstance(value, Mapping):
+        for key, field in table.model_fields.items():
+            if key in value:
+                yield from named_in(
+                    Annotated[field.annotation, *field.metadata, None], value[key], (*path, key)
+                )
+
+
+class OneOf:
+    """The choice among tables by a key, for `Annotated[Made, OneOf(...)]`."""
+
+    def __init__(self, *tables: Any, by: str = "kind") -> None:
+        self.tables, self.by = tables, by
+
+    def chosen(self, value: Any) -> Any:
+        """The table that what stands in a file chooses; None where it chooses none."""
+        chosen = value.get(self.by) if isinstance(value, Mapping) else None
+        return next(
+            (each for each in self.tables if chosen in get_args(each.model_fields[self.by].annotation)), None
+        )
+
+    def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Of the union of the tables."""
+        return handler.generate_schema(Annotated[reduce(or_, self.tables), Field(discriminator=self.by)])

@@ -10,7 +10,7 @@ import typer
 from supple import cases
 from supple.cases.remains import kept_so_far
 from supple.correction import SelfCorrectionError, correction_numbers
-from supple.results.explicit_tables import explicit_cost_line, explicit_tables
+from supple.results.explicit_numbers import explicit_cost_line
 from supple.results.run_start import start_lines
 from supple.results.run_tables import (
     correction_table,
@@ -65,9 +65,6 @@ def _run(
     errors: bool,
     allow_code: bool,
 ) -> None:
-    if cases.is_explicit(path):
-        _run_explicit(path, folder, resume=resume, force=force)
-        return
     bars = progress_bars()
     steps = Steps(bars)
     case = cases.read_case(path, steps.show)
@@ -102,19 +99,5 @@ def _run(
             say(line)
     for line in start_lines(numbers):
         say(line)
-    say(cost_line(result.solution.statistics))
-    say(f"Results are in {folder}/")
-
-
-def _run_explicit(path: Path, folder: Path, *, resume: bool, force: bool) -> None:
-    bars = progress_bars()
-    steps = Steps(bars)
-    case = cases.read_explicit_case(path, steps.show)
-    say(case.title, "bold")
-    with bars:
-        result = cases.run_explicit_case(case, folder, resume=resume, force=force, progress=steps.share)
-        steps.finish()
-    for table in explicit_tables(result.numbers):
-        print_table(*table)
-    say(explicit_cost_line(result.numbers))
+    say(explicit_cost_line(numbers) if "steps" in numbers else cost_line(result.solution.statistics))
     say(f"Results are in {folder}/")

@@ -68,10 +68,12 @@ def state_errors(
 
     Raises
     ------
-    ModelError      a quantity of a body or joint that is not there, a full body that is not of this machine
+    ModelError      a quantity of a body or joint that is not there, a full body that is not of this machine,
+        a part of an explicit march
     """
     if isinstance(run.method, Kinematic):  # nothing was integrated, and no body has deformed
         return solution
+    system.check_has_frames()
     study, run = study or ErrorStudy(), with_chosen_step(system, run)
     if not isinstance(fulls, Mapping):
         fulls = {full.name: full for full in fulls}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time as clock
-from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import jax
@@ -12,7 +11,7 @@ import numpy as np
 
 from supple.algebra.jax_settings import before_compiled_code
 from supple.errors import ModelError
-from supple.explicit.explicit_system import ExplicitSystem
+from supple.explicit.check_machine import check_machine, check_run
 from supple.explicit.march.build import Built, built
 from supple.explicit.march.interval import (
     Recorded,
@@ -24,51 +23,19 @@ from supple.explicit.march.interval import (
 )
 from supple.explicit.march.march_step import kinetic, with_forces
 from supple.explicit.march.model import Energies, MarchState
+from supple.explicit.method import explicit_method
 from supple.explicit.motions import FourPointMotion, NodalMotion
-from supple.explicit.projected_difference import ProjectedDifference
-from supple.explicit.published_scheme import PublishedScheme
-from supple.explicit.series_motion import SeriesMotion
-from supple.integrate import FixedStep, GeneralizedAlpha, Leg, Run, Solution, Statistics, Tolerances
-from supple.machine.laws.time_law import as_time_law
+from supple.integrate import FixedStep, Leg, Run, Solution, Statistics
+from supple.machine import System
 
-__all__ = ["ENERGIES", "OBSTACLES", "STEPS", "ExplicitEngine", "ExplicitOptions"]
+__all__ = ["ENERGIES", "OBSTACLES", "STEPS", "ExplicitEngine"]
 
 ENERGIES = "energies"
-"""Name of the motion that holds the energy balance of a run."""
+"""Name of the series of the energy balance of a run, in the order of `Energies`."""
 STEPS = "steps"
-"""Name of the motion that holds the steps of a run."""
+"""Name of the series of the step of the elements, s, and of how many of them are in one of the frames."""
 OBSTACLES = "obstacles"
-"""Name of the motion that holds the obstacles of a run."""
-
-
-@dataclass(frozen=True)
-class ExplicitOptions:
-    """How an explicit run steps.
-
-    scheme : of the four-point frames: ProjectedDifference() or PublishedScheme(..)
-    safety : part of the step limit that is used
-    step : of the explicit nodes, s, kept throughout, as a FixedStep of the run is; None: what is stable,
-        chosen at every output time
-    largest_ratio : explicit steps in one step of the frames; 1: one step for all
-    interface_loss : of the energy: what is lost, or won, between parts that march at different steps from
-        one output time to the next; above it the ratio is halved, and the way repeated
-    """
-
-    scheme: ProjectedDifference | PublishedScheme = field(default_factory=ProjectedDifference)
-    safety: float = 0.9
-    step: float | None = None
-    largest_ratio: int = 50
-    interface_loss: float = 2e-4
-
-    def __post_init__(self) -> None:
-        if not 0 < self.safety <= 1:
-            raise ModelError(f"the safety of the step must lie in (0, 1], got {self.safety}")
-        if self.step is not None and not self.step > 0:
-            raise ModelError(f"the step must be positive, got {self.step}")
-        if self.largest_ratio < 1:
-            raise ModelError(f"the largest ratio must be at least 1, got {self.largest_ratio}")
-        if not self.interface_loss > 0:
-            raise ModelError(f"the loss at the interface must be positive, got {self.interface_loss}")
+"""Name of the series of how far each obstacle has moved, (t, 3 o), and of its velocity."""
 
 
 class _Reached(NamedTuple):
@@ -79,13 +46,14 @@ class _Reached(NamedTuple):
 class ExplicitEngine:
     """An `Engine`; `MarchState` is its state."""
 
-    def __init__(self, system: ExplicitSystem, run: Run, options: ExplicitOptions | None = None) -> None:
+    def __init__(self, system: System, run: Run) -> None:
         before_compiled_code()
-        own = self._options = options or ExplicitOptions()
-        _check_run(system, run)
-        self._fixed = _fixed_step(run, own)
+        check_run(run)
+        method = explicit_method(run)
+        check_machine(system, method)
+        self._fixed = _fixed_step(run)
         self._run = run
-        self._built = built(system, own.scheme, own.safety, own.largest_ratio, own.interface_loss)
+        self._built = built(system, method)
         self._check_step()
 
     @property
@@ -109,7 +77,7 @@ class ExplicitEngine:
         """The parts as they are placed."""
         own = self._built
         state = with_forces(own.model, own.methods, own.start._replace(time=jnp.asarray(time)))
-        return state._replace(initial=kinetic(self._built.model, state))
+        return state._replace(initial=kinetic(self._built.model, state) + state.energies.internal)
 
     def resumed(self, last: Solution) -> MarchState:
         """The state at the end of a recorded part, exact to the last bit."""
@@ -157,7 +125,7 @@ class ExplicitEngine:
         return Leg(_Reached(joined, last), n, last, statistics, stopped)
 
     def solution(self, leg: Leg[MarchState]) -> Solution:
-        """The motion of a leg: a motion per sub-domain, and the series of energies, steps and obstacles."""
+        """The motion of each part, and the series of energies, steps and obstacles."""
         rows: Recorded = leg.states.rows
         own = self._built
         bodies: dict[str, Any] = {}
@@ -182,17 +150,17 @@ class ExplicitEngine:
         for (name, frame), marched in zip(own.frames.items(), rows.frames, strict=True):
             p, y, vp, vy = (np.asarray(leaf) for leaf in marched)
             bodies[name] = FourPointMotion(p, y @ frame.turned.T, vp, vy @ frame.turned.T)
-        bodies[ENERGIES] = SeriesMotion(np.asarray(rows.energies))
-        bodies[STEPS] = SeriesMotion(np.column_stack([rows.step, rows.ratio]))
+        series = {ENERGIES: np.asarray(rows.energies), STEPS: np.column_stack([rows.step, rows.ratio])}
         if rows.obstacles:
             moved = [np.concatenate(pair, axis=1) for pair in rows.obstacles]
-            bodies[OBSTACLES] = SeriesMotion(np.concatenate(moved, axis=1))
+            series[OBSTACLES] = np.concatenate(moved, axis=1)
         leaves = jax.tree.leaves(leg.last)
         return Solution(
             times=np.asarray(rows.time),
             bodies=bodies,
             joint_forces={},
             statistics=leg.statistics,
+            series=series,
             engine_state={
                 f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)
             },
@@ -254,35 +222,13 @@ class ExplicitEngine:
                 )
 
 
-def _check_run(system: ExplicitSystem, run: Run) -> None:
-    """ModelError for what a run asks and the march does not do, and for tables that do not cover it."""
-    if run.method != GeneralizedAlpha():
-        raise ModelError(
-            f"explicit parts march by central differences, not by {type(run.method).__name__}: leave the "
-            "method of the run out; ExplicitOptions(scheme=...) chooses that of the modal parts"
-        )
-    if run.tolerances != Tolerances():
-        raise ModelError("an explicit march iterates nothing: leave the tolerances of the run out")
-    for force in system.forces:
-        law = as_time_law(force.law)
-        if law.begin > run.times[0] or law.end < run.times[-1] * (1 - 1e-12):
-            raise ModelError(
-                f"force on '{force.nodes}': its table goes from t = {law.begin:g} to {law.end:g}, the run "
-                f"from {run.times[0]:g} to {run.times[-1]:g}; extend the table"
-            )
-
-
-def _fixed_step(run: Run, options: ExplicitOptions) -> float | None:
-    """Of the explicit nodes, s, as run and options say; None: what is stable."""
+def _fixed_step(run: Run) -> float | None:
+    """Of the explicit nodes, s; None: what is stable."""
     match run.step:
         case None:
-            return options.step
-        case FixedStep(size=size) if options.step in (None, size):
-            return size
+            return None
         case FixedStep(size=size):
-            raise ModelError(
-                f"the run has steps of {size:g}, its ExplicitOptions of {options.step:g}: give one"
-            )
+            return size
         case _:
             raise ModelError(
                 f"explicit steps are bounded by stability, not by an error: {type(run.step).__name__} has no "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
 from supple.body.damping import refuse_held
 from supple.errors import ModelError
+from supple.explicit.element_part import ElementPart
 from supple.explicit.materials import J2Plasticity
 from supple.fem import FiniteElementModel, HomogeneousSection, lumped_mass, stress_recovery
 from supple.fem.kirchhoff_bending import MIDSIDES
@@ -51,7 +51,7 @@ class ShellElements:
 
 
 @dataclass(frozen=True, eq=False)
-class ExplicitShell:
+class ExplicitShell(ElementPart):
     """Shells of small strain; build it with `explicit_shell`.
 
     name : str
@@ -62,7 +62,6 @@ class ExplicitShell:
     damping : LinearRayleighDamping | None      alpha alone
     """
 
-    used_with: ClassVar[str] = "which an ExplicitSystem takes as a part, and no System"
     name: str
     model: FiniteElementModel = field(repr=False)
     law: J2Plasticity | None = None
@@ -97,11 +96,6 @@ class ExplicitShell:
             raise ModelError(
                 f"explicit shell '{self.name}': damping by the rate of strain is of solids; give beta = 0"
             )
-
-    @property
-    def nodes(self) -> FloatArray:
-        """(N, 3) undeformed positions."""
-        return self.model.mesh.nodes
 
     @cached_property
     def masses(self) -> FloatArray:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
 from supple.body.damping import refuse_held
 from supple.errors import ModelError
+from supple.explicit.element_part import ElementPart
 from supple.explicit.elements import (
     BulkArrays,
     BulkViscosity,
@@ -34,7 +34,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class ExplicitSubdomain:
+class ExplicitSubdomain(ElementPart):
     """Finite elements of one law; build it with `explicit_subdomain`.
 
     name : str
@@ -46,7 +46,6 @@ class ExplicitSubdomain:
     bulk_viscosity : BulkViscosity      spreads fronts over a few elements; BulkViscosity(0, 0): none
     """
 
-    used_with: ClassVar[str] = "which an ExplicitSystem takes as a part, and no System"
     name: str
     model: FiniteElementModel = field(repr=False)
     law: Law
@@ -67,11 +66,6 @@ class ExplicitSubdomain:
             raise ModelError(f"the hourglass stiffness is a fraction, 0 to 1, got {self.hourglass}")
         if not self.deletion > 0:
             raise ModelError(f"the plastic strain of deletion must be positive, got {self.deletion}")
-
-    @property
-    def nodes(self) -> FloatArray:
-        """(N, 3) undeformed positions."""
-        return self.model.mesh.nodes
 
     @cached_property
     def masses(self) -> FloatArray:

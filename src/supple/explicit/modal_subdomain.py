@@ -4,23 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar
+from typing import Literal
 
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from supple.arguments import checked_arguments
 from supple.body import FlexibleBody, LinearRayleighDamping, MeanAxisFrame
 from supple.body.damping import refuse_held
+from supple.body.floating_kinematics import node_numbers
+from supple.body.interface import interface_named
 from supple.body.mass_properties import rigid_mass_properties
 from supple.errors import ModelError
 from supple.explicit.frame_model import FrameModel
 from supple.explicit.frame_moments import Moments, moments
 from supple.explicit.frame_points import FramePoints
 from supple.explicit.mass_fields import mass_fields
+from supple.explicit.motions import FourPointMotion
+from supple.explicit.node_set import NodeSet, node_sets
 from supple.explicit.spin_stiffness import CentrifugalStiffness
 from supple.explicit.step_limit import local_mass, true_limit
+from supple.mesh import Mesh
 from supple.reduction import LinearBasisRecipe, rayleigh_ritz
 
 __all__ = ["ModalSubdomain", "modal_subdomain"]
@@ -42,7 +47,6 @@ class ModalSubdomain:
     Raises ModelError for vectors that contain rigid motion: their step limit would not be that of the modes.
     """
 
-    used_with: ClassVar[str] = "which an ExplicitSystem takes as a part, and no System"
     body: FlexibleBody
     vectors: NDArray[np.float64] = field(repr=False)
     frequencies: NDArray[np.float64] = field(repr=False)
@@ -73,9 +77,99 @@ class ModalSubdomain:
         return self.body.name
 
     @property
+    def kind(self) -> Literal["modal"]:
+        """Modes on a four-point frame."""
+        return "modal"
+
+    @property
     def n_modes(self) -> int:
         """Number of modes k."""
         return self.vectors.shape[1]
+
+    @property
+    def n_coordinates(self) -> int:
+        """Number of modes k."""
+        return self.n_modes
+
+    @property
+    def mass(self) -> float:
+        """Of the whole body, kg."""
+        return float(np.asarray(self.moments.S0).sum())
+
+    @property
+    def centre_of_mass(self) -> NDArray[np.float64]:
+        """(3,) undeformed, in the mesh axes, m: where the frame has its origin."""
+        return self.points.origin
+
+    @property
+    def nodes(self) -> NDArray[np.float64]:
+        """(N, 3) undeformed positions."""
+        return self.body.nodes
+
+    @property
+    def mesh(self) -> Mesh:
+        """Of its elements; ModelError of a body of matrices."""
+        if self.body.model is None:
+            raise ModelError(
+                f"part '{self.name}' has no mesh, only matrices: it cannot be tied, hit or loaded"
+            )
+        return self.body.model.mesh
+
+    @cached_property
+    def interfaces(self) -> tuple[NodeSet, ...]:
+        """The node sets of its mesh, and the nodes of the interfaces of its body that have other names."""
+        sets = {} if self.body.model is None else dict(self.body.model.mesh.node_sets)
+        of_body = {each.name: each.node_ids for each in self.body.interfaces}
+        return node_sets(self, of_body | sets)
+
+    def interface(self, name: str) -> NodeSet:
+        """The node set of that name; ModelError names the nearest, or those there are."""
+        return interface_named(self.name, name, self.interfaces)
+
+    def expand(
+        self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """Displacements (..., k, 3) of some nodes, or all, in the body's frame."""
+        return self.points.arm * np.einsum("nik,...k->...ni", self.shapes[nodes], np.asarray(coordinates))
+
+    def expand_rates(
+        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """Their rates (..., k, 3)."""
+        return self.expand(rates, nodes)
+
+    def positions(
+        self, motion: FourPointMotion, nodes: ArrayLike | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """Positions (t, k, 3) in space of some nodes, or all.
+
+        x = sum_a w_a x_a + P Phi y     [Radioss] (5), never integrated
+        """
+        own = nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))
+        weights = self.points.weights(self.nodes[own])
+        P = (motion.points[:, 1:] - motion.points[:, :1]).swapaxes(1, 2)
+        local = np.einsum("nik,tk->tni", self.shapes[own], motion.coordinates, optimize=True)
+        return weights @ motion.points + local @ P.swapaxes(1, 2)
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether it has no stiffness of its own spin."""
+        return self.spin_stiffness is None
+
+    def lowest_frequency(self) -> float:
+        """Of the free modes, rad/s; infinite without any."""
+        return float(self.frequencies.min(initial=np.inf))
+
+    @property
+    def rotation_limit(self) -> float:
+        """Against the frame, rad: foreshortening, theta^2 / 2, is then half a percent of the length."""
+        return 0.1
+
+    @property
+    def rotation_rows(self) -> NDArray[np.float64] | None:
+        """Rotation vectors at P points per modal coordinate, (3 P, k); None of a body of matrices."""
+        operator = self.body.rotation_operator
+        return None if operator is None else operator @ self.body.expansion @ self.vectors
 
     @cached_property
     def points(self) -> FramePoints:

@@ -46,3 +46,10 @@ class FourPointMotion(StackedMotion):
     """(t, 4, 3) over the step before."""
     coordinate_rates: np.ndarray
     """(t, k)."""
+
+    @property
+    def angular_velocity(self) -> np.ndarray:
+        """(t, 3) of the frame in its own axes, rad/s, over the step before."""
+        P, rates = (points[:, 1:] - points[:, :1] for points in (self.points, self.point_rates))
+        W = P @ rates.swapaxes(1, 2) / (P**2).sum(axis=2).mean(axis=1)[:, None, None]
+        return 0.5 * np.stack([W[:, i, j] - W[:, j, i] for i, j in ((2, 1), (0, 2), (1, 0))], axis=1)

@@ -2,6 +2,7 @@
 
 from supple.integrate.engine import Engine, Leg, Progress, Recorder
 from supple.integrate.error_statement import PARTS, ErrorPart, ErrorStatement
+from supple.integrate.explicit_rule import ExplicitRule
 from supple.integrate.first_order import FirstOrderRule, ResidualRungeKutta4, RungeKutta4
 from supple.integrate.generalized_alpha import (
     Coefficients,
@@ -36,6 +37,7 @@ __all__ = [
     "Engine",
     "ErrorPart",
     "ErrorStatement",
+    "ExplicitRule",
     "FirstOrderRule",
     "FixedStep",
     "FloatingMotion",

@@ -8,6 +8,7 @@ from math import isfinite
 import numpy as np
 
 from supple.arguments import check_fields
+from supple.integrate.explicit_rule import ExplicitRule
 from supple.integrate.first_order import FirstOrderRule
 from supple.integrate.generalized_alpha import GeneralizedAlpha, TimeIntegrator
 from supple.integrate.kinematic import Kinematic
@@ -44,9 +45,10 @@ class Run:
 
     duration, output_step : float   unit of time; the duration is a multiple of the output step
     step : FixedStep | AdaptiveStep     where None a fixed step equal to the output step; of machines with
-        intrinsic bodies one chosen from the periods of their modes
+        intrinsic bodies one chosen from the periods of their modes, of explicit parts what is stable
     method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor; of machines of intrinsic bodies
-        alone also RungeKutta4 | ResidualRungeKutta4; Kinematic where the joints leave nothing free
+        alone also RungeKutta4 | ResidualRungeKutta4; Kinematic where the joints leave nothing free; of
+        explicit parts supple.explicit.Explicit, also where it is left out
     tolerances : Tolerances
     validity : Validity     warn of a motion beyond what the kinematics allow, or stop at it
     start : float           time of the initial state
@@ -57,7 +59,9 @@ class Run:
     duration: float
     output_step: float
     step: StepControl | None = None
-    method: TimeIntegrator | FirstOrderRule | Kinematic = field(default_factory=GeneralizedAlpha)
+    method: TimeIntegrator | FirstOrderRule | Kinematic | ExplicitRule = field(
+        default_factory=GeneralizedAlpha
+    )
     tolerances: Tolerances = field(default_factory=Tolerances)
     validity: Validity = field(default_factory=Validity)
     start: float = 0.0
@@ -104,7 +108,13 @@ class Run:
 
     @property
     def second_order_method(self) -> TimeIntegrator:
-        """The step rule, where the equations are of second order; ValueError for one of first order."""
+        """The step rule, where it is an implicit one of second order; ValueError for others."""
+        if isinstance(self.method, ExplicitRule):
+            raise ValueError(
+                f"{type(self.method).__name__} steps modal and finite-element parts of an explicit march "
+                "only; bodies in floating frames take GeneralizedAlpha(rho_inf), Newmark() or "
+                "HilberHughesTaylor(alpha)"
+            )
         if isinstance(self.method, FirstOrderRule):
             raise ValueError(
                 f"{type(self.method).__name__} steps machines of intrinsic bodies only; bodies in floating "

@@ -79,6 +79,8 @@ class Solution:
     multipliers: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
     """Joint name to (t, m) Lagrange multipliers of its constraint equations, in their order, whose signs and
     units they have: what the engine solves for. Empty for an engine that has none."""
+    series: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
+    """Name to (t, c) numbers of the whole machine, such as its energies; which, the method says."""
     errors: Mapping[str, ErrorStatement] = field(default_factory=lambda: MappingProxyType({}))
     """How wrong the run is, by body, or by what else was judged; empty where nobody looked."""
     truncation: Mapping[str, ErrorPart] = field(default_factory=lambda: MappingProxyType({}))
@@ -105,6 +107,7 @@ class Solution:
             joint_forces={name: forces[rows] for name, forces in self.joint_forces.items()},
             statistics=self.statistics,
             multipliers={name: own[rows] for name, own in self.multipliers.items()},
+            series={name: own[rows] for name, own in self.series.items()},
             errors=self.errors,
         )
 
@@ -119,17 +122,20 @@ def concatenate(parts: Sequence[Solution]) -> Solution:
         arrays = [motion.arrays() for motion in motions]
         return type(motions[0])(**{key: np.concatenate([own[key] for own in arrays]) for key in arrays[0]})
 
+    def stacked(of: str) -> dict[str, np.ndarray]:
+        return {
+            name: np.concatenate([getattr(part, of)[name] for part in parts])
+            for name in getattr(parts[0], of)
+        }
+
     first, last = parts[0], parts[-1]
     return Solution(
         times=np.concatenate([part.times for part in parts]),
         bodies={name: joined(name) for name in first.bodies},
-        joint_forces={
-            name: np.concatenate([part.joint_forces[name] for part in parts]) for name in first.joint_forces
-        },
+        joint_forces=stacked("joint_forces"),
         statistics=sum((part.statistics for part in parts), Statistics()),
         stopped=last.stopped,
         engine_state=last.engine_state,
-        multipliers={
-            name: np.concatenate([part.multipliers[name] for part in parts]) for name in first.multipliers
-        },
+        multipliers=stacked("multipliers"),
+        series=stacked("series"),
     )

@@ -21,6 +21,7 @@ from supple.machine import (
     Placed,
     System,
 )
+from supple.multibody.equations.build_model import initial_points
 
 __all__ = ["machine_loads"]
 
@@ -49,7 +50,7 @@ def machine_loads(system: System) -> tuple[StationLoad, ...]:
             case FollowerForce() | FollowerTorque() if GROUND == load.second:
                 found.append(_follower(system.bodies, numbers, load))
             case ForceElement():
-                found.append(_element(system.bodies, numbers, load))
+                found.append(_element(system.bodies, numbers, load.assembled(*initial_points(system, load))))
     return tuple(found)
 
 

@@ -1,5 +1,6 @@
 """What a machine is made of, without any equation of motion: bodies placed, joints, forces, laws of time."""
 
+from supple.machine.contacts import Contact, Support, SurfaceContact
 from supple.machine.control import Controller, EndReading, JointReading, SampledController
 from supple.machine.ends import (
     GROUND,
@@ -124,6 +125,7 @@ from supple.machine.nodal_loads import (
     FollowerPressure,
     NodalLoad,
 )
+from supple.machine.obstacles import RigidCylinder, RigidPlane, RigidSphere
 from supple.machine.pose import Pose, Wrench
 from supple.machine.spin import Spin
 from supple.machine.split_body import (
@@ -134,6 +136,7 @@ from supple.machine.system import (
     Placed,
     System,
 )
+from supple.machine.ties import Collocated, EveryNode, MeanMotion, Mortar, Tie
 
 __all__ = [
     "GROUND",
@@ -143,8 +146,10 @@ __all__ = [
     "Ball",
     "BaseAcceleration",
     "Bushing",
+    "Collocated",
     "Constant",
     "ConstantRate",
+    "Contact",
     "Controller",
     "Coulomb",
     "Curve",
@@ -153,6 +158,7 @@ __all__ = [
     "DeadTorque",
     "DistanceStop",
     "EndReading",
+    "EveryNode",
     "Fixed",
     "FollowerForce",
     "FollowerPressure",
@@ -165,6 +171,8 @@ __all__ = [
     "JointFriction",
     "JointReading",
     "JournalBearing",
+    "MeanMotion",
+    "Mortar",
     "MotorCurve",
     "NodalLoad",
     "Penalty",
@@ -179,6 +187,9 @@ __all__ = [
     "Ramp",
     "Revolute",
     "RevoluteFriction",
+    "RigidCylinder",
+    "RigidPlane",
+    "RigidSphere",
     "SampledController",
     "Scaled",
     "Screw",
@@ -195,11 +206,14 @@ __all__ = [
     "Spline",
     "SplitBody",
     "SpringDamper",
+    "Support",
     "Surface",
+    "SurfaceContact",
     "System",
     "Table",
     "TabledForce",
     "TabledTorque",
+    "Tie",
     "TimeFunction",
     "TimeLaw",
     "TorqueBetween",

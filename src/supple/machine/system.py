@@ -14,6 +14,7 @@ from supple.arguments import check_instance, check_members, check_numbers, check
 from supple.body import FlexibleBody, RigidBody
 from supple.body.full_body import FullBody
 from supple.errors import ModelError, did_you_mean
+from supple.machine.contacts import Contact, Support, SurfaceContact
 from supple.machine.control import Controller, EndReading, SampledController
 from supple.machine.ends import GROUND, At
 from supple.machine.forces.axial_element import AxialElement
@@ -23,6 +24,8 @@ from supple.machine.joints.joint import Joint
 from supple.machine.laws.time_law import check_law_shape
 from supple.machine.nodal_loads import BaseAcceleration, NodalLoad
 from supple.machine.placement import rotation_matrix, space_vector
+from supple.machine.ties import Tie
+from supple.mesh import Mesh
 from supple.reduction import ReducedBody
 
 __all__ = ["Assembly", "Body", "Placed", "System"]
@@ -35,6 +38,17 @@ _ACROSS = 1e-3
 """Of a unit axis: what a joint leaves free of a servo's axis is less where it moves nothing."""
 # What a machine asks of every form of body.
 _BODY = ("name", "kind", "n_coordinates", "interfaces")
+_EXPLICIT = ("modal", "explicit")
+"""Kinds of bodies that an explicit march alone knows: parts on four-point frames, and of finite elements."""
+_OF_PARTS = {
+    "ties": ((Tie,), "ties such as Tie(At(part, node set), on=part)"),
+    "contacts": (
+        (Contact, SurfaceContact),
+        "a Contact(At(part, node set), obstacle) or a SurfaceContact(..)",
+    ),
+    "supports": ((Support,), "supports such as Support(At(part, node set), axes)"),
+}
+"""What a system has lists of for these alone."""
 
 
 class Assembly(NamedTuple):
@@ -149,6 +163,7 @@ class System:
     loads : ForceElement | NodalLoad | BaseAcceleration
     gravity : (3,) global, e.g. (0, 0, -9.81)
     controllers : Controller | SampledController, names unique
+    ties, contacts, supports : Tie, Contact | SurfaceContact, Support: of the parts of an explicit march
     Raises ModelError: no body, a name used twice, a joint or load on a body or interface that is not there, a
         quantity over time of the wrong shape, a controller that reads a joint that is not there.
     """
@@ -158,9 +173,12 @@ class System:
     loads: Sequence[Load] = ()
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
     controllers: Sequence[Controller | SampledController] = ()
+    ties: Sequence[Tie] = ()
+    contacts: Sequence[Contact | SurfaceContact] = ()
+    supports: Sequence[Support] = ()
 
     def __post_init__(self) -> None:
-        for item in ("bodies", "joints", "loads", "controllers"):
+        for item in ("bodies", "joints", "loads", "controllers", *_OF_PARTS):
             check_sequence(f"System, {item}", getattr(self, item), f"a list of {item}, also of a single one")
             object.__setattr__(self, item, tuple(getattr(self, item)))
         placed_all = (body if isinstance(body, Placed) else Placed(body) for body in self.bodies)
@@ -192,6 +210,39 @@ class System:
         for load in self.loads:
             self._check_load(load)
         self._check_controllers()
+        self._check_parts()
+
+    def _check_parts(self) -> None:
+        """Ties, contacts and supports are of node sets of explicit parts; other methods do not know them."""
+        for item, (kinds, expected) in _OF_PARTS.items():
+            for each in getattr(self, item):
+                check_instance(f"System, {item}", each, kinds, expected)
+                what = f"{item[:-1]} of '{each.nodes}'"
+                for end in (each.nodes, *((each.surface,) if isinstance(each, SurfaceContact) else ())):
+                    self._check_end(what, end)
+                    if (body := self.placed(end.body, what).body).kind not in _EXPLICIT:
+                        raise ModelError(
+                            f"{what}: it acts on parts of an explicit march, and body '{body.name}' is "
+                            f"{body.kind}: make it a modal_subdomain or an explicit_subdomain, or leave this "
+                            "out"
+                        )
+                if isinstance(each, Tie):
+                    self.body_index(each.on, what)
+
+    @property
+    def has_parts(self) -> bool:
+        """Whether it has parts of an explicit march."""
+        return any(placed.body.kind in _EXPLICIT for placed in self.bodies)
+
+    def check_has_frames(self) -> None:
+        """ModelError for a part of an explicit march, whose equations no other method has."""
+        for body in (placed.body for placed in self.bodies):
+            if body.kind in _EXPLICIT:
+                raise ModelError(
+                    f"body '{body.name}' is a part of an explicit march ({body.kind}), which `simulate` "
+                    "alone takes; for statics, modes, batches and error estimates reduce the body, or "
+                    "stand it in full"
+                )
 
     def _check_controllers(self) -> None:
         names = [controller.name for controller in self.controllers]
@@ -308,6 +359,30 @@ class System:
         ends = np.cumsum([0, *(joint.n_constraints for joint in self.joints)])
         spans = zip(self.joints, pairwise(ends), strict=True)
         return {joint.name: slice(int(begin), int(end)) for joint, (begin, end) in spans}
+
+    def placed(self, name: str, what: str = "lookup") -> Placed:
+        """The body of that name as it is placed."""
+        return self.bodies[self.body_index(name, what)]
+
+    @property
+    def rigid_contacts(self) -> tuple[Contact, ...]:
+        """With rigid obstacles, in the order of these in results."""
+        return tuple(contact for contact in self.contacts if isinstance(contact, Contact))
+
+    @property
+    def surface_contacts(self) -> tuple[SurfaceContact, ...]:
+        """Between parts."""
+        return tuple(contact for contact in self.contacts if isinstance(contact, SurfaceContact))
+
+    def node_numbers(self, end: At) -> np.ndarray:
+        """Of the nodes (n,) of a node set, within its explicit part."""
+        part: Any = self.placed(end.body).body
+        return part.interface(end.interface).nodes
+
+    def mesh_of(self, part: str) -> Mesh:
+        """Of the elements of an explicit part."""
+        body: Any = self.placed(part).body
+        return body.mesh
 
     def bodies_of(self, form: type[_Form]) -> dict[str, _Form]:
         """The bodies of one form, by name, in the system's order: `system.bodies_of(FullBody)`."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from supple.explicit.elements import SolidPoints
 from supple.explicit.explicit_shell import ShellElements
 from supple.explicit.modal_stress import modal_von_mises, stress_of_modes
 
-__all__ = ["PartStress", "element_means", "largest_stress", "nodal_von_mises"]
+__all__ = ["PartStress", "element_means", "largest_part_stress", "nodal_von_mises"]
 
 FloatArray = NDArray[np.float64]
 
@@ -44,34 +44,33 @@ def _elements(subdomain: ExplicitSubdomain | ExplicitShell) -> Sequence[SolidPoi
 
 
 class PartStress(NamedTuple):
-    """Von Mises', Pa, when, and where: the id of a node of a modal part, or of a cell of an explicit one."""
+    """Von Mises', Pa, when, and where: the id of a node of a modal part, or of a cell of an explicit one.
+
+    point : (3,) undeformed, in the mesh axes
+    """
 
     value: float
     time: float
     place: int
+    point: FloatArray
 
 
-def largest_stress(
-    subdomain: ModalSubdomain | ExplicitSubdomain | ExplicitShell,
-    times: FloatArray,
-    motion: FourPointMotion | NodalMotion,
-) -> PartStress | None:
-    """Of all output times (t,); None of a modal part that has matrices alone."""
-    if isinstance(motion, NodalMotion):
-        assert not isinstance(subdomain, ModalSubdomain)
-        mesh = subdomain.model.mesh
-        ids = np.concatenate([mesh.cell_ids[own.cell_type][own.cells] for own in subdomain.model.sections])
+def largest_part_stress(
+    body: ModalSubdomain | ExplicitSubdomain | ExplicitShell, times: FloatArray, motion: Any
+) -> PartStress:
+    """Of all output times (t,)."""
+    mesh = body.mesh
+    if not isinstance(body, ModalSubdomain):
         row, cell = np.unravel_index(motion.von_mises.argmax(), motion.von_mises.shape)
-        return PartStress(float(motion.von_mises[row, cell]), float(times[row]), int(ids[cell]))
-    assert isinstance(subdomain, ModalSubdomain)
-    model = subdomain.body.model
-    if model is None or not subdomain.n_modes:
-        return None
-    of_modes, found = stress_of_modes(subdomain), []
+        sections = body.model.sections
+        ids = np.concatenate([mesh.cell_ids[own.cell_type][own.cells] for own in sections])
+        points = np.concatenate([own.corners(mesh).mean(axis=1) for own in sections])
+        return PartStress(float(motion.von_mises[row, cell]), float(times[row]), int(ids[cell]), points[cell])
+    of_modes, found = stress_of_modes(body), []
     for time, coordinates in zip(times, motion.coordinates, strict=True):
         (stress,) = modal_von_mises(of_modes, coordinates[None])
         node = int(stress.argmax())
-        found.append(PartStress(float(stress[node]), float(time), int(model.mesh.node_ids[node])))
+        found.append(PartStress(float(stress[node]), float(time), int(mesh.node_ids[node]), mesh.nodes[node]))
     return max(found, key=lambda each: each.value)
 
 

@@ -15,6 +15,8 @@ from supple.integrate import Solution, Statistics
 from supple.intrinsic import IntrinsicBody
 from supple.machine import System
 from supple.reduction import Locking, ReducedBody, body_modes, clamped_modes
+from supple.results.explicit_fields import largest_part_stress
+from supple.results.explicit_numbers import march_numbers, part_numbers
 from supple.results.joint_loads import joint_loads, joint_meanings
 from supple.results.run_start import start_numbers
 from supple.results.stress_history import largest_stress
@@ -46,9 +48,10 @@ def summarize(
     return {
         "units": unit_names(units),
         "bodies": {
-            placed.body.name: body_numbers(placed.body, units, fulls.get(placed.body.name))
-            for placed in system.bodies
+            name: body_numbers(body, units, fulls.get(name), solution.bodies[name])
+            for name, body in ((placed.body.name, placed.body) for placed in system.bodies)
         },
+        **march_numbers(solution),
         "tracked": {name: _place_numbers(place, solution.times) for name, place in tracked.items()},
         "joints": {
             name: {**meanings[name], **_joint_numbers(loads, solution.times)}
@@ -77,7 +80,9 @@ def stress_numbers(
         model = elements.get(body.name)
         if model is None or not has_stress(model):
             continue
-        if body.n_coordinates:
+        if body.kind in ("modal", "explicit"):
+            found[body.name] = _part_stress(body, solution, units)
+        elif body.n_coordinates:
             largest = largest_stress(body, model, solution.bodies[body.name].coordinates)
             found[body.name] = {
                 "largest von Mises stress": largest.value,
@@ -89,6 +94,18 @@ def stress_numbers(
     return found
 
 
+def _part_stress(body: Any, solution: Solution, units: UnitSystem) -> dict[str, Any]:
+    """The same of a part of an explicit march; of explicit elements at a cell."""
+    largest = largest_part_stress(body, solution.times, solution.bodies[body.name])
+    return {
+        "largest von Mises stress": largest.value,
+        "unit": units.stress,
+        "cell" if body.kind == "explicit" else "node": largest.place,
+        "point": largest.point.tolist(),
+        "time": largest.time,
+    }
+
+
 def unit_names(units: UnitSystem) -> dict[str, str]:
     """Of each quantity of a report the name of its unit; quantities without a name are left out."""
     named = {what: getattr(units, what) for what in _QUANTITIES} | {"frequency": units.frequency_shown.unit}
@@ -96,14 +113,18 @@ def unit_names(units: UnitSystem) -> dict[str, str]:
 
 
 def body_numbers(
-    body: RigidBody | FullBody | ReducedBody | IntrinsicBody,
+    body: Any,
     units: UnitSystem = UNNAMED,
     full: FullBody | None = None,
+    motion: Any = None,
 ) -> dict[str, Any]:
     """Kind, size, mass and frequencies (Hz, or one over the time where no unit is said) of a body.
 
     full : what a reduced body was made of: the frequencies are its own, not those of the basis
+    motion : of a part of an explicit march
     """
+    if motion is not None and body.kind in ("modal", "explicit"):
+        return {"kind": body.kind, **part_numbers(body, motion)}
     return {"kind": body.kind, **_NUMBERS_OF[body.kind](body, units, full)}
 
 

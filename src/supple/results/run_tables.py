@@ -30,6 +30,8 @@ def motion_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
         tables.append(stress_table(numbers))
     if numbers.get("sensors"):
         tables.append(sensor_table(numbers))
+    if numbers.get("energies"):
+        tables += [part_table(numbers), energy_table(numbers)]
     return tables[:3] + [table for table in tables[3:] if table.rows]
 
 
@@ -40,7 +42,7 @@ def stress_table(numbers: Mapping[str, Any]) -> TextTable:
         [
             name,
             _number(each["largest von Mises stress"]),
-            str(each["node"]),
+            str(each["node"]) if "node" in each else f"in cell {each['cell']}",
             _vector(each["point"], digits=4),
             _number(each["time"]),
         ]
@@ -51,6 +53,36 @@ def stress_table(numbers: Mapping[str, Any]) -> TextTable:
         *(headed("x, y, z of the undeformed node", length), headed("at time", time)),
     )
     return TextTable("Stress", heads, rows)
+
+
+def part_table(numbers: Mapping[str, Any]) -> TextTable:
+    """What the parts of an explicit march step by, and what yielded and broke; numbers as of `summarize`."""
+    rows = []
+    for name, part in ((name, part) for name, part in numbers["bodies"].items() if "step limit" in part):
+        lost = f", {part['deleted']} deleted" if part.get("deleted") else ""
+        size = f"{part['elements']} elements{lost}" if "elements" in part else f"{part['coordinates']} modes"
+        yielded = f"{part['largest plastic strain']:.3g}" if "largest plastic strain" in part else ""
+        rows.append([name, size, f"{part['step limit']:.4g}", yielded])
+    longest = headed("longest step at rest", numbers["units"].get("time", ""))
+    return TextTable("Parts", ("body", "size", longest, "largest plastic strain"), rows)
+
+
+def energy_table(numbers: Mapping[str, Any]) -> TextTable:
+    """The energies of an explicit march, and how far their balance is open; numbers as of `summarize`."""
+    energy, time = (numbers["units"].get(what, "") for what in ("energy", "time"))
+    rows = [
+        [name, *(f"{held[key]:.5g}" for key in ("start", "largest", "time of largest", "end"))]
+        for name, held in numbers["energies"].items()
+    ]
+    balance = numbers["balance"]
+    rows.append(
+        ["open in the balance", "", f"{balance['largest']:.2g}", "", f"{balance['relative']:.1e} of all"]
+    )
+    heads = (
+        *("energy", headed("at the start", energy), headed("largest", energy)),
+        *(headed("at time", time), headed("at the end", energy)),
+    )
+    return TextTable("Energies", heads, rows)
 
 
 def sensor_table(numbers: Mapping[str, Any]) -> TextTable:

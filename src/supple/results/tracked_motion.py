@@ -50,14 +50,14 @@ def observer_of(
 
     bases : interfaces, by the names of the bodies seen from there; undeformed they share their axes
     rows : output times
-    Returns None when the body has no interface, and none is named.
+    Returns None when the body has no interface, and none is named, and of a part of an explicit march.
     """
     base = bases.get(body)
     if base is None:
         own = system.bodies[system.body_index(body)].body
-        return (
-            observer(own, solution.bodies[body].at(rows), own.interfaces[0].name) if own.interfaces else None
-        )
+        if not own.interfaces or own.kind in ("modal", "explicit"):
+            return None
+        return observer(own, solution.bodies[body].at(rows), own.interfaces[0].name)
     there = system.bodies[system.body_index(base.body)].body
     seen = observer(there, solution.bodies[base.body].at(rows), base.interface)
     return seen if base.body == body else seen._replace(name=f"{base.body}.{base.interface}")
@@ -99,6 +99,10 @@ def tracked_motion(
     ------
     ModelError  a node number outside the body, an interface that it does not have
     """
+    if body.kind in ("modal", "explicit"):  # which deflect against no frame that others could see
+        nodes: Any = getattr(body.interface(at), "nodes") if isinstance(at, str) else at  # noqa: B009
+        place = body.positions(motion, nodes).mean(axis=1)
+        return TrackedMotion(place, "", np.zeros_like(place), is_elastic=False)
     if isinstance(at, str):
         place = observer(body, motion, at)
         rest, position = place.rest, place.origin

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from supple.body import FullBody, RigidBody
+from supple.explicit import Explicit, ExplicitShell, ExplicitSubdomain, ModalSubdomain
+from supple.explicit.method import explicit_method
 from supple.integrate import Run
 from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed, System
+from supple.simulation.engines import is_explicit
 from supple.storage.run_inputs import Inputs
 from supple.storage.value_bytes import bytes_of, digest_of_parts
 
@@ -23,11 +27,14 @@ def description(system: System, run: Run) -> str:
 
 
 def inputs_of(system: System, run: Run, case: str) -> Inputs:
-    """What a motion depends on: the run in words; digests of bodies, joints, loads, controllers and gravity.
+    """What a motion depends on: the run in words; digests of bodies, of all that acts on them, of gravity.
 
-    Of reduced bodies only their form, where they stand and how they move at first, for reducing again moves
-    the last digits and signs of their numbers: result files know these otherwise (`recorded_columns`).
+    Of modal bodies what their modes are made from; of reduced bodies only their form, where they stand and
+    how they move at first. For making modes again moves the last digits and signs of their numbers: result
+    files know these otherwise (`recorded_columns`).
     """
+    if is_explicit(system, run):
+        run = replace(run, method=explicit_method(run))
     found = {"the case": case, "the run": _words(run)}
     found["the order of the bodies"] = ", ".join(placed.body.name for placed in system.bodies)
     found |= {f"body '{placed.body.name}'": digest_of_parts(_of_body(placed)) for placed in system.bodies}
@@ -36,6 +43,13 @@ def inputs_of(system: System, run: Run, case: str) -> Inputs:
         f"load {i + 1}, {load.label}": digest_of_parts(bytes_of(load)) for i, load in enumerate(system.loads)
     }
     found |= {f"controller '{own.name}'": digest_of_parts(bytes_of(own)) for own in system.controllers}
+    for item in ("ties", "contacts", "supports"):
+        found |= {
+            f"{item[:-1]} {number} of '{each.nodes}'": digest_of_parts(bytes_of(each))
+            for number, each in enumerate(getattr(system, item), 1)
+        }
+    if run.step is None and isinstance(run.method, Explicit):
+        found["the step"] = "what is stable"
     return found | {"gravity": digest_of_parts(bytes_of(system.gravity))}
 
 
@@ -54,8 +68,11 @@ def _of_body(placed: Placed) -> Iterator[bytes]:
     match body:
         case RigidBody():
             yield from bytes_of((body.mass, body.centre, body.inertia, body.points))
-        case FullBody():
+        case FullBody() | ExplicitSubdomain() | ExplicitShell():
             yield from bytes_of(body)
+        case ModalSubdomain():
+            spun = body.spin_stiffness is not None
+            yield from bytes_of((body.body, body.mass_damping, body.stiffness_damping, spun))
         case IntrinsicBody():
             yield from bytes_of((body.support, body.damping))
         case _:

@@ -6,12 +6,13 @@ from collections.abc import Callable
 from typing import Any
 
 from supple.errors import ModelError
-from supple.integrate import Engine, Kinematic, Run
+from supple.explicit import ExplicitEngine
+from supple.integrate import Engine, ExplicitRule, Kinematic, Run
 from supple.intrinsic import intrinsic_engine
 from supple.machine import System
 from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
 
-__all__ = ["EngineFactory", "engine_for", "register_engine"]
+__all__ = ["EngineFactory", "engine_for", "is_explicit", "register_engine"]
 
 EngineFactory = Callable[[System, Run], Engine[Any]]
 """Makes a machine ready for one method."""
@@ -36,9 +37,17 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
     if isinstance(run.method, Kinematic):
         return KinematicEngine(system, run)
     kinds = {placed.body.kind for placed in system.bodies}
+    if is_explicit(system, run):
+        return ExplicitEngine(system, run)
     factory = next((factory for kind, factory in _ENGINES.items() if kind in kinds), CompiledEngine)
     _check_controllers(system, factory)
     return factory(system, run)
+
+
+def is_explicit(system: System, run: Run) -> bool:
+    """Whether a run is an explicit march: its method says so, or a body that knows no other."""
+    kinds = {placed.body.kind for placed in system.bodies}
+    return isinstance(run.method, ExplicitRule) or any(_ENGINES.get(kind) is ExplicitEngine for kind in kinds)
 
 
 def _check_controllers(system: System, factory: Any) -> None:
@@ -51,5 +60,7 @@ def _check_controllers(system: System, factory: Any) -> None:
     )
 
 
+register_engine("modal", ExplicitEngine)
+register_engine("explicit", ExplicitEngine)
 register_engine("intrinsic", intrinsic_engine)
 register_engine("full", FullEngine)

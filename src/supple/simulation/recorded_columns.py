@@ -10,6 +10,7 @@ import numpy as np
 
 from supple.body import FullBody
 from supple.errors import ResultFileError
+from supple.explicit import ModalSubdomain
 from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed, System
 from supple.reduction import ReducedBody
@@ -56,6 +57,12 @@ def _other(path: Path | str, placed: Placed, name: str, size: int) -> str:
             f"the body given, which has {body.n_coordinates}. Reducing again can change their signs: keep "
             "the reduced body beside its motion (write_reduced_body) and continue with it, or start anew"
         )
+    if name == "shapes":
+        return (
+            f"{path} holds a motion of body '{body.name}' in {size} modes whose shapes are not those of the "
+            f"body given, which has {body.n_coordinates}. On another computer, or with another number of "
+            "threads, modes of like frequency come out turned: go on there, or start anew"
+        )
     return (
         f"{path} holds a motion of body '{body.name}' with another {name.replace('_', ' ')} than that of the "
         "body given: continue with the body it was begun with, or start anew"
@@ -75,6 +82,11 @@ def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
             for name in ("stiffness", "mass"):
                 matrix = getattr(body.body, name)
                 yield name, np.array([one @ (matrix @ one), one @ (matrix @ other)])
+        case ModalSubdomain():
+            yield "shapes", measures(body.vectors)
+            yield "frequencies", body.frequencies
+            if body.spin_stiffness is not None:
+                yield "stiffness_under_spin", measures(body.spin_stiffness.reshape(-1, body.n_modes))
         case IntrinsicBody():
             for name in ("velocities", "forces"):
                 array = getattr(body.modes, name)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
 from supple.algebra.jax_settings import before_compiled_code
 from supple.errors import ModelError, StepCutWarning
+from supple.explicit.yielding import yield_watch
 from supple.integrate import FixedStep, Progress, Recorder, Run, Solution, Statistics, StepControl
 from supple.integrate import run as march_through
 from supple.intrinsic.report_truncation import report_truncation
@@ -15,8 +17,8 @@ from supple.multibody.checks.rate_jumps import warn_of_rate_jumps
 from supple.multibody.checks.redundant_joints import check_redundant_joints
 from supple.multibody.checks.step_length import report_step_length
 from supple.multibody.checks.step_resolution import warn_of_missed_loads
-from supple.multibody.checks.validity import Peaks, watch
-from supple.simulation.engines import engine_for
+from supple.multibody.checks.validity import watch
+from supple.simulation.engines import engine_for, is_explicit
 
 __all__ = ["check_laws_cover", "report_resolution", "warn_of_unseen_laws", "watched_run"]
 
@@ -35,21 +37,22 @@ def watched_run(
     times = run.times
     check_laws_cover(system, times[0], times[-1])
     warn_of_unseen_laws(system, run)
-    limits = watch(system, run.validity)
-    peaks: dict[str, Peaks] = {}
+    watches = watch(system, run.validity), yield_watch(system, run.validity)
+    peaks: list[Any] = [{} for _ in watches]
 
     def observed(leg: Solution) -> None:
         check_redundant_joints(system, leg)  # what is wrong is not recorded
         if record is not None:
             record(leg)
-        peaks.update(limits.observe(peaks, leg))
+        peaks[:] = [own.observe(so_far, leg) for own, so_far in zip(watches, peaks, strict=True)]
         if run.validity.strict:
             report_step_length(leg.statistics, run)
 
     engine = engine_for(system, run)
     solution = march_through(engine, times, resume=resume, progress=progress, record=observed, check=check)
     _report_rejected_steps(solution.statistics, run.step_control)
-    limits.report(peaks)
+    for own, found in zip(watches, peaks, strict=True):
+        own.report(found)
     report_resolution(system, run, solution)
     return report_truncation(system, run, solution)
 
@@ -62,6 +65,8 @@ def report_resolution(system: System, run: Run, solution: Solution) -> None:
 
 def warn_of_unseen_laws(system: System, run: Run) -> None:
     """Warn ResolutionWarning of prescribed motions that jump, and of loads that fixed steps do not see."""
+    if run.step is None and is_explicit(system, run):
+        return  # steps as short as the elements ask for, whatever the output step
     named = warn_of_rate_jumps(system, run)
     warn_of_missed_loads(system, run, besides=named)
 

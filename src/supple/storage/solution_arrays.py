@@ -16,16 +16,18 @@ from supple.integrate.solution import LARGEST
 
 Array = NDArray[np.float64]
 
+_GROUPS = ("joint_forces", "multipliers", "series")
+"""Of arrays by name."""
 _COUNTS = ("steps", "iterations", "rejected_steps", "factorizations")
 
 
 def to_arrays(solution: Solution) -> dict[str, Array]:
-    """Arrays by path: times, bodies/<name>/<field>, joint_forces/<name>, multipliers/<name>."""
+    """Arrays by path: times, bodies/<name>/<field>, and GROUP/<name> of the groups of arrays."""
     arrays = {"times": solution.times}
     for name, motion in solution.bodies.items():
         arrays |= {f"bodies/{_quoted(name)}/{field}": array for field, array in motion.arrays().items()}
-    arrays |= {f"joint_forces/{_quoted(name)}": force for name, force in solution.joint_forces.items()}
-    arrays |= {f"multipliers/{_quoted(name)}": own for name, own in solution.multipliers.items()}
+    for group in _GROUPS:
+        arrays |= {f"{group}/{_quoted(name)}": own for name, own in getattr(solution, group).items()}
     return {path: np.asarray(array, dtype=np.float64) for path, array in arrays.items()}
 
 
@@ -45,21 +47,22 @@ def from_arrays(
     kinds : by path of the body's group; floating where it is not said
     """
     motions: dict[str, dict[str, Array]] = {}
-    joint_forces: dict[str, Array] = {}
-    multipliers: dict[str, Array] = {}
+    groups: dict[str, dict[str, Array]] = {group: {} for group in _GROUPS}
     for path, array in arrays.items():
         array.setflags(write=False)
         match path.split("/"):
             case ["bodies", name, field]:
                 motions.setdefault(name, {})[field] = array
-            case ["joint_forces", name]:
-                joint_forces[unquote(name)] = array
-            case ["multipliers", name]:
-                multipliers[unquote(name)] = array
+            case [group, name]:
+                groups[group][unquote(name)] = array
+    for path in [path for path, kind in kinds.items() if kind == "series"]:  # of older files
+        name = path.removeprefix("bodies/")
+        groups["series"][unquote(name)] = motions.pop(name)["values"]
     bodies = {
         unquote(name): motion_from_arrays(kinds.get(f"bodies/{name}", FloatingMotion.kind), motion)
         for name, motion in motions.items()
     }
+    joint_forces, multipliers, series = (groups[group] for group in _GROUPS)
     return Solution(
         arrays["times"],
         bodies,
@@ -67,6 +70,7 @@ def from_arrays(
         statistics,
         engine_state=engine_state,
         multipliers=multipliers,
+        series=series,
     )
 
 

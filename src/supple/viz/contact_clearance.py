@@ -12,10 +12,10 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.explicit import ExplicitSystem
 from supple.explicit.march.touching_surface import projected, touching_surface
-from supple.explicit.obstacles import Obstacle
-from supple.explicit.outer_faces import outer_triangles
+from supple.machine import System
+from supple.machine.obstacles import Obstacle
+from supple.mesh.outer_faces import outer_triangles
 
 __all__ = ["clear_of_contact"]
 
@@ -26,7 +26,7 @@ CLEARANCE = 5e-4
 
 
 def clear_of_contact(
-    system: ExplicitSystem, positions: Mapping[str, FloatArray], offsets: FloatArray
+    system: System, positions: Mapping[str, FloatArray], offsets: FloatArray
 ) -> dict[str, FloatArray]:
     """Positions (t, N, 3) by part, the nodes of contacts moved out of what they touch.
 
@@ -40,7 +40,7 @@ def clear_of_contact(
     for contact in system.surface_contacts:
         first, second = contact.nodes.body, contact.surface.body
         nodes = system.node_numbers(contact.nodes)
-        faces = outer_triangles(system.part(second).mesh, system.node_numbers(contact.surface))
+        faces = outer_triangles(system.mesh_of(second), system.node_numbers(contact.surface))
         surface = None
         for mine, theirs in zip(shown[first], shown[second], strict=True):
             x = np.concatenate([theirs, mine[nodes]])

@@ -17,13 +17,11 @@ from supple.explicit import (
     Energies,
     ExplicitShell,
     ExplicitSubdomain,
-    ExplicitSystem,
     ModalSubdomain,
-    part_positions,
 )
 from supple.explicit.modal_stress import isotropic_materials
-from supple.explicit.series_motion import series_of
 from supple.integrate import Solution
+from supple.machine import System
 from supple.results import without_noise
 from supple.results.explicit_fields import element_means, nodal_von_mises
 from supple.units import UNNAMED, UnitSystem, labelled
@@ -96,7 +94,7 @@ def draw_explicit(
     tracked : positions (t, 3) by name
     """
     times = solution.times
-    energies = without_noise(series_of(solution, ENERGIES))
+    energies = without_noise(solution.series[ENERGIES])
     shown = [
         Series(name, times, values)
         for name, values in zip(Energies._fields, energies.T, strict=True)
@@ -125,7 +123,7 @@ def draw_explicit(
 
 def animate_explicit(
     path: Path,
-    system: ExplicitSystem,
+    system: System,
     solution: Solution,
     colouring: Colouring,
     *,
@@ -135,19 +133,20 @@ def animate_explicit(
     """Animate the parts and the obstacles; None where no part has what the film is to be coloured by."""
     chosen = np.unique(np.linspace(0, len(solution.times) - 1, N_FRAMES).astype(int))
     label, factor = colouring.label(units)
-    motions: dict[str, Any] = {part.name: solution.bodies[part.name].at(chosen) for part in system.placed}
-    values = {part.name: colouring.values(part.subdomain, motions[part.name]) for part in system.placed}
+    parts = {placed.body.name: placed.body for placed in system.bodies}
+    motions: dict[str, Any] = {name: solution.bodies[name].at(chosen) for name in parts}
+    values = {name: colouring.values(part, motions[name]) for name, part in parts.items()}
     if all(own is None for own in values.values()):
         return None
-    positions = {part.name: part_positions(part.subdomain, motions[part.name]) for part in system.placed}
+    positions = {name: part.positions(motions[name]) for name, part in parts.items()}
     obstacles = system.rigid_contacts
-    moved = series_of(solution, OBSTACLES)[chosen] if obstacles else np.zeros((len(chosen), 0))
+    moved = solution.series[OBSTACLES][chosen] if obstacles else np.zeros((len(chosen), 0))
     offsets = moved.reshape(len(chosen), -1, 6)[:, :, :3]
     positions = clear_of_contact(system, positions, offsets)
     actors = [
-        Actor(skin_of(part.mesh), positions[part.name], None if own is None else factor * own)
-        for part in system.placed
-        for own in [values[part.name]]
+        Actor(skin_of(system.mesh_of(name)), positions[name], None if own is None else factor * own)
+        for name, part in parts.items()
+        for own in [values[name]]
     ]
     seen = np.concatenate([actor.positions.reshape(-1, 3) for actor in actors])
     actors += [

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.explicit import RigidCylinder, RigidPlane, RigidSphere
-from supple.explicit.obstacles import Obstacle
+from supple.machine import RigidCylinder, RigidPlane, RigidSphere
+from supple.machine.obstacles import Obstacle
 from supple.viz.mesh_skin import Skin
 from supple.viz.scene import Actor
 

@@ -11,21 +11,22 @@ import numpy as np
 
 from supple.body import AveragingInterface, flexible_body
 from supple.explicit import (
-    Contact,
     ExplicitEngine,
-    ExplicitSystem,
     J2Plasticity,
     LinearHardening,
-    Part,
-    RigidPlane,
-    Tie,
     explicit_subdomain,
     modal_subdomain,
-    part_positions,
 )
 from supple.fem import FiniteElementModel, Isotropic, solid_model
 from supple.integrate import Run, run
-from supple.machine import At
+from supple.machine import (
+    At,
+    Contact,
+    Placed,
+    RigidPlane,
+    System,
+    Tie,
+)
 from supple.mesh import CellType, Mesh, block
 from supple.reduction import Rubin
 
@@ -70,7 +71,7 @@ def crash(quick: bool) -> dict[str, float]:
     n, long = (4, 40) if quick else (8, 80)
     rest, nose = _models(n, long)
     law = J2Plasticity(ALUMINIUM, LinearHardening(100e6, 300e6))
-    crushing = Part(explicit_subdomain(nose, law, name=_NOSE), velocity=SPEED)
+    crushing = Placed(explicit_subdomain(nose, law, name=_NOSE), velocity=SPEED)
     # Six columns answer forces and moments at the joint statically: they halve the error of as many modes.
     body = flexible_body(_REST, rest, [AveragingInterface("tip", "tip")])
     modal = modal_subdomain(body, Rubin(24))
@@ -79,12 +80,12 @@ def crash(quick: bool) -> dict[str, float]:
         "contacts": [Contact(At(_NOSE, "tip"), RigidPlane((1.2, 0.0, 0.0), (-1.0, 0.0, 0.0)))],
     }
     span = Run(1.2e-3, 1.2e-4)
-    whole = ExplicitSystem([Part(explicit_subdomain(rest, name=_REST), velocity=SPEED), crushing], **common)
-    reduced = ExplicitSystem([Part(modal, velocity=SPEED), crushing], **common)
+    whole = System([Placed(explicit_subdomain(rest, name=_REST), velocity=SPEED), crushing], **common)
+    reduced = System([Placed(modal, velocity=SPEED), crushing], **common)
     engines = [ExplicitEngine(system, span) for system in (whole, reduced)]
     full, own = (run(engine, span.times) for engine in engines)  # which compiles
     full_s, modal_s = _seconds(engines, span)
-    positions = part_positions(modal, own.bodies[_REST])
+    positions = modal.positions(own.bodies[_REST])
     off = max(
         float(np.linalg.norm(positions - full.bodies[_REST].nodes, axis=2).max()),
         float(np.linalg.norm(own.bodies[_NOSE].nodes - full.bodies[_NOSE].nodes, axis=2).max()),

@@ -12,7 +12,12 @@ from jax import lax
 
 from supple.algebra.rotation import rotation_log
 from supple.body import flexible_body
-from supple.explicit import ModalSubdomain, ProjectedDifference, PublishedScheme, modal_subdomain
+from supple.explicit import (
+    ModalSubdomain,
+    ProjectedDifference,
+    PublishedScheme,
+    modal_subdomain,
+)
 from supple.explicit.frame_invariants import angular_momentum, kinetic_energy, strain_energy
 from supple.explicit.frame_model import FrameModel, FrameState, Generalized, Steps
 from supple.explicit.frame_moments import arms, moments

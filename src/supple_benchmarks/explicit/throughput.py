@@ -10,16 +10,17 @@ import numpy as np
 from supple.explicit import (
     BulkViscosity,
     ExplicitEngine,
-    ExplicitOptions,
-    ExplicitSystem,
     J2Plasticity,
     LinearHardening,
-    Part,
     StVenantKirchhoff,
     explicit_subdomain,
 )
 from supple.fem import Isotropic, solid_model
-from supple.integrate import Run, run
+from supple.integrate import FixedStep, Run, run
+from supple.machine import (
+    Placed,
+    System,
+)
 from supple.mesh import CellType, block
 
 __all__ = ["throughput"]
@@ -37,11 +38,10 @@ def throughput(quick: bool) -> list[dict[str, Any]]:
         for law in (StVenantKirchhoff(STEEL), J2Plasticity(STEEL, LinearHardening(300e6, 1e9))):
             part = explicit_subdomain(model, law, bulk_viscosity=BulkViscosity(0.0, 0.0))
             steps, h = (100, 0.5 * part.step_limit)
-            span = Run(2 * steps * h, steps * h)
+            span = Run(2 * steps * h, steps * h, FixedStep(h))
             engine = ExplicitEngine(
-                ExplicitSystem([Part(part, velocity=np.array([1.0, 0.0, 0.0]))]),
+                System([Placed(part, velocity=np.array([1.0, 0.0, 0.0]))]),
                 span,
-                ExplicitOptions(step=h),
             )
             run(engine, span.times)
             began = process_time()

@@ -12,21 +12,20 @@ from supple.body import flexible_body
 from supple.explicit import (
     ENERGIES,
     STEPS,
-    ExplicitOptions,
-    ExplicitSystem,
-    FourPointMotion,
     ModalSubdomain,
-    NodalForce,
-    Part,
-    SurfaceContact,
     explicit_subdomain,
-    simulate_explicit,
 )
-from supple.explicit.series_motion import series_of
 from supple.fem import Isotropic, solid_model
-from supple.integrate import Run, Solution
-from supple.machine import At
+from supple.integrate import FixedStep, Run, Solution
+from supple.machine import (
+    At,
+    DeadForce,
+    Placed,
+    SurfaceContact,
+    System,
+)
 from supple.mesh import CellType, block
+from supple.simulation import simulate
 from supple_benchmarks.taylor_bar import taylor_bar_end
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
@@ -48,7 +47,7 @@ _TAYLOR = (
 
 def _balance(solution: Solution) -> float:
     """By how much all energies less external work are open, over the largest."""
-    energies = series_of(solution, ENERGIES)
+    energies = solution.series[ENERGIES]
     total = energies[:, :7].sum(axis=1) - energies[:, 7]
     return float(np.abs(total - total[0]).max() / np.abs(energies).max())
 
@@ -57,13 +56,11 @@ def _two_bars() -> Sequence[Comparison]:
     """Equal bars, the first at v: stress rho c v / 2 for 2 L / c, then the second has the velocity."""
     cells, length, v = 60, 6.0, 0.1
     model = solid_model(block(length, 0.1, 0.1, cells, 1, 1, CellType.HEXA8), ROD)
-    first = Part(explicit_subdomain(model, name="first"), velocity=np.array([v, 0.0, 0.0]))
-    second = Part(explicit_subdomain(model, name="second"), position=np.array([length, 0.0, 0.0]))
+    first = Placed(explicit_subdomain(model, name="first"), velocity=np.array([v, 0.0, 0.0]))
+    second = Placed(explicit_subdomain(model, name="second"), position=np.array([length, 0.0, 0.0]))
     touch = SurfaceContact(At("first", "tip"), At("second", "root"), fraction=0.5)
     contact = 2 * length / SPEED_OF_SOUND
-    solution = simulate_explicit(
-        ExplicitSystem([first, second], contacts=[touch]), Run(1.25 * contact, contact / 80)
-    )
+    solution = simulate(System([first, second], contacts=[touch]), Run(1.25 * contact, contact / 80))
     masses = model.mass @ np.ones(model.n_dofs)
     weights = masses[::3] / masses[::3].sum()
     mean = {name: solution.bodies[name].velocities[:, :, 0] @ weights for name in ("first", "second")}
@@ -87,14 +84,14 @@ def _front() -> Sequence[Comparison]:
     cells, stress = 80, 0.1
     model = solid_model(block(0.1 * cells, 0.1, 0.1, cells, 1, 1, CellType.HEXA8), ROD)
     bar = explicit_subdomain(model, name="bar")
-    push = NodalForce(At("bar", "root"), (stress * 0.01, 0.0, 0.0))
+    push = DeadForce(at="bar.root", force=(stress * 0.01, 0.0, 0.0))
     time = 0.6 * 0.1 * cells / SPEED_OF_SOUND
-    solution = simulate_explicit(ExplicitSystem([bar], forces=[push]), Run(time, time / 4))
+    solution = simulate(System([bar], loads=[push]), Run(time, time / 4))
     motion, velocity = solution.bodies["bar"], stress / SPEED_OF_SOUND
     x, v = bar.nodes[:, 0], motion.velocities[-1, :, 0]
     order = np.argsort(-x)
     place = float(np.interp(0.5 * velocity, v[order], x[order]))
-    late = time - 0.5 * series_of(solution, STEPS)[-1, 0]  # velocities are of the half step before
+    late = time - 0.5 * solution.series[STEPS][-1, 0]  # velocities are of the half step before
     return (
         Comparison("stress behind the front", motion.von_mises[-1][10:30].mean(), stress, _D_ALEMBERT, 0.005),
         Comparison("largest stress", motion.von_mises[-1].max(), stress, _D_ALEMBERT, 0.04),
@@ -125,13 +122,10 @@ def _turning_over() -> Sequence[Comparison]:
     m = (I2 - I1) * (twice * I3 - squared) / ((I3 - I2) * (squared - twice * I1))
     over = 2 * float(ellipk(m)) / rate
     centre = box.points.origin
-    part = Part(box, angular_velocity=start, velocity=-np.cross(start, centre))
+    part = Placed(box, angular_velocity=start, velocity=-np.cross(start, centre))
     h = over / 4000
-    solution = simulate_explicit(
-        ExplicitSystem([part]), Run(800 * 5 * h, 5 * h), options=ExplicitOptions(step=h)
-    )
-    motion = solution.bodies["box"]
-    found, times = _spins(motion, box.points.arm), solution.times[1:] - 0.5 * h
+    solution = simulate(System([part]), Run(800 * 5 * h, 5 * h, FixedStep(h)))
+    found, times = solution.bodies["box"].angular_velocity[1:], solution.times[1:] - 0.5 * h
     sn, cn, dn, _ = ellipj(rate * times + ellipk(m), m)
     expected = np.column_stack(
         [
@@ -156,13 +150,6 @@ def _turning_over() -> Sequence[Comparison]:
         Comparison("angular momentum", momentum[-1], float(np.sqrt(squared)), "conservation", 1e-5),
         Comparison("open in the energy balance", _balance(solution), 0.0, "conservation", 1e-9, 1.0),
     )
-
-
-def _spins(motion: FourPointMotion, arm: float) -> FloatArray:
-    """Angular velocities (t - 1, 3) in the axes of the frame, over the steps that end at output times."""
-    P, rates = (points[1:, 1:] - points[1:, :1] for points in (motion.points, motion.point_rates))
-    W = P @ rates.swapaxes(1, 2) / arm**2
-    return np.column_stack([0.5 * (W[:, i, j] - W[:, j, i]) for i, j in ((2, 1), (0, 2), (1, 0))])
 
 
 CASES: tuple[ValidationCase, ...] = (

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.explicit.elements import rest_layers
-from supple.explicit.explicit_system import Contact, ExplicitSystem, Part, Tie
 from supple.explicit.frame_model import FrameModel, FrameState
 from supple.explicit.march.build_blocks import explicit_blocks
 from supple.explicit.march.build_shells import explicit_shells
 from supple.explicit.march.build_surfaces import Hanging, modal_skins, touching_surfaces
 from supple.explicit.march.build_ties import met_material, modal_ties, within
+from supple.explicit.march.frame_step import hanging as hung_places
 from supple.explicit.march.march_step import with_forces
 from supple.explicit.march.model import (
     Energies,
@@ -28,12 +28,12 @@ from supple.explicit.march.model import (
     ObstacleState,
 )
 from supple.explicit.march.turning import Turning
-from supple.explicit.meeting import meeting_nodes
+from supple.explicit.method import Explicit
 from supple.explicit.modal_frame import ModalFrame, modal_frame
 from supple.explicit.modal_subdomain import ModalSubdomain
-from supple.explicit.projected_difference import ProjectedDifference
-from supple.explicit.published_scheme import PublishedScheme
-from supple.machine.laws.time_law import as_time_law
+from supple.explicit.start_motion import rigid_velocities, undeformed
+from supple.machine import At, Contact, DeadForce, FollowerForce, Placed, System, Tie
+from supple.machine.ties.meeting import meeting_nodes
 
 __all__ = ["Built", "built"]
 
@@ -59,33 +59,22 @@ class Built:
     frames: dict[str, ModalFrame]
 
 
-def built(
-    system: ExplicitSystem,
-    scheme: ProjectedDifference | PublishedScheme,
-    safety: float,
-    largest_ratio: int,
-    interface_loss: float,
-) -> Built:
+def built(system: System, method: Explicit) -> Built:
     """The march of a system; ModelError for ties that do not meet and nodes that begin inside an obstacle."""
-    explicit = [part for part in system.placed if not isinstance(part.subdomain, ModalSubdomain)]
+    explicit = [placed for placed in system.bodies if placed.body.kind == "explicit"]
     numbers, x, v = _numbered(system, explicit)
     skins = modal_skins(system, len(x))
     for skin in skins:
-        part = system.part(skin.part)
-        x = np.vstack([x, part.nodes[skin.corners]])
-        v = np.vstack([v, part.velocities(part.nodes[skin.corners])])
+        part = system.placed(skin.part)
+        corners = undeformed(part)[skin.corners]
+        x = np.vstack([x, corners])
+        v = np.vstack([v, rigid_velocities(part, corners)])
     made = explicit_blocks(explicit, numbers, len(x))
     shells = explicit_shells(explicit, numbers, len(x))
     mass = made.mass + shells.mass
     alpha = (made.damped + shells.damped) / np.where(mass > 0, mass, 1.0)
     short = min(made.step_limit, shells.step_limit)
-    movable = np.ones((3, len(x)))
-    for support in system.supports:
-        held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
-        for axis in (axis for axis in support.axes if axis < 3):
-            movable[axis, held] = 0.0
-            v[held, axis] = 0.0
-    _check_scheme(system, scheme)
+    movable = _movable(system, numbers, v)
     obstacles = tuple(contact.obstacle for contact in system.rigid_contacts)
     hanging = [hung for tie in system.ties if (hung := _hung(system, tie, numbers, x)) is not None]
     hanging += [
@@ -94,15 +83,16 @@ def built(
     _check_hung_once(hanging, x)
     _check_not_held(system, hanging, numbers)
     frames, frame_arrays, frame_states, frame_obstacles, penalties = {}, [], [], [], {}
-    for part in system.placed:
-        if isinstance(part.subdomain, ModalSubdomain):
-            own = [each for each in hanging if each.part == part.name]
+    for part in system.bodies:
+        name = part.body.name
+        if part.body.kind == "modal":
+            own = [each for each in hanging if each.part == name]
             frame, arrays, state, touched, pressed = _frame(system, part, own, mass, x)
-            frames[part.name] = frame
+            frames[name] = frame
             frame_arrays.append(arrays)
             frame_states.append(state)
             frame_obstacles.append(touched)
-            penalties[part.name] = pressed
+            penalties[name] = pressed
     surfaces, contact_rate, between = touching_surfaces(
         system, numbers, skins, hanging, frames, mass, x, short
     )
@@ -112,7 +102,7 @@ def built(
         pressed[name] = sum(both[1:], both[0]) if both else None
         limit = jnp.asarray(frame.step_limit(pressed[name]))
         frame_arrays[place] = frame_arrays[place]._replace(step_limit=limit)
-    ties, tied, tied_limit = modal_ties(system, scheme, frames, tuple(frame_states), pressed)
+    ties, tied, tied_limit = modal_ties(system, method.scheme, frames, tuple(frame_states), pressed)
     for place in {number for pair in tied for number in pair}:
         frame_arrays[place] = frame_arrays[place]._replace(step_limit=jnp.asarray(tied_limit))
     touching, obstacle_of, on_obstacles = [], [], 0.0
@@ -152,38 +142,43 @@ def built(
         tuple(obstacle_of),
         tuple(frame_obstacles),
         tied,
-        scheme,
-        safety,
-        largest_ratio,
-        interface_loss,
+        method,
     )
-    start = _start(model, methods, x, v, tuple(frame_states), shells.start())
-    return Built(
-        model, methods, with_forces(model, methods, start), numbers, made.spans, shells.spans, frames
-    )
+    for arrays, state in zip(frame_arrays, frame_states, strict=True):
+        if state.y.any():  # deformed at the start
+            x[np.asarray(arrays.nodes)] = hung_places(arrays, state).T
+    start = with_forces(model, methods, _start(model, methods, x, v, tuple(frame_states), shells.start()))
+    return Built(model, methods, start, numbers, made.spans, shells.spans, frames)
 
 
-def _check_scheme(system: ExplicitSystem, scheme: ProjectedDifference | PublishedScheme) -> None:
-    modal = [part.subdomain for part in system.placed if isinstance(part.subdomain, ModalSubdomain)]
-    stiffened = [body.name for body in modal if body.spin_stiffness is not None]
-    if stiffened and not isinstance(scheme, ProjectedDifference):
-        raise ModelError(
-            f"part '{stiffened[0]}' stiffens as it spins, which {type(scheme).__name__} does not know; take "
-            "ProjectedDifference(), or leave `stiffening` out"
-        )
+def _movable(system: System, numbers: dict[str, IntArray], v: FloatArray) -> FloatArray:
+    """(3, N) 1, or 0 where nodes are held, which begin at rest."""
+    movable = np.ones((3, len(v)))
+    for support in system.supports:
+        held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
+        for axis in (axis for axis in support.axes if axis < 3):
+            movable[axis, held] = 0.0
+            v[held, axis] = 0.0
+    return movable
 
 
-def _loaded(system: ExplicitSystem, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
-    """Nodes, force and law of each load on explicit nodes."""
-    return tuple(
-        (
-            jnp.asarray(numbers[force.nodes.body][system.node_numbers(force.nodes)]),
-            jnp.asarray(force.force, dtype=float),
-            as_time_law(force.law),
-        )
-        for force in system.forces
-        if force.nodes.body in numbers
-    )
+def _loaded(system: System, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
+    """Nodes, number of those that share it, and law of each load on explicit nodes."""
+    found = []
+    for load in system.loads:
+        if isinstance(load, DeadForce) and load.body in numbers:
+            own, shared = _loaded_nodes(system, load)
+            found.append((jnp.asarray(numbers[load.body][own]), shared, load.law))
+    return tuple(found)
+
+
+def _loaded_nodes(system: System, load: DeadForce | FollowerForce) -> tuple[IntArray, float]:
+    """Numbers of the nodes of a load within its part, and how many of them share its force."""
+    if isinstance(load, DeadForce) and not isinstance(load.at, str):
+        return load.nodes, 1.0
+    end = load.first if isinstance(load, FollowerForce) else At(load.body, str(load.at))
+    nodes = system.node_numbers(end)
+    return nodes, float(len(nodes))
 
 
 def _start(
@@ -195,6 +190,7 @@ def _start(
     turning: Turning,
 ) -> MarchState:
     zero = jnp.zeros(())
+    held = [0.5 * at.y @ own.model.stiffness @ at.y for own, at in zip(model.frames, frames, strict=True)]
     return MarchState(
         time=zero,
         before=zero,
@@ -216,9 +212,9 @@ def _start(
         ),
         turning=turning,
         obstacle_forces=jnp.zeros((len(methods.obstacles), 3)),
-        energies=Energies(*(zero for _ in Energies._fields)),
+        energies=Energies(*(zero for _ in Energies._fields))._replace(internal=sum(held, zero)),
         initial=zero,
-        ratio_bound=jnp.asarray(methods.largest_ratio),
+        ratio_bound=jnp.asarray(methods.explicit.largest_ratio),
         ratio_wait=jnp.asarray(0),
         ratio_patience=jnp.asarray(1),
         smallest=jnp.ones(()),
@@ -226,29 +222,28 @@ def _start(
     )
 
 
-def _numbered(
-    system: ExplicitSystem, explicit: list[Part]
-) -> tuple[dict[str, IntArray], FloatArray, FloatArray]:
+def _numbered(system: System, explicit: list[Placed]) -> tuple[dict[str, IntArray], FloatArray, FloatArray]:
     """Numbers of the nodes of each explicit part, those that are tied in common; positions and velocities."""
     numbers: dict[str, IntArray] = {}
     x, v = np.empty((0, 3)), np.empty((0, 3))
     for part in explicit:
-        nodes = part.nodes
+        name, nodes = part.body.name, undeformed(part)
         own = np.full(len(nodes), -1)
         for tie in system.ties:
-            if tie.nodes.body == part.name and tie.on in numbers:
+            if tie.nodes.body == name and tie.on in numbers:
                 shared = system.node_numbers(tie.nodes)
                 other = numbers[tie.on]
                 own[shared] = _met(tie, nodes[shared], x[other], other)
-            elif tie.on == part.name and tie.nodes.body in numbers:
+            elif tie.on == name and tie.nodes.body in numbers:
                 shared = numbers[tie.nodes.body][system.node_numbers(tie.nodes)]
                 met = _met(tie, x[shared], nodes, np.arange(len(nodes)))
                 own[met] = shared
         fresh = own < 0
         own[fresh] = len(x) + np.arange(fresh.sum())
-        numbers[part.name] = own
+        numbers[name] = own
         x = np.vstack([x, nodes[fresh]])
-        v = np.vstack([v, part.velocities(nodes[fresh])])
+        rates = part.body.expand(part.coordinate_rates) @ part.rotation.T
+        v = np.vstack([v, (rigid_velocities(part, nodes) + rates)[fresh]])
     return numbers, x, v
 
 
@@ -264,7 +259,7 @@ def _met(tie: Tie, points: FloatArray, nodes: FloatArray, numbers: IntArray) -> 
     return numbers[found]
 
 
-def _hung(system: ExplicitSystem, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> Hanging | None:
+def _hung(system: System, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> Hanging | None:
     """The explicit nodes of a tie on a modal part; None of other ties."""
     if tie.on in numbers or tie.nodes.body not in numbers:
         return None
@@ -286,7 +281,7 @@ def _check_hung_once(hanging: list[Hanging], x: FloatArray) -> None:
         )
 
 
-def _check_not_held(system: ExplicitSystem, hanging: list[Hanging], numbers: dict[str, IntArray]) -> None:
+def _check_not_held(system: System, hanging: list[Hanging], numbers: dict[str, IntArray]) -> None:
     """A support of nodes that a modal part leads would have no effect."""
     for support in system.supports:
         held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
@@ -299,10 +294,9 @@ def _check_not_held(system: ExplicitSystem, hanging: list[Hanging], numbers: dic
 
 
 def _frame(
-    system: ExplicitSystem, part: Part, hanging: list[Hanging], mass: FloatArray, x: FloatArray
+    system: System, part: Placed, hanging: list[Hanging], mass: FloatArray, x: FloatArray
 ) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...], FloatArray | None]:
-    body = part.subdomain
-    assert isinstance(body, ModalSubdomain)
+    body: ModalSubdomain = part.body  # type: ignore[assignment] - of its kind
     nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
     local = (x[nodes] - part.position) @ part.rotation
     shapes = np.concatenate(
@@ -312,10 +306,10 @@ def _frame(
     frame = modal_frame(body, local, shapes, mass[nodes])
     touching, touched, stiffest = [], [], None
     for number, contact in enumerate(system.rigid_contacts):
-        if contact.nodes.body == part.name:
+        if contact.nodes.body == body.name:
             own = system.node_numbers(contact.nodes)
             stiffness = _modal_stiffness(contact, frame, own)
-            _check_outside(contact, part.nodes[own])
+            _check_outside(contact, undeformed(part)[own])
             touching.append(
                 NodesTouching(
                     jnp.asarray(own),
@@ -327,21 +321,19 @@ def _frame(
             touched.append(number)
             added = frame.penalty_stiffness(own, stiffness)
             stiffest = added if stiffest is None else stiffest + added
-    loaded = tuple(
-        (
-            jnp.asarray(frame.weights(own)),
-            jnp.asarray(frame.shapes[own]),
-            jnp.asarray(force.force, dtype=float),
-            as_time_law(force.law),
-            () if force.follows else None,
-        )
-        for force in system.forces
-        if force.nodes.body == part.name
-        for own in [system.node_numbers(force.nodes)]
-    )
+    loaded = []
+    for load in system.loads:
+        assert isinstance(load, DeadForce | FollowerForce)  # checked before
+        follows = isinstance(load, FollowerForce)
+        if (load.first.body if follows else load.body) == body.name:
+            own, shared = _loaded_nodes(system, load)
+            # Components of a force that follows are along axes that stood along the global ones.
+            turned = jnp.asarray(part.rotation.T) if follows else None
+            of_nodes = jnp.asarray(frame.weights(own)), jnp.asarray(frame.shapes[own])
+            loaded.append((*of_nodes, shared, load.law, turned))
     points = body.points
     p = points.placed(part.position, part.rotation)
-    rates = part.velocities(p)
+    rates = rigid_velocities(part, p)
     model: FrameModel = frame.model
     arrays = FrameArrays(
         model,
@@ -349,12 +341,14 @@ def _frame(
         jnp.asarray(points.weights(local)),
         jnp.asarray(shapes @ frame.turned),
         tuple(touching),
-        loaded,
+        tuple(loaded),
         jnp.asarray(jnp.inf),  # once all contacts are known
         None if frame.spin_bound is None else jnp.asarray(frame.spin_bound),
     )
-    zero = jnp.zeros(body.n_modes)
-    start = FrameState(jnp.asarray(p), zero, jnp.asarray(rates), zero)
+    y, vy = (
+        jnp.asarray(np.linalg.solve(frame.turned, own)) for own in (part.coordinates, part.coordinate_rates)
+    )
+    start = FrameState(jnp.asarray(p), y, jnp.asarray(rates), vy)
     return frame, arrays, start, tuple(touched), stiffest
 
 

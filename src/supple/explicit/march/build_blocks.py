@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from supple.explicit.elements import SolidBlock, solid_block
 from supple.explicit.explicit_subdomain import ExplicitSubdomain
-from supple.explicit.explicit_system import Part
 from supple.explicit.materials import Law
+from supple.machine import Placed
 
 __all__ = ["Blocks", "explicit_blocks"]
 
@@ -41,19 +41,21 @@ class Blocks:
         return min((float(np.asarray(limit).min()) for limit in self.limits), default=np.inf)
 
 
-def explicit_blocks(parts: Sequence[Part], numbers: Mapping[str, NDArray[np.int64]], n_nodes: int) -> Blocks:
+def explicit_blocks(
+    parts: Sequence[Placed], numbers: Mapping[str, NDArray[np.int64]], n_nodes: int
+) -> Blocks:
     """The blocks of explicit parts whose nodes have numbers among the n_nodes of the march."""
     mass, damped = np.zeros(n_nodes), np.zeros(n_nodes)
     made = Blocks(mass, damped)
     for part in parts:
-        body = part.subdomain
+        body = part.body
         if not isinstance(body, ExplicitSubdomain):
             continue
-        own = numbers[part.name]
+        own = numbers[body.name]
         np.add.at(mass, own, body.masses)
         if body.damping is not None:
             np.add.at(damped, own, body.damping.alpha * body.masses)
-        made.spans[part.name] = slice(len(made.blocks), len(made.blocks) + len(body.points))
+        made.spans[body.name] = slice(len(made.blocks), len(made.blocks) + len(body.points))
         for points, limit, bulk in zip(body.points, body.element_limits, body.bulk_arrays, strict=True):
             turned = points.gradients.swapaxes(2, 3) @ part.rotation.T
             gradients = turned.swapaxes(2, 3)

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from supple.explicit.elements import LayerArrays, ShellBlock, shell_block
 from supple.explicit.explicit_shell import ExplicitShell, ShellElements
-from supple.explicit.explicit_system import ExplicitSystem, Part, Support
 from supple.explicit.march.turning import Spins, Turning
 from supple.explicit.materials import J2Plasticity
+from supple.machine import Placed, Support, System
 
 __all__ = ["Shells", "explicit_shells"]
 
@@ -54,9 +54,7 @@ class Shells:
         rates = jnp.asarray(self.rates)
         return Turning(jnp.asarray(self.triads), rates, jnp.zeros_like(rates))
 
-    def spins(
-        self, supports: Sequence[Support], numbers: Mapping[str, IntArray], system: ExplicitSystem
-    ) -> Spins:
+    def spins(self, supports: Sequence[Support], numbers: Mapping[str, IntArray], system: System) -> Spins:
         """The constants of the triads; rotations that supports hold do not begin to turn either."""
         free = np.ones((3, len(self.inertia)))
         for support in supports:
@@ -67,12 +65,12 @@ class Shells:
         return Spins(jnp.asarray(self.inertia), jnp.asarray(self.turned / self.inertia), jnp.asarray(free))
 
 
-def explicit_shells(parts: Sequence[Part], numbers: Mapping[str, IntArray], n_nodes: int) -> Shells:
+def explicit_shells(parts: Sequence[Placed], numbers: Mapping[str, IntArray], n_nodes: int) -> Shells:
     """The blocks of shells among explicit parts whose nodes have numbers among the n_nodes of the march."""
-    chosen = [(part, part.subdomain) for part in parts if isinstance(part.subdomain, ExplicitShell)]
+    chosen = [(part, part.body) for part in parts if isinstance(part.body, ExplicitShell)]
     place = np.full(n_nodes, -1)
     turning = np.unique(
-        np.concatenate([numbers[part.name] for part, _ in chosen] or [np.empty(0, dtype=int)])
+        np.concatenate([numbers[body.name] for _, body in chosen] or [np.empty(0, dtype=int)])
     )
     place[turning] = np.arange(len(turning))
     r = len(turning)
@@ -86,15 +84,15 @@ def explicit_shells(parts: Sequence[Part], numbers: Mapping[str, IntArray], n_no
         np.zeros((3, r)),
     )
     for part, body in chosen:
-        own = numbers[part.name]
+        own = numbers[body.name]
         alpha = 0.0 if body.damping is None else body.damping.alpha
         np.add.at(made.mass, own, body.masses)
         np.add.at(made.damped, own, alpha * body.masses)
         np.add.at(made.inertia, place[own], body.inertias)
         np.add.at(made.turned, place[own], alpha * body.inertias)
         made.triads[:, :, place[own]] = part.rotation[:, :, None]
-        made.rates[:, place[own]] = part.angular_velocity[:, None]
-        made.spans[part.name] = slice(len(made.blocks), len(made.blocks) + len(body.elements))
+        made.rates[:, place[own]] = (part.rotation @ part.twist[3:])[:, None]
+        made.spans[body.name] = slice(len(made.blocks), len(made.blocks) + len(body.elements))
         made.limits.append(body.step_limit)
         for each in body.elements:
             nodes = own[each.nodes]

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.explicit.explicit_system import ExplicitSystem, SurfaceContact
 from supple.explicit.march.touching_surface import (
     TouchingSurface,
     corner_stiffness,
@@ -22,8 +21,8 @@ from supple.explicit.march.touching_surface import (
     touching_surface,
 )
 from supple.explicit.modal_frame import ModalFrame
-from supple.explicit.modal_subdomain import ModalSubdomain
-from supple.explicit.outer_faces import outer_triangles
+from supple.machine import SurfaceContact, System
+from supple.mesh.outer_faces import outer_triangles
 
 __all__ = ["Hanging", "ModalSkin", "modal_skins", "touching_surfaces"]
 
@@ -50,23 +49,21 @@ class ModalSkin:
     corners: IntArray
 
 
-def modal_skins(system: ExplicitSystem, first: int) -> list[ModalSkin]:
+def modal_skins(system: System, first: int) -> list[ModalSkin]:
     """The points of each modal part that contacts with other parts name, numbered from `first` on."""
     skins = []
-    for part in system.placed:
-        if not isinstance(part.subdomain, ModalSubdomain):
-            continue
-        ends = [end for each in system.surface_contacts for end in (each.nodes, each.surface)]
-        own = [system.node_numbers(end) for end in ends if end.body == part.name]
-        if own:
+    ends = [end for each in system.surface_contacts for end in (each.nodes, each.surface)]
+    for body in (placed.body for placed in system.bodies):
+        own = [system.node_numbers(end) for end in ends if end.body == body.name]
+        if own and body.kind == "modal":
             corners = np.unique(np.concatenate(own))
-            skins.append(ModalSkin(part.name, first + np.arange(len(corners)), corners))
+            skins.append(ModalSkin(body.name, first + np.arange(len(corners)), corners))
             first += len(corners)
     return skins
 
 
 def touching_surfaces(
-    system: ExplicitSystem,
+    system: System,
     numbers: Mapping[str, IntArray],
     skins: Sequence[ModalSkin],
     hanging: Sequence[Hanging],
@@ -81,7 +78,7 @@ def touching_surfaces(
     Returns the surfaces; the largest stiffness over mass of explicit nodes that hang nowhere, 1/s^2; and for
     each frame the stiffness (6 + k, 6 + k) of its penalties.
     """
-    place = {part: np.full(len(system.part(part).nodes), -1) for part in (skin.part for skin in skins)}
+    place = {part: np.full(len(system.placed(part).body.nodes), -1) for part in (skin.part for skin in skins)}
     for skin in skins:
         place[skin.part][skin.corners] = skin.nodes
     number = {**numbers, **place}
@@ -90,7 +87,7 @@ def touching_surfaces(
     surfaces = []
     for contact in system.surface_contacts:
         nodes = number[contact.nodes.body][system.node_numbers(contact.nodes)]
-        faces = outer_triangles(system.part(contact.surface.body).mesh, system.node_numbers(contact.surface))
+        faces = outer_triangles(system.mesh_of(contact.surface.body), system.node_numbers(contact.surface))
         if not len(faces):
             raise ModelError(
                 f"contact with '{contact.surface}': no outer face has all its corners in this node set; "

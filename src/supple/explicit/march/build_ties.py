@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from supple.errors import ModelError
-from supple.explicit.explicit_system import ExplicitSystem, Tie
 from supple.explicit.frame_model import FrameState
 from supple.explicit.modal_frame import ModalFrame
 from supple.explicit.modal_tie import ModalTie, TiedSide, tied_rows
-from supple.explicit.outer_faces import outer_triangles
 from supple.explicit.projected_difference import ProjectedDifference
 from supple.explicit.published_scheme import PublishedScheme
+from supple.explicit.start_motion import undeformed
 from supple.explicit.step_limit import damped_limit
+from supple.machine import System, Tie
+from supple.mesh.outer_faces import outer_triangles
 
 __all__ = ["met_material", "modal_ties", "within"]
 
@@ -33,20 +34,20 @@ def within(tie: Tie, points: FloatArray) -> float:
     return tie.within * max(float(np.linalg.norm(np.ptp(points, axis=0))), 1e-300)
 
 
-def met_material(system: ExplicitSystem, tie: Tie, x: FloatArray) -> tuple[IntArray, FloatArray]:
+def met_material(system: System, tie: Tie, x: FloatArray) -> tuple[IntArray, FloatArray]:
     """Nodes (n, c) of the modal part that points x (n, 3) in space hang on, and their weights (n, c)."""
-    part, tied = system.part(tie.on), system.part(tie.nodes.body).mesh
+    part, tied = system.placed(tie.on), system.mesh_of(tie.nodes.body)
     local = (x - part.position) @ part.rotation
     nodes = system.node_numbers(tie.nodes)
     place = np.full(tied.n_nodes, -1)
     place[nodes] = np.arange(len(nodes))
     faces = place[outer_triangles(tied, nodes)]
     what = f"tie of '{tie.nodes}' on '{tie.on}'"
-    return tie.transfer.weights(local, faces, part.mesh, within(tie, local), what)
+    return tie.transfer.weights(local, faces, system.mesh_of(tie.on), within(tie, local), what)
 
 
 def modal_ties(
-    system: ExplicitSystem,
+    system: System,
     scheme: ProjectedDifference | PublishedScheme,
     frames: Mapping[str, ModalFrame],
     states: Sequence[FrameState],
@@ -57,7 +58,8 @@ def modal_ties(
     states : of the frames at the start;   penalties : (6 + k, 6 + k) of the contacts of each, or None
     Raises ModelError: another scheme than the default, parts that do not meet.
     """
-    if not system.modal_ties:
+    between = [tie for tie in system.ties if tie.nodes.body in frames]
+    if not between:
         return (), (), np.inf
     if not isinstance(scheme, ProjectedDifference):
         raise ModelError(
@@ -66,7 +68,7 @@ def modal_ties(
         )
     order = list(frames)
     ties, pairs = [], []
-    for tie in system.modal_ties:
+    for tie in between:
         ties.append(_tie(system, tie, frames))
         pairs.append((order.index(tie.nodes.body), order.index(tie.on)))
     names = [order[number] for number in sorted({number for pair in pairs for number in pair})]
@@ -98,12 +100,12 @@ def modal_ties(
     )
 
 
-def _tie(system: ExplicitSystem, tie: Tie, frames: Mapping[str, ModalFrame]) -> ModalTie:
-    first, second = system.part(tie.nodes.body), system.part(tie.on)
+def _tie(system: System, tie: Tie, frames: Mapping[str, ModalFrame]) -> ModalTie:
+    first, second = system.placed(tie.nodes.body), system.placed(tie.on)
     nodes = system.node_numbers(tie.nodes)
-    x = first.nodes[nodes]
+    x = undeformed(first)[nodes]
     corners, shares = met_material(system, tie, x)
-    own, other = frames[first.name], frames[second.name]
+    own, other = frames[tie.nodes.body], frames[tie.on]
     local = (x - second.position) @ second.rotation
     weights = own.weights(nodes), other.body.points.weights(local)
     shapes = own.shapes[nodes], np.einsum("nc,ncik->nik", shares, other.shapes[corners])
@@ -127,7 +129,7 @@ def _reached(frame: ModalFrame, motion: FloatArray) -> FloatArray:
 
 
 def _pencil_rows(
-    system: ExplicitSystem,
+    system: System,
     tie: ModalTie,
     pair: tuple[int, int],
     frames: Mapping[str, ModalFrame],
@@ -143,7 +145,7 @@ def _pencil_rows(
         if number not in own:
             blocks.append(np.zeros((len(tie.first.weights), 6 + frame.body.n_modes)))
             continue
-        turned = np.einsum("ij,ajc->aic", system.part(name).rotation, frame.rigid_rates)
+        turned = np.einsum("ij,ajc->aic", system.placed(name).rotation, frame.rigid_rates)
         blocks.append(
             np.concatenate(
                 [np.einsum("raj,ajc->rc", np.asarray(own[number].p), turned), np.asarray(own[number].y)],

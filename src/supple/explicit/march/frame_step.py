@@ -51,12 +51,11 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
     for arrays, own, numbers in zip(model.frames, state.frames, methods.frame_obstacles, strict=True):
         sums = spread(arrays.model.moments, own.y)
         external = gravity_force(sums, own.p, model.gravity)
-        for weights, shapes, force, law, follows in arrays.loaded:
-            share = law(state.time) * force / len(weights)
-            # None or (): the structure of the arguments, which a compiled march is made for.
-            arm = jnp.sqrt(arrays.model.squared_lengths[0])
-            turned = share if follows is None else arms(own.p) @ share / arm
-            pushes = jnp.broadcast_to(turned, (len(weights), 3))
+        for weights, shapes, shared, law, own_axes in arrays.loaded:
+            share = law(state.time) / shared
+            if own_axes is not None:
+                share = arms(own.p) @ (own_axes @ share) / jnp.sqrt(arrays.model.squared_lengths[0])
+            pushes = jnp.broadcast_to(share, (len(weights), 3))
             external = external + point_forces(weights, shapes, own.p, own.y, pushes)
         contact = Generalized(jnp.zeros((4, 3)), jnp.zeros_like(own.y))
         for touching, number in zip(arrays.touching, numbers, strict=True):
@@ -84,7 +83,7 @@ def _advanced(
     steps: Steps,
 ) -> tuple[tuple[FrameState, ...], Array]:
     """The frames after the step, those that are tied to each other together; and their turning work, J."""
-    scheme = methods.scheme
+    scheme = methods.explicit.scheme
     after, links = list(frames), [jnp.zeros(6)] * len(frames)
     tied = sorted({number for pair in methods.tied for number in pair})
     for number in range(len(frames)):

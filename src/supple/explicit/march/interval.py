@@ -74,15 +74,15 @@ def chosen_steps(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, span: Array
 ) -> tuple[Array, Array, Array]:
     """Step of the explicit nodes, explicit steps in one of the frames, and number of these in a span."""
-    short = nodes_limit(model, state, methods.safety)
+    short = nodes_limit(model, state, methods.explicit.safety)
     short = jnp.where(fixed > 0, fixed, short)
     if not model.frames:
         n = jnp.maximum(jnp.ceil(span / short * (1 - 1e-9)), 1)
         return span / n, jnp.asarray(1), n.astype(int)
-    long = methods.safety * jnp.min(jnp.stack(frame_limits(model, state)))
+    long = methods.explicit.safety * jnp.min(jnp.stack(frame_limits(model, state)))
     if not model.blocks and not model.shells:
-        short = jnp.where(fixed > 0, fixed, long)
-    long = jnp.minimum(long, jnp.minimum(methods.largest_ratio, state.ratio_bound) * short)
+        short = long = jnp.where(fixed > 0, fixed, long)
+    long = jnp.minimum(long, jnp.minimum(methods.explicit.largest_ratio, state.ratio_bound) * short)
     n = jnp.maximum(jnp.ceil(span / long * (1 - 1e-9)), 1)
     ratio = jnp.maximum(jnp.ceil(span / n / short * (1 - 1e-9)), 1)
     return span / (n * ratio), ratio.astype(int), n.astype(int)
@@ -131,7 +131,7 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
     """On to an output time; again with a smaller ratio as long as the interface loses or wins too much."""
     if not model.frames or not (model.blocks or model.shells):
         return _marched(model, methods, state, fixed, end)
-    allowed = methods.interface_loss * (_size(state) + kinetic(model, state))
+    allowed = methods.explicit.interface_loss * (_size(state) + kinetic(model, state))
 
     def ratio_of(bound: Array) -> Array:
         return chosen_steps(model, methods, state._replace(ratio_bound=bound), fixed, end - state.time)[1]
@@ -155,7 +155,7 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
     repeated = ratio != first
     # After each repetition a larger ratio is tried only twice as much later: a trial costs the whole way.
     longer = (lost(new) < 0.1 * allowed) & (state.ratio_wait == 0) & ~repeated
-    larger = jnp.where(longer, jnp.minimum(2 * ratio, methods.largest_ratio), state.ratio_bound)
+    larger = jnp.where(longer, jnp.minimum(2 * ratio, methods.explicit.largest_ratio), state.ratio_bound)
     return new._replace(
         ratio_bound=jnp.where(repeated, ratio, larger),
         ratio_wait=jnp.where(repeated, state.ratio_patience, jnp.maximum(state.ratio_wait - 1, 0)),

@@ -13,10 +13,9 @@ from supple.explicit.march.touching_surface import TouchingSurface
 from supple.explicit.march.turning import Spins, Turning
 from supple.explicit.materials import J2Plasticity, Law
 from supple.explicit.materials.plane_stress import LayerState
+from supple.explicit.method import Explicit
 from supple.explicit.modal_tie import ModalTie
-from supple.explicit.obstacles import Obstacle
-from supple.explicit.projected_difference import ProjectedDifference
-from supple.explicit.published_scheme import PublishedScheme
+from supple.machine.obstacles import Obstacle
 
 __all__ = ["Energies", "FrameArrays", "MarchModel", "MarchState", "Methods", "NodesTouching", "ObstacleState"]
 
@@ -41,7 +40,8 @@ class FrameArrays(NamedTuple):
     model : FrameModel      with the mass of the nodes that hang on it
     nodes : (n,)            explicit nodes that hang on it, at weights (n, 4) and shapes (n, 3, k)
     touching : tuple of NodesTouching       contacts of its own points
-    loaded : tuple of (weights, shapes, force (3,), law, follows)    forces on its own points; () or None
+    loaded : tuple of (weights, shapes, number that share, law, axes)   forces on its own points; axes (3, 3)
+        of one that turns with the frame, or None
     step_limit : at rest, s;   spin_bound : of what a spin of 1 rad/s adds to squared frequencies, or None
     """
 
@@ -93,11 +93,7 @@ class Methods:
     obstacles : those of contacts, explicit ones first;   frame_obstacles : numbers per frame
     obstacle_of : number of the obstacle of each contact of explicit nodes
     tied : which two frames each of their ties joins
-    scheme : of the four-point frames
-    safety : part of the step limit that is used
-    largest_ratio : explicit steps in one of the frames
-    interface_loss : of the energy, lost or won between the parts from one output time to the next, above
-        which the ratio is halved and the way repeated
+    explicit : Explicit     of the run
     """
 
     laws: tuple[Law, ...]
@@ -108,10 +104,7 @@ class Methods:
     obstacle_of: tuple[int, ...]
     frame_obstacles: tuple[tuple[int, ...], ...]
     tied: tuple[tuple[int, int], ...]
-    scheme: ProjectedDifference | PublishedScheme
-    safety: float
-    largest_ratio: int
-    interface_loss: float
+    explicit: Explicit
 
 
 class Energies(NamedTuple):

@@ -11,7 +11,7 @@ from supple.explicit.elements import block_force, layered_force, shell_force
 from supple.explicit.march.model import MarchModel, Methods, NodesTouching, ObstacleState
 from supple.explicit.march.touching_surface import surface_penalty
 from supple.explicit.materials.plane_stress import LayerState
-from supple.explicit.obstacles import Obstacle
+from supple.machine.obstacles import Obstacle
 
 __all__ = ["NodalForces", "nodal_forces", "penalty"]
 
@@ -94,8 +94,8 @@ def nodal_forces(
     for surface in model.surfaces:
         contact = contact + surface_penalty(surface, x)
     external = model.mass * model.gravity[:, None]
-    for nodes, force, law in model.loaded:
-        external = external.at[:, nodes].add((law(time) * force / len(nodes))[:, None])
+    for nodes, shared, law in model.loaded:
+        external = external.at[:, nodes].add(jnp.broadcast_to(law(time) / shared, (len(nodes), 3)).T)
     return NodalForces(
         jnp.stack([internal, hourglass, contact, external]),
         tuple(states),

@@ -15,10 +15,12 @@ __all__ = ["AxialElement"]
 
 @dataclass(frozen=True, kw_only=True)
 class AxialElement(ForceElement):
-    """An element about or along an axis of its first end; the subclasses say what it does."""
+    """An element about or along an axis of its first end; the subclasses say what it does.
+
+    axis : direction at the start, global axes; it stays with the first end
+    """
 
     axis: tuple[float, float, float]
-    """Direction when the machine is put together, global; it stays with the first end."""
 
     held_by: ClassVar[tuple[str, ...]] = ()
     """Beginnings of the names of a joint's equations that leave it nothing to move; none where it may push

@@ -30,7 +30,8 @@ class Bushing(AxialElement):
     the force that does work on x, so that `x^T K x / 2` is kept without damping; the angle of theta must stay
     below pi.
 
-    axis, x_axis : z and, as near as can be, x of the bushing's axes when the machine is put together, global
+    axis : z of the bushing at the start, global axes
+    x_axis : near which x lies
     stiffness, damping : (6,) diagonal, or (6, 6) symmetric and not negative; translations first
     Raises ModelError for a matrix that is none of these.
     """

@@ -8,13 +8,13 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from supple.arguments import check_fields
+from supple.arguments import check_fields, check_ranges
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, At, as_end
 from supple.machine.laws.time_law import TimeLaw, check_law_kind
 from supple.machine.pose import Pose, Wrench
 
-__all__ = ["ForceElement", "check_anchor", "check_not_negative", "check_positive"]
+__all__ = ["ForceElement", "check_anchor"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +41,7 @@ class ForceElement(ABC):
         if GROUND == self.first == self.second:
             raise ModelError(f"{self.label} acts on the ground alone: name a body's interface")
         check_law_kind(self.label, self)
+        check_ranges(self.label, self)
 
     @property
     def label(self) -> str:
@@ -80,20 +81,6 @@ class ForceElement(ABC):
     def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
         """Energy that the element has stored and can give back; zero for most."""
         return 0.0
-
-
-def check_not_negative(element: ForceElement, **values: float) -> None:
-    """Raise ModelError unless every value is finite and at least zero."""
-    for name, value in values.items():
-        if not (np.isfinite(value) and value >= 0):
-            raise ModelError(f"{element.label}: {name} must be finite and not negative, got {value}")
-
-
-def check_positive(element: ForceElement, **values: float) -> None:
-    """Raise ModelError unless every value is finite and more than zero."""
-    for name, value in values.items():
-        if not (np.isfinite(value) and value > 0):
-            raise ModelError(f"{element.label}: {name} must be finite and positive, got {value}")
 
 
 def check_anchor(element: ForceElement, anchor: Any) -> None:

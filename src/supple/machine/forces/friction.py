@@ -8,10 +8,9 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from supple.arguments import check_fields
+from supple.arguments import NotNegative, Positive, check_fields
 from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
-from supple.machine.forces.force_element import check_positive
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
 from supple.machine.laws.time_law import TimeLaw, as_time_law
 from supple.machine.pose import Pose, Wrench
@@ -30,8 +29,8 @@ class Coulomb:
     width : w, a velocity, positive
     """
 
-    coefficient: float
-    width: float
+    coefficient: NotNegative
+    width: Positive
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -60,11 +59,7 @@ class RevoluteFriction(AxialElement):
     """
 
     moment: Any
-    width: float
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_positive(self, width=self.width)
+    width: Positive
 
     @property
     def law(self) -> TimeLaw:
@@ -93,11 +88,7 @@ class PrismaticFriction(AxialElement):
     """
 
     force: Any
-    width: float
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_positive(self, width=self.width)
+    width: Positive
 
     @property
     def law(self) -> TimeLaw:

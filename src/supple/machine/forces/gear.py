@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arguments import NotNegative, Positive
 from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
-from supple.machine.forces.force_element import check_anchor, check_not_negative, check_positive
+from supple.machine.forces.force_element import check_anchor
 from supple.machine.forces.relative_motion import wrapped
 from supple.machine.joints.joint import axes_along
 from supple.machine.pose import Pose, Wrench
@@ -30,16 +31,17 @@ class Gear(AxialElement):
     carrier, as of planets, which need not be named. The phase is taken within half a tooth, so that
     the wheels may turn as often as they like; a load beyond half a tooth makes them skip one.
 
-    axis : parallel axes of both wheels when the machine is put together, which their joints must keep so
-    teeth : (z_1, z_2), whole numbers; negative of a ring with inner teeth
+    Their joints must keep the axes of both wheels parallel.
+
+    teeth : of both wheels, z_1 and z_2; negative of a ring with inner teeth
     stiffness, damping : k and c of the mesh, force per length and per velocity
-    anchor : global centre of a wheel that is the ground, where one is
+    anchor : global centre of a wheel that is the ground
     Raises ModelError for numbers of teeth that are not whole, or opposite and equal.
     """
 
     teeth: tuple[int, int]
-    stiffness: float
-    damping: float = 0.0
+    stiffness: Positive
+    damping: NotNegative = 0.0
     anchor: tuple[float, float, float] | None = None
     line: tuple[float, float, float] | None = None
     """From the first centre to the second when the machine is put together; unless given, it is found"""
@@ -48,8 +50,6 @@ class Gear(AxialElement):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_positive(self, stiffness=self.stiffness)
-        check_not_negative(self, damping=self.damping)
         check_anchor(self, self.anchor)
         whole = len(self.teeth) == _TEETH and all(z == int(z) and z for z in self.teeth)
         if not whole or sum(self.teeth) == 0:

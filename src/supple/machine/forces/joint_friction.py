@@ -9,9 +9,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.arguments import check_instance
+from supple.arguments import NotNegative, Positive, check_instance
 from supple.machine.ends import GROUND, At
-from supple.machine.forces.force_element import ForceElement, check_not_negative, check_positive
+from supple.machine.forces.force_element import ForceElement
 from supple.machine.forces.friction import regularized_direction
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
 from supple.machine.joints.joint import Joint
@@ -34,8 +34,8 @@ class JointFriction(ForceElement):
     """
 
     joint: Joint
-    coefficient: float
-    width: float
+    coefficient: NotNegative
+    width: Positive
     first: At | Any = GROUND
     second: At | Any = GROUND
     """Both ends are the joint's."""
@@ -50,8 +50,6 @@ class JointFriction(ForceElement):
         object.__setattr__(self, "first", self.joint.first)
         object.__setattr__(self, "second", self.joint.second)
         super().__post_init__()
-        check_not_negative(self, coefficient=self.coefficient)
-        check_positive(self, width=self.width)
 
     @property
     def label(self) -> str:
@@ -71,13 +69,9 @@ class HingeFriction(JointFriction):
     width : w, rad per time         radius : r
     """
 
-    radius: float
+    radius: Positive
 
     kinds: ClassVar[tuple[type[Joint], ...]] = (Revolute,)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_positive(self, radius=self.radius)
 
     @property
     def parameters(self) -> tuple[float, ...]:

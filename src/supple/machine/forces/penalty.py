@@ -8,7 +8,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from supple.arguments import check_fields
+from supple.arguments import NotNegative, Positive, check_fields
 from supple.errors import ModelError
 
 __all__ = ["Penalty", "penalty_energy", "penalty_force"]
@@ -25,16 +25,16 @@ class Penalty:
 
     so that the restitution w/v is near 1 - 2 a v/3 for small a v.
 
-    stiffness : k, force (or moment) per depth^n
+    stiffness : k, force per length (moment per rad) to the power of the exponent
     exponent : n >= 1; 1.5 of two spheres (Hertz)
-    dissipation : a, 1 / velocity
+    dissipation : a, per velocity: restitution near 1 - 2/3 dissipation v
     Raises ModelError for a stiffness that is not positive, an exponent below 1, a negative dissipation.
     Source: [HuntCrossley1975]
     """
 
-    stiffness: float
+    stiffness: Positive
     exponent: float = 1.0
-    dissipation: float = 0.0
+    dissipation: NotNegative = 0.0
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -8,9 +8,9 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arguments import NotNegative, Positive
 from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
-from supple.machine.forces.force_element import check_not_negative, check_positive
 from supple.machine.forces.relative_motion import axial_motion, force_pair, wrapped
 from supple.machine.joints.joint import axes_along
 from supple.machine.pose import Pose, Wrench
@@ -33,15 +33,13 @@ class Screw(AxialElement):
     """
 
     pitch: float
-    stiffness: float
-    damping: float = 0.0
+    stiffness: Positive
+    damping: NotNegative = 0.0
     offset: float | None = None
     """x_0; the slide when the machine is put together, unless given"""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_positive(self, stiffness=self.stiffness)
-        check_not_negative(self, damping=self.damping)
         if not (np.isfinite(self.pitch) and self.pitch):
             raise ModelError(f"{self.label}: the pitch must be finite and not zero, got {self.pitch}")
 
@@ -83,7 +81,8 @@ class RackAndPinion(AxialElement):
     with the way x of the pinion's centre along the rack and its angle phi about the axis, both seen from the
     rack. The phase is taken within half a turn of the pinion, which may turn as often as it likes.
 
-    axis : of the pinion                direction : of the rack, across the axis; both stay with the rack
+    axis : of the pinion at the start, global axes
+    direction : of the rack at the start, global axes, across the axis; both stay with the rack
     radius : of the pitch circle; the pinion touches on the side of `- axis x direction`, if negative on the
         other one
     stiffness, damping : k and c of the mesh along the rack
@@ -91,16 +90,14 @@ class RackAndPinion(AxialElement):
 
     direction: tuple[float, float, float]
     radius: float
-    stiffness: float
-    damping: float = 0.0
+    stiffness: Positive
+    damping: NotNegative = 0.0
     offset: float | None = None
     """x_0; the way when the machine is put together, unless given"""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _ = self.initial_axes
-        check_positive(self, stiffness=self.stiffness)
-        check_not_negative(self, damping=self.damping)
         if not (np.isfinite(self.radius) and self.radius):
             raise ModelError(f"{self.label}: the radius must be finite and not zero, got {self.radius}")
 

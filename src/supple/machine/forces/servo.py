@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arguments import NotNegative
 from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
-from supple.machine.forces.force_element import check_not_negative
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
 from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_shape
 from supple.machine.laws.with_rate import WithRate
@@ -31,8 +31,8 @@ class AngleServo(AxialElement):
     """
 
     angle: Any
-    stiffness: float
-    damping: float = 0.0
+    stiffness: NotNegative
+    damping: NotNegative = 0.0
     limit: float = np.inf
 
     held_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
@@ -70,8 +70,8 @@ class SlideServo(AxialElement):
     """
 
     slide: Any
-    stiffness: float
-    damping: float = 0.0
+    stiffness: NotNegative
+    damping: NotNegative = 0.0
     limit: float = np.inf
 
     held_by: ClassVar[tuple[str, ...]] = ("position",)
@@ -105,7 +105,6 @@ def _effort(lag: Any, lag_rate: Any, parameters: Any) -> Any:
 
 
 def _check(servo: Any, target: Any) -> None:
-    check_not_negative(servo, stiffness=servo.stiffness, damping=servo.damping)
     check_law_shape(servo.label, as_time_law(target), ())
     if not servo.limit > 0:
         raise ModelError(f"{servo.label}: the limit must be positive, or infinite, got {servo.limit}")

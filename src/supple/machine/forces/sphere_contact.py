@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arguments import NotNegative, Positive
 from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
-from supple.machine.forces.force_element import check_anchor, check_not_negative, check_positive
+from supple.machine.forces.force_element import check_anchor
 from supple.machine.forces.friction import Coulomb, regularized_direction
 from supple.machine.forces.penalty import Penalty, penalty_energy, penalty_force
 from supple.machine.pose import Pose, Wrench
@@ -31,12 +32,12 @@ class SphereContact(AxialElement):
 
     A disc or a wheel is a sphere as long as its axis is parallel to the surface.
 
+    axis : normal of the plane, or axis of the cylinder, at the start, global axes
     radius : of the sphere; 0 of a point, such as a node that is an interface
-    penalty : Penalty       friction : Coulomb, or None
-    anchor : global point of the surface's end on the ground, where it is there
+    anchor : global point of the surface, if it is on the ground
     """
 
-    radius: float = 0.0
+    radius: NotNegative = 0.0
     penalty: Penalty
     friction: Coulomb | None = None
     anchor: tuple[float, float, float] | None = None
@@ -44,7 +45,6 @@ class SphereContact(AxialElement):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_anchor(self, self.anchor)
-        check_not_negative(self, radius=self.radius)
 
     @property
     def ground_point(self) -> np.ndarray | None:
@@ -79,14 +79,13 @@ class SphereOnPlane(SphereContact):
 class SphereOnCylinder(SphereContact):
     """A sphere (first end) outside a cylinder about `axis` through the second end: a cam, a roller.
 
-    cylinder_radius : positive
+    cylinder_radius : of the cylinder
     """
 
-    cylinder_radius: float
+    cylinder_radius: Positive
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_positive(self, cylinder_radius=self.cylinder_radius)
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -111,7 +110,7 @@ class SphereInCylinder(SphereContact):
     cylinder_radius : of the hollow, more than the sphere's
     """
 
-    cylinder_radius: float
+    cylinder_radius: Positive
 
     def __post_init__(self) -> None:
         super().__post_init__()

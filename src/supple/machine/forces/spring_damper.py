@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import jax.numpy as jnp
 import numpy as np
 
-from supple.machine.forces.force_element import ForceElement, check_anchor, check_not_negative
+from supple.arguments import NotNegative
+from supple.machine.forces.force_element import ForceElement, check_anchor
 from supple.machine.pose import Pose, Wrench
 
 __all__ = ["SpringDamper"]
@@ -16,19 +17,23 @@ __all__ = ["SpringDamper"]
 
 @dataclass(frozen=True, kw_only=True)
 class SpringDamper(ForceElement):
-    """Tension `k (l - l_0) + c dl/dt` along the line between the points; they must stay apart."""
+    """Tension `k (l - l_0) + c dl/dt` along the line between the points; they must stay apart.
 
-    stiffness: float = 0.0
-    damping: float = 0.0
-    rest_length: float = 0.0
+    stiffness : force per length
+    damping : force per velocity
+    rest_length : l_0, a length; the distance at the start if None
+    anchor : global point of the end that is on the ground
+    """
+
+    stiffness: NotNegative = 0.0
+    damping: NotNegative = 0.0
+    rest_length: NotNegative | None = 0.0
     anchor: tuple[float, float, float] | None = None
-    """Global point of the end that is on the ground, where one is."""
 
     acts_along_line: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_not_negative(self, stiffness=self.stiffness, damping=self.damping, rest_length=self.rest_length)
         check_anchor(self, self.anchor)
 
     @property
@@ -36,8 +41,14 @@ class SpringDamper(ForceElement):
         """The anchor."""
         return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
 
+    def assembled(self, first: np.ndarray, second: np.ndarray) -> SpringDamper:
+        """With the distance of its ends as its length, where none is given."""
+        if self.rest_length is not None:
+            return self
+        return replace(self, rest_length=float(np.linalg.norm(second - first)))
+
     @property
-    def parameters(self) -> tuple[float, ...]:
+    def parameters(self) -> tuple[float | None, ...]:
         """`(k, c, l_0)`."""
         return (self.stiffness, self.damping, self.rest_length)
 

@@ -95,7 +95,7 @@ class DistanceStop(ForceElement):
 
     lower, upper : lengths; upper infinite where there is none
     penalty : Penalty   of the distance beyond a limit
-    anchor : global point of the end that is on the ground, where one is
+    anchor : global point of an end on the ground
     """
 
     lower: float = 0.0

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from supple.machine.forces.force_element import ForceElement, check_not_negative
+from supple.arguments import NotNegative
+from supple.machine.forces.force_element import ForceElement
 from supple.machine.forces.relative_motion import axial_motion, moment_pair
 from supple.machine.joints.joint import axes_along
 from supple.machine.laws.time_law import TimeLaw, as_time_law
@@ -18,19 +19,22 @@ __all__ = ["TorsionSpringDamper"]
 
 @dataclass(frozen=True, kw_only=True)
 class TorsionSpringDamper(ForceElement):
-    """Moment `k (phi - phi_0(t)) + c dphi/dt` about an axis; the angle phi is taken in (-pi, pi]."""
+    """Moment `k (phi - phi_0(t)) + c dphi/dt` about an axis; the angle phi is taken in (-pi, pi].
+
+    axis : direction at the start, global axes; it stays with the first end
+    stiffness : moment per angle in rad
+    damping : moment per angular velocity in rad per time
+    """
 
     axis: tuple[float, float, float]
-    """Direction of the axis in the initial configuration, global; it stays with the first end."""
-    stiffness: float = 0.0
-    damping: float = 0.0
+    stiffness: NotNegative = 0.0
+    damping: NotNegative = 0.0
     rest_angle: Any = 0.0
     """Angle of the second end against the first at rest, rad: a number or a law of time (a servo)."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         axes_along(self.axis)
-        check_not_negative(self, stiffness=self.stiffness, damping=self.damping)
 
     @property
     def initial_axes(self) -> np.ndarray:

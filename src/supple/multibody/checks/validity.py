@@ -32,6 +32,11 @@ LINEAR_ROTATION_LIMIT = 0.1
 """rad: rotations theta beyond which linear strains lack a shortening by bending, theta^2 / 2, of 0.5 % of the
 length: a tenth of the deflection of a body that bends so far."""
 
+_STIFFER = {"modal": "Give it stiffening=CentrifugalStiffness() (spin_stiffness = true in a case file)"}
+"""What makes a linear body bear its spin, by its kind; of others modal derivatives do."""
+_TURNS_LESS = {"modal": "March it in explicit elements, or as several modal parts tied to each other"}
+"""What makes a body turn less against its frame, by its kind; of others their frame says."""
+
 
 class Peaks(NamedTuple):
     """Largest spin (rad/s) and relative rotation (rad) of one body, with their times."""
@@ -70,6 +75,7 @@ class _Limits:
     axes: np.ndarray
     """(3,) what a spin about each axis of the body counts"""
     is_linear: bool
+    kind: str
     rotation: float
     frame: Frame | None
     rotation_basis: np.ndarray | None
@@ -130,7 +136,10 @@ def _too_fast(limits: _Limits, peak: Peaks) -> str:
         return (
             f"body '{limits.name}' is linear and {spins}, {peak.spin / limits.flying_apart:.2f} times its "
             f"lowest frequency {limits.flying_apart:.4g}: without geometric stiffness its deflections "
-            "are too large or diverge. Reduce it with modal derivatives, from a model with quadratic strains"
+            "are too large or diverge. "
+            + _STIFFER.get(
+                limits.kind, "Reduce it with modal derivatives, from a model with quadratic strains"
+            )
         )
     missing = 100 * (peak.spin / limits.flying_apart) ** 2
     return (
@@ -144,8 +153,8 @@ def _too_fast(limits: _Limits, peak: Peaks) -> str:
 def _too_wide(limits: _Limits, peak: Peaks) -> str:
     turns = f"turns by {peak.rotation:.3f} rad against its frame (t = {peak.rotation_time:.4g})"
     limit = f"its kinematics hold to about {limits.rotation:.2f} rad"
-    remedy = smaller_rotations(limits.frame)
-    if limits.is_linear:
+    remedy = _TURNS_LESS.get(limits.kind) or smaller_rotations(limits.frame)
+    if limits.is_linear and limits.kind not in _TURNS_LESS:
         return (
             f"body '{limits.name}' is linear and {turns}; {limit}, for they lack the shortening by bending, "
             f"{peak.rotation**2 / 2:.2g} of its length. Reduce it from a model with quadratic strains, or "
@@ -197,7 +206,9 @@ def _averaging(body: BodyForm, carrying: set[At]) -> tuple[Any, np.ndarray]:
 
 def watch(system: System, validity: Validity) -> Watch:
     """Prepare the limits of every flexible body of a system."""
-    deforming = [placed.body for placed in system.bodies if placed.body.n_coordinates]
+    # Finite elements without a frame turn as far as they like.
+    bodies = [placed.body for placed in system.bodies]
+    deforming = [body for body in bodies if body.n_coordinates and body.kind != "explicit"]
     return Watch(validity, tuple(_limits(body, validity, _carrying_moments(system)) for body in deforming))
 
 
@@ -221,6 +232,7 @@ def _limits(body: BodyForm, validity: Validity, carrying: set[At]) -> _Limits:
         flying_apart=flying_apart,
         axes=axes,
         is_linear=body.is_linear,
+        kind=body.kind,
         rotation=min(limit, LINEAR_ROTATION_LIMIT) if body.is_linear else limit,
         frame=getattr(body, "frame", None),
         rotation_basis=body.rotation_rows,

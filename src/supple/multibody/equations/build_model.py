@@ -54,7 +54,9 @@ def build_model(
 
     A full body takes part by the motions of its interfaces alone, six coordinates each: what joints and
     forces see of it. Its inertia, elasticity and nodal loads are the sparse engine's.
+    Raises ModelError for a part of an explicit march.
     """
+    system.check_has_frames()
     sizes = tuple(_size(placed) for placed in system.bodies)
     length = system_length(system)
     places = _BodyPlaces.of(sizes)

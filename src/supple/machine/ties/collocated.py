@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.explicit.meeting import meeting_nodes, on_faces
+from supple.machine.ties.meeting import meeting_nodes, on_faces
 from supple.mesh import Mesh
 
 __all__ = ["Collocated"]

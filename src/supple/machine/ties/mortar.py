@@ -20,8 +20,8 @@ from scipy import sparse
 from scipy.spatial import KDTree
 
 from supple.errors import ModelError
-from supple.explicit.outer_faces import outer_triangles
 from supple.mesh import Mesh
+from supple.mesh.outer_faces import outer_triangles
 
 __all__ = ["Mortar"]
 

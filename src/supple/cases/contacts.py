@@ -1,20 +1,33 @@
-"""What parts touch: rigid planes, cylinders and spheres, or each other; what ties, holds and pushes them."""
+"""What explicit parts touch: rigid planes, cylinders and spheres, or each other; what ties and holds them."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from supple.cases.laws import Constant, Law, TableLaw
-from supple.explicit import (
+from supple.cases.shared_rules import PlaceOf
+from supple.importers.toml import (
+    ZERO,
+    CheckedTable,
+    KeyPath,
+    Mistakes,
+    Positive,
+    Raw,
+    Vector,
+    on_each,
+    table,
+    tables,
+    unknown,
+)
+from supple.machine import (
+    At,
     Collocated,
     Contact,
     EveryNode,
     MeanMotion,
     Mortar,
-    NodalForce,
     RigidCylinder,
     RigidPlane,
     RigidSphere,
@@ -22,14 +35,12 @@ from supple.explicit import (
     SurfaceContact,
     Tie,
 )
-from supple.explicit.obstacles import Obstacle
-from supple.importers.toml import ZERO, CheckedTable, KeyPath, Mistakes, Positive, Raw, Vector, on_each
-from supple.machine import At
+from supple.machine.obstacles import Obstacle
 
 
 def _end(place: str) -> At:
-    part, _, nodes = place.partition(".")
-    return At(part, nodes)
+    body, _, nodes = place.partition(".")
+    return At(body, nodes)
 
 
 class _Rigid(CheckedTable):
@@ -82,10 +93,10 @@ class Sphere(_Rigid):
 class ContactTable(CheckedTable):
     """Nodes that must not enter an obstacle or another part, by penalty."""
 
-    nodes: str = Field(description="PART.NODE_SET")
+    nodes: PlaceOf = Field(description="BODY.NODE_SET")
     obstacle: Annotated[Plane | Cylinder | Sphere, Field(discriminator="kind")] | None = None
-    surface: str | None = Field(
-        None, description="PART.NODE_SET: instead of an obstacle, the outer faces of another part on this set"
+    surface: PlaceOf | None = Field(
+        None, description="BODY.NODE_SET: instead of an obstacle, the outer faces of another part on this set"
     )
     stiffness: Positive | None = Field(None, description="force per depth of a node; by fraction if left out")
     fraction: float = Field(
@@ -149,7 +160,7 @@ class MortarTransfer(CheckedTable):
 class TieTable(CheckedTable):
     """Nodes that move with another part."""
 
-    nodes: str = Field(description="PART.NODE_SET; of a modal part where the other one is modal, too")
+    nodes: PlaceOf = Field(description="BODY.NODE_SET; of a modal part where the other one is modal, too")
     on: str = Field(description="the part they are tied to")
     transfer: Annotated[CollocatedTransfer | MortarTransfer, Field(discriminator="kind")] = Field(
         CollocatedTransfer(kind="collocated"), description="how nodes follow a modal part of another mesh"
@@ -167,7 +178,7 @@ class TieTable(CheckedTable):
 class SupportTable(CheckedTable):
     """Nodes of an explicit part that are held."""
 
-    nodes: str = Field(description="PART.NODE_SET of an explicit part")
+    nodes: PlaceOf = Field(description="BODY.NODE_SET of an explicit part")
     axes: str = Field("xyz", pattern="^[xyz]{1,3}$", description="directions that are held, global axes")
     rotations: bool = Field(False, description="true holds rotations about these axes, too: of shells")
 
@@ -178,24 +189,6 @@ class SupportTable(CheckedTable):
         return Support(_end(self.nodes), axes + turns)
 
 
-class ForceTable(CheckedTable):
-    """A force that nodes share evenly."""
-
-    kind: Literal["force"] = "force"
-    at: str = Field(description="PART.NODE_SET")
-    vector: Vector = Field(description="a force, global axes (at the start, if it follows)")
-    follower: bool = Field(False, description="true turns the force with the frame of a modal part")
-    law: Law = Field(
-        default=Constant(kind="constant", value=1.0), description="factor on vector against time"
-    )
-
-    def build(self, folder: Path) -> NodalForce:
-        """The force; `folder` holds the file of its law."""
-        law = self.law
-        factor = law.build_of_load(folder) if isinstance(law, TableLaw) else law.build(folder)
-        return NodalForce(_end(self.at), self.vector, factor, self.follower)
-
-
 def _touches_one_thing(path: KeyPath, contact: Raw) -> Mistakes:
     given = [key for key in ("obstacle", "surface") if key in contact]
     if len(given) != 1:
@@ -203,4 +196,49 @@ def _touches_one_thing(path: KeyPath, contact: Raw) -> Mistakes:
         yield path, f"a contact needs exactly one of obstacle, surface; this one has {seen}"
 
 
-RULES = (on_each("contact", _touches_one_thing),)
+def _part_places(raw: Raw) -> Iterator[tuple[KeyPath, Any]]:
+    """Every BODY.NODE_SET of ties, contacts and supports, with the path of its key."""
+    for section in ("tie", "contact", "support"):
+        for path, item in tables(raw, section):
+            for key in ("nodes", "surface"):
+                if key in item:
+                    yield (*path, key), item[key]
+
+
+def _suit_their_parts(raw: Raw) -> Mistakes:
+    """Ties, contacts and supports are of explicit parts; supports are of elements, and modal parts lead."""
+    kinds = {
+        body.get("name"): "modal" if "modal" in body else "explicit" if "explicit" in body else None
+        for _, body in tables(raw, "body")
+    }
+    for path, place in _part_places(raw):
+        name = place.partition(".")[0] if isinstance(place, str) else None
+        if name in kinds and kinds[name] is None:
+            yield (
+                path,
+                f"body {name!r} marches in a floating frame; give it modal = {{..}} or explicit = {{..}}",
+            )
+        elif path[0] == "support" and kinds.get(name) == "modal":
+            yield path, "only nodes of explicit elements are held, and this part is modal"
+    for path, tie in tables(raw, "tie"):
+        nodes, on = tie.get("nodes"), tie.get("on")
+        name = nodes.partition(".")[0] if isinstance(nodes, str) else None
+        if isinstance(on, str) and on not in kinds:
+            yield (*path, "on"), unknown("body", on, [str(each) for each in kinds])
+        elif name is not None and name == on:
+            yield (*path, "on"), "a part is not tied to itself; name another"
+        elif (kinds.get(name), kinds.get(on)) == ("modal", "explicit"):
+            message = (
+                "this part is modal, and tied on an explicit one; name the nodes of the explicit part, and "
+                "tie them on the modal one"
+            )
+            yield (*path, "nodes"), message
+        elif table(tie, "transfer").get("kind") == "mortar" and kinds.get(on) == "explicit":
+            message = "explicit parts are tied node to node; a mortar is for ties on modal parts"
+            yield (*path, "transfer"), message
+        elif "continuity" in tie and kinds.get(name) == "explicit":
+            message = "explicit nodes hang position for position; leave it out, or tie two modal parts"
+            yield (*path, "continuity"), message
+
+
+RULES = (on_each("contact", _touches_one_thing), _suit_their_parts)

@@ -1,4 +1,4 @@
-"""The span of time of an explicit case, and what its steps are made of."""
+"""How a case of explicit parts steps."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from supple.cases.simulation import output_steps_fill_the_duration
 from supple.explicit import (
     ExactLinks,
-    ExplicitOptions,
+    Explicit,
     LaggedGyroscopicForce,
     NoGyroscopicForce,
     PredictedLinks,
@@ -17,7 +16,6 @@ from supple.explicit import (
     PublishedScheme,
 )
 from supple.importers.toml import CheckedTable, Positive
-from supple.integrate import Run
 
 
 class Projected(CheckedTable):
@@ -48,14 +46,9 @@ class Published(CheckedTable):
         return PublishedScheme(links, force)
 
 
-class ExplicitSimulation(CheckedTable):
-    """Span of time and steps."""
+class ExplicitMethod(CheckedTable):
+    """Steps of modal parts and of explicit elements."""
 
-    duration: Positive = Field(description="a time")
-    output_step: Positive = Field(description="time between stored states")
-    step: Positive | None = Field(
-        None, description="of the explicit nodes; what is stable, chosen at every output time, if left out"
-    )
     safety: float = Field(0.9, gt=0.0, le=1.0, description="part of the step limit that is used")
     largest_ratio: int = Field(50, ge=1, description="explicit steps in one step of the modal parts, at most")
     interface_loss: Positive = Field(
@@ -65,19 +58,6 @@ class ExplicitSimulation(CheckedTable):
     )
     scheme: Annotated[Projected | Published, Field(discriminator="kind")] = Projected(kind="projected")
 
-    def build(self) -> Run:
-        """The run."""
-        return Run(self.duration, self.output_step)
-
-    def options(self) -> ExplicitOptions:
-        """How it steps."""
-        return ExplicitOptions(
-            scheme=self.scheme.build(),
-            safety=self.safety,
-            step=self.step,
-            largest_ratio=self.largest_ratio,
-            interface_loss=self.interface_loss,
-        )
-
-
-RULES = (output_steps_fill_the_duration,)
+    def build(self) -> Explicit:
+        """The method."""
+        return Explicit(self.scheme.build(), self.safety, self.largest_ratio, self.interface_loss)

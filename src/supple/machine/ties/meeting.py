@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from supple.errors import ModelError
-from supple.explicit.outer_faces import FACE_TRIANGLES
 from supple.mesh import Mesh
+from supple.mesh.outer_faces import FACE_TRIANGLES
 
 __all__ = ["meeting_nodes", "on_faces"]
 

@@ -1,1 +1,0 @@
-"""Case files of explicit runs: parts instead of bodies, one file per section."""

@@ -1,0 +1,152 @@
+"""Bodies that march explicitly: in modes on a four-point frame, or as nonlinear finite elements."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field
+
+from supple.body import FlexibleBody, LinearRayleighDamping
+from supple.cases import material_laws
+from supple.cases.body_kinds import is_explicit, kind_of
+from supple.cases.material_laws import MaterialLaw, StVenantKirchhoffLaw
+from supple.explicit import (
+    BulkViscosity,
+    CentrifugalStiffness,
+    ExplicitShell,
+    ExplicitSubdomain,
+    J2Plasticity,
+    ModalSubdomain,
+    explicit_shell,
+    explicit_subdomain,
+    modal_subdomain,
+)
+from supple.explicit.modal_stress import isotropic_materials
+from supple.fem import FiniteElementModel
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Positive, Raw, table
+from supple.reduction import NormalModes, Rubin
+
+
+class ModalPart(CheckedTable):
+    """Vibration modes on a four-point frame that flies and turns."""
+
+    modes: int = Field(
+        ge=1,
+        description="vibration modes of the free body, from the lowest up; static answers to forces and "
+        "moments at its interfaces join them",
+    )
+    highest_hz: Positive | None = Field(
+        None, description="modes above it are left out, so that they do not shorten the step"
+    )
+    spin_stiffness: bool = Field(
+        False, description="true stiffens the modes by the centrifugal stress of the body's own free spin"
+    )
+    yield_stress: Positive | None = Field(
+        None,
+        description="force per area, beyond which the run warns; the lowest of the explicit parts of its "
+        "material if left out",
+    )
+
+    def build(self, body: FlexibleBody, damping: LinearRayleighDamping | None) -> ModalSubdomain:
+        """The part."""
+        return modal_subdomain(
+            body,
+            Rubin(self.modes) if body.interfaces else NormalModes(self.modes),
+            highest=np.inf if self.highest_hz is None else 2 * np.pi * self.highest_hz,
+            damping=damping,
+            stiffening=CentrifugalStiffness() if self.spin_stiffness else None,
+            yield_stress=self.yield_stress,
+        )
+
+
+class Viscosity(CheckedTable):
+    """Of solids: spreads fronts over a few elements."""
+
+    linear: NonNegative = Field(0.06, description="of critical damping of the shortest waves")
+    quadratic: NonNegative = Field(1.2, description="elements that a shock is spread over, about")
+
+    def build(self) -> BulkViscosity:
+        """The viscosity."""
+        return BulkViscosity(self.linear, self.quadratic)
+
+
+class ExplicitPart(CheckedTable):
+    """Nonlinear finite elements."""
+
+    law: MaterialLaw = Field(
+        default=StVenantKirchhoffLaw(kind="st-venant-kirchhoff"), description="how the material answers"
+    )
+    hourglass: float = Field(
+        0.01, ge=0.0, le=1.0, description="stiffness of hourglass modes of hexahedra over that of stretching"
+    )
+    layers: int = Field(5, ge=2, description="Gauss points through the thickness of shells that yield")
+    deletion: Positive | None = Field(None, description="plastic strain at which an element is deleted")
+    bulk_viscosity: Viscosity = Field(
+        Viscosity(linear=0.06, quadratic=1.2), description="pressure against the rate of volume; zeros: none"
+    )
+
+    def build(
+        self, name: str, model: FiniteElementModel, damping: LinearRayleighDamping | None
+    ) -> ExplicitSubdomain | ExplicitShell:
+        """The part of that name; several materials of a model are refused by `explicit_subdomain`."""
+        law = self.law.build(next(iter(isotropic_materials(model))))
+        deletion = np.inf if self.deletion is None else self.deletion
+        if model.dofs_per_node == 6:
+            yields = law if isinstance(law, J2Plasticity) else None
+            return explicit_shell(
+                model, name=name, law=yields, layers=self.layers, deletion=deletion, damping=damping
+            )
+        return explicit_subdomain(
+            model,
+            law,
+            name=name,
+            hourglass=self.hourglass,
+            deletion=deletion,
+            damping=damping,
+            bulk_viscosity=self.bulk_viscosity.build(),
+        )
+
+
+_OF_FRAMES = ("frame", "reduction", "split", "condense", "linear", "centre_velocity")
+
+
+def _marches_one_way(path: KeyPath, body: Raw) -> Mistakes:
+    """A part has no floating frame, and one way to march."""
+    if not is_explicit(body):
+        return
+    kind, march = kind_of(body), "modal" if "modal" in body else "explicit"
+    if "modal" in body and "explicit" in body:
+        yield (*path, "modal"), "a part is modal or explicit; remove one of the two"
+    if kind is not None and not kind.is_elastic:
+        yield (*path, march), "only elastic bodies march this way; remove the key"
+    for key in (key for key in _OF_FRAMES if key in body):
+        yield (*path, key), f"a body that marches {march} has no floating frame, so no {key}; remove the key"
+    if table(body, "damping").get("kind", "linear-rayleigh") != "linear-rayleigh":
+        yield (*path, "damping", "kind"), 'damping of a part is of kind "linear-rayleigh"'
+    if "explicit" in body and "interface" in body:
+        message = "the node sets of the mesh are the interfaces of explicit elements; remove the key"
+        yield (*path, "interface"), message
+    if "explicit" in body and kind is not None and kind.is_elastic and not kind.has_elements:
+        yield (*path, "explicit"), "matrices have no elements; give shell or solid, or march it modal"
+
+
+def _keys_have_an_effect(path: KeyPath, body: Raw) -> Mistakes:
+    """Explicit shells are elastic or yield; what else is said has no effect, nor layers of a solid."""
+    given = table(body, "explicit")
+    kind = table(given, "law").get("kind")
+    if "shell" not in body:
+        if "layers" in given:
+            yield (*path, "explicit", "layers"), "layers are of shells that yield; a solid has none"
+        return
+    if "hourglass" in given:
+        yield (*path, "explicit", "hourglass"), "hourglass modes are of hexahedra; a shell has none"
+    if "bulk_viscosity" in given:
+        yield (*path, "explicit", "bulk_viscosity"), "bulk viscosity is of solids; a shell has none"
+    if "law" in given and kind != "j2":
+        message = f'the law of a shell is kind = "j2", or left out where it is elastic; got {kind!r}'
+        yield (*path, "explicit", "law"), message
+    for key in ("layers", "deletion") if "law" not in given else ():
+        if key in given:
+            yield (*path, "explicit", key), f'an elastic shell has no {key}; give it a law of kind "j2"'
+
+
+RULES_OF_BODY = (_marches_one_way, _keys_have_an_effect, *material_laws.RULES_OF_PART)

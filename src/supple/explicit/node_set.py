@@ -1,0 +1,57 @@
+"""The interfaces of an explicit part: the node sets of its mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body.averaged_motion import averaged_motion
+
+__all__ = ["NodeSet", "node_sets"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class NodeSet:
+    """Nodes of a part, whose mean motion is that of the interface, and which share a force on it evenly.
+
+    part : the body that has them
+    nodes : (n,) their numbers;   position : (3,) their mean, undeformed, in the mesh axes
+    """
+
+    part: Any
+    name: str
+    nodes: NDArray[np.int64]
+    position: FloatArray
+
+    @property
+    def averaging(self) -> FloatArray:
+        """(6, n, 3): mean displacement, and rotation of the rigid motion that fits best, per displacement."""
+        return averaged_motion(self.part.nodes[self.nodes], np.ones(len(self.nodes)), self.position, 3)
+
+    @property
+    def tied_nodes(self) -> NDArray[np.int64]:
+        """None."""
+        return np.empty(0, dtype=np.int64)
+
+    @property
+    def motion(self) -> FloatArray:
+        """The same per coordinate of the part, (6, r)."""
+        unit = np.eye(self.part.n_coordinates)
+        return np.einsum("ank,rnk->ar", self.averaging, self.part.expand(unit, self.nodes), optimize=True)
+
+    @property
+    def cubic_turn(self) -> float:
+        """None: of small rotations."""
+        return 0.0
+
+
+def node_sets(part: Any, sets: Mapping[str, NDArray[np.int64]]) -> tuple[NodeSet, ...]:
+    """The interfaces of a part on the sets that are not empty."""
+    known = {name: np.asarray(nodes) for name, nodes in sets.items() if len(nodes)}
+    return tuple(NodeSet(part, name, nodes, part.nodes[nodes].mean(axis=0)) for name, nodes in known.items())

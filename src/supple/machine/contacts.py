@@ -1,0 +1,81 @@
+"""What holds and stops the nodes of explicit parts: supports, rigid obstacles, surfaces of other parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from supple.arguments import check_fields
+from supple.errors import ModelError
+from supple.machine.ends import At
+from supple.machine.obstacles import Obstacle
+
+__all__ = ["Contact", "Support", "SurfaceContact"]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Nodes that must not enter a rigid obstacle, by penalty: force = stiffness * depth, at each node.
+
+    nodes : At(part, node set)
+    obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..)
+    stiffness : N/m a node; where left out, `fraction` of what the node's mass bears at the step limit
+    fraction : of m omega_max^2; it shortens the step by sqrt(1 + fraction)
+    """
+
+    nodes: At
+    obstacle: Obstacle
+    stiffness: float | None = None
+    fraction: float = 0.2
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        _check_stiffness(self.stiffness, self.fraction)
+
+
+@dataclass(frozen=True)
+class SurfaceContact:
+    """Nodes of a part that must not enter the faces of another, by penalty: stiffness * depth at each.
+
+    nodes : At(part, node set)
+    surface : At(part, node set)    the outer faces all of whose corners are in the set; give the coarser,
+        or stiffer, side
+    stiffness : N/m a node; where left out, `fraction` of what the lightest node of either side bears at the
+        step limit
+    fraction : of m omega_max^2; it shortens the step by no more than sqrt(1 + 2 fraction)
+    """
+
+    nodes: At
+    surface: At
+    stiffness: float | None = None
+    fraction: float = 0.2
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        _check_stiffness(self.stiffness, self.fraction)
+        if self.nodes.body == self.surface.body:
+            raise ModelError(
+                f"contact of '{self.nodes}' with '{self.surface}': both are of one part; a part does not "
+                "touch itself here, make two parts of it"
+            )
+
+
+@dataclass(frozen=True)
+class Support:
+    """Nodes of finite elements that are held.
+
+    nodes : At(part, node set);   axes : which of x, y, z are held, 0 to 2; of shells also rotations about
+        them, 3 to 5
+    """
+
+    nodes: At
+    axes: tuple[int, ...] = (0, 1, 2)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+def _check_stiffness(stiffness: float | None, fraction: float) -> None:
+    if stiffness is not None and not stiffness > 0:
+        raise ModelError(f"the stiffness of a contact must be positive, got {stiffness}")
+    if not 0 < fraction <= 1:
+        raise ModelError(f"the fraction of a contact must lie in (0, 1], got {fraction}")

@@ -1,0 +1,73 @@
+"""The numbers of an explicit march besides those of any run: parts, energies and their balance, steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.explicit import ENERGIES, STEPS, Energies, ExplicitShell, ExplicitSubdomain, ModalSubdomain
+from supple.integrate import Solution
+
+__all__ = ["energy_balance", "explicit_cost_line", "march_numbers", "part_numbers"]
+
+FloatArray = NDArray[np.float64]
+
+
+def energy_balance(solution: Solution) -> FloatArray:
+    """By how much the sum of all energies less external work has changed since the start, (t,) J."""
+    energies = solution.series[ENERGIES]
+    external = Energies._fields.index("external")
+    total = np.delete(energies, external, axis=1).sum(axis=1) - energies[:, external]
+    return total - total[0]
+
+
+def march_numbers(solution: Solution) -> dict[str, Any]:
+    """Energies, how far their balance is open, and steps of a march; nothing of another method's run."""
+    if ENERGIES not in solution.series:
+        return {}
+    times, energies, steps = solution.times, solution.series[ENERGIES], solution.series[STEPS][1:]
+    opened, scale = float(np.abs(energy_balance(solution)).max()), float(np.abs(energies).max())
+    return {
+        "energies": {
+            name: {
+                "start": float(values[0]),
+                "largest": float(values[np.abs(values).argmax()]),
+                "time of largest": float(times[np.abs(values).argmax()]),
+                "end": float(values[-1]),
+            }
+            for name, values in zip(Energies._fields, energies.T, strict=True)
+        },
+        "balance": {"largest": opened, "relative": opened / scale if scale else 0.0},
+        "steps": {
+            "smallest": float(steps[:, 0].min(initial=np.inf)) if len(steps) else 0.0,
+            "largest": float(steps[:, 0].max(initial=0.0)),
+            "largest ratio": int(steps[:, 1].max(initial=1)),
+        },
+    }
+
+
+def part_numbers(body: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motion: Any) -> dict[str, Any]:
+    """Size, step limit at rest, and what yielded and broke of a part."""
+    size: dict[str, Any] = {"mass": body.mass, "nodes": len(body.nodes), "step limit": body.step_limit}
+    if isinstance(body, ModalSubdomain):
+        return {**size, "coordinates": body.n_modes}
+    return {
+        **size,
+        "elements": motion.alive.shape[1],
+        "deleted": int((motion.alive[-1] == 0).sum()),
+        "largest plastic strain": float(motion.plastic_strain.max()),
+    }
+
+
+def explicit_cost_line(numbers: Mapping[str, Any]) -> str:
+    """Steps and seconds in one line; numbers as of `summarize`."""
+    steps, cost = numbers["steps"], numbers["statistics"]
+    time = numbers["units"].get("time", "")
+    longest = f"{steps['largest']:.3g}{f' {time}' if time else ''}"
+    return (
+        f"{cost['steps']} explicit steps of at most {longest}, up to {steps['largest ratio']} in one of the "
+        f"modal parts; {cost['seconds']:.2f} s with compilation"
+    )
