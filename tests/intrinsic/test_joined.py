@@ -241,6 +241,16 @@ def test_a_run_in_two_parts_is_the_run_in_one():
     assert np.array_equal(whole.bodies["b"].rates[6:], resumed.bodies["b"].rates)
 
 
+@pytest.mark.slow
+def test_a_root_in_the_origin_is_no_error_of_a_step():
+    """A beam falls about a hinge there; nothing but rounding is open in it."""
+    body = beam("a", EI=100.0, EA=1e4)
+    run = Run(0.1, 0.05, step=FixedStep(5e-3), method=GeneralizedAlpha(0.9))
+    motion = simulate(System([body], [HINGE], gravity=GRAVITY), run).bodies["a"]
+    angle = np.arctan2(motion.rotation[-1, 0, 2], motion.rotation[-1, 0, 0])
+    assert angle == pytest.approx(1.5 * G * 0.1**2 / 2, rel=0.1)
+
+
 def test_what_cannot_be_joined_is_refused_with_the_remedy():
     def refused(system, message, **run):
         options = {"step": FixedStep(1e-3), "method": GeneralizedAlpha(0.9)} | run

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from dataclasses import replace
 from typing import Any
 
 import jax
@@ -23,6 +24,9 @@ from supple.intrinsic.joined_step import JoinedState, joined_step
 from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.equations.compiler_options import STARTING
+from supple.multibody.equations.configuration import ControlState, SystemMotion
+from supple.multibody.equations.control_start import first_control, fresh_control
+from supple.multibody.equations.sampling import sampling_of
 
 __all__ = ["ITERATED", "JoinedEngine"]
 
@@ -48,9 +52,10 @@ class JoinedEngine:
         self._machine: JoinedMachine = joined_machine(system, run.start)
         self._arrays = self._machine.arrays
         self._coefficients = first_order_coefficients(run.method.rho_inf)
-        step = float(run.times[1] - run.times[0])
-        self._n_steps = max(1, int(np.ceil(step / run.step_control.size * (1 - 1e-9))))
-        self._length = leg_size(len(run.times))
+        self._interval = float(run.times[1] - run.times[0])
+        self._step = run.step_control.size
+        self._sampling = sampling_of(self._machine.seen, run)
+        self._length = leg_size(len(run.times)) if self._sampling is None else 1
 
     def start(self, time: float) -> JoinedState:
         """Velocities on the joints, consistent rates and joint forces."""
@@ -58,9 +63,12 @@ class JoinedEngine:
         report_start(change, self._run.validity)
         # Of NumPy's types as all later instants: JAX would compile once more for numbers of Python's.
         now = jax.tree.map(np.asarray, begun)
-        _, rates, multipliers = self._outputs(jax.tree.map(lambda leaf: leaf[None], now))
-        first, forces = jax.tree.map(lambda leaf: leaf[0], (rates, multipliers))
-        return JoinedState(now, first, forces, jnp.zeros(()), jnp.zeros((), dtype=int))
+        control = fresh_control(self._machine.seen)
+        _, rates, forces = self._at(now, control)
+        if control is not None:
+            control = first_control(self._machine.seen, self._arrays.model, self._motion(now, control))
+            _, rates, forces = self._at(now, control)
+        return JoinedState(now, rates, forces, control, jnp.zeros(()), jnp.zeros((), dtype=int))
 
     def resumed(self, last: Solution) -> JoinedState:
         """The state at the end of a recorded part, exact."""
@@ -75,16 +83,52 @@ class JoinedEngine:
 
     def march(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
         """To each of the output times, in one call of the compiled program."""
+        if self._sampling is None:
+            return self._leg(state, times)
+        legs: list[Leg[JoinedState]] = []
+        reached: list[JoinedState] = []
+        instants = self._sampling.every
+        between = instants[(instants > float(state.now.time)) & (instants < times[-1])]
+        for stop in np.union1d(between, times):
+            # Called where the march goes on, not in the leg that the start is.
+            goes_on = stop > float(state.now.time)
+            legs.append(self._leg(self._sampled(state) if goes_on else state, np.array([stop])))
+            state = legs[-1].last
+            if legs[-1].stopped is not None:
+                break
+            if stop in times:
+                reached.append(legs[-1].states)
+        known = reached or [legs[-1].states]
+        return replace(
+            legs[-1],
+            states=jax.tree.map(lambda *leaves: np.concatenate(leaves), *known),
+            n_reached=len(reached),
+            statistics=sum((leg.statistics for leg in legs), Statistics()),
+        )
+
+    def _sampled(self, state: JoinedState) -> JoinedState:
+        """After calling the sampled controllers that are due, with rates that belong to them."""
+        assert self._sampling is not None
+        now = jax.tree.map(np.asarray, state.now)
+        control = self._sampling.called(self._arrays.model, self._motion(now, state.control), state.control)
+        if control is None:
+            return state
+        _, rates, forces = self._at(now, control)
+        return state._replace(rates=rates, multipliers=forces, control=control)
+
+    def _leg(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
         began = clock.perf_counter()
         # A short leg repeats its end, where steps have no length.
         tolerances = self._run.tolerances
+        interval = self._interval if self._sampling is None else float(times[0] - state.now.time)
+        n_steps = max(1, int(np.ceil(interval / self._step * (1 - 1e-9))))
         reached = _march(
             self._arrays,
             state,
             full_leg(times, self._length),
             self._coefficients,
             ITERATED * tolerances.residual,
-            self._n_steps,
+            n_steps,
             tolerances.max_iterations,
         )
         reached = jax.device_get(reached)
@@ -97,7 +141,7 @@ class JoinedEngine:
             n_reached=n_reached,
             last=last,
             statistics=Statistics(
-                steps=moving * self._n_steps,
+                steps=moving * n_steps,
                 iterations=int(last.iterations - state.iterations),
                 seconds=clock.perf_counter() - began,
             ),
@@ -115,15 +159,27 @@ class JoinedEngine:
             "allow more iterations (Tolerances), or look for a singular position of the joints"
         )
 
-    def _outputs(self, now: Instant) -> tuple[Any, Motion, Any]:
+    def _outputs(self, now: Instant, control: ControlState | None) -> tuple[Any, Motion, Any]:
         """Velocities of the model's bodies, rates and multipliers at instants."""
         n = len(now.time)
-        return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, full_leg(now, self._length)))
+        both = full_leg((now, control), max(self._length, n))
+        return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, *both))
+
+    def _at(self, now: Instant, control: ControlState | None) -> tuple[Any, Motion, Any]:
+        """The same at one instant."""
+        found = self._outputs(*jax.tree.map(lambda leaf: np.asarray(leaf)[None], (now, control)))
+        return jax.tree.map(lambda leaf: leaf[0], found)
+
+    def _motion(self, now: Instant, control: ControlState) -> SystemMotion:
+        """What controllers see."""
+        velocities, *_ = self._at(now, control)
+        still = np.zeros_like(np.asarray(velocities)), np.zeros(len(self._arrays.model.active))
+        return SystemMotion(now.time, now.floating, velocities, *still)
 
     def solution(self, leg: Leg[JoinedState]) -> Solution:
         """The motion of a leg; forces of joints and accelerations are those of its very instants."""
         now: Instant = leg.states.now
-        velocities, rates, multipliers = jax.device_get(self._outputs(now))
+        velocities, rates, multipliers = jax.device_get(self._outputs(now, leg.states.control))
         state = {
             f"leaf {number}": np.asarray(leaf, dtype=float)
             for number, leaf in enumerate(jax.tree.leaves(leg.last))
@@ -153,8 +209,13 @@ def _march_joined(
     return jax.lax.scan(to_output, start, times)[1]
 
 
-def _rates_at(arrays: JoinedArrays, states: Instant) -> tuple[jax.Array, Motion, jax.Array]:
-    return jax.vmap(lambda now: (all_velocities(arrays, now), *instant_rates(arrays, now)))(states)
+def _rates_at(
+    arrays: JoinedArrays, states: Instant, controls: ControlState | None
+) -> tuple[jax.Array, Motion, jax.Array]:
+    def at(now: Instant, control: ControlState | None) -> tuple[jax.Array, Motion, jax.Array]:
+        return all_velocities(arrays, now), *instant_rates(arrays, now, control)
+
+    return jax.vmap(at)(states, controls)
 
 
 _march = KeptProgram(_march_joined, STARTING)

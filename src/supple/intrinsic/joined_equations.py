@@ -27,8 +27,8 @@ from supple.intrinsic.line_equations import force_rates, line_rates, section_str
 from supple.intrinsic.line_model import LineModel, LineState
 from supple.intrinsic.line_system import States, root_rates, system_wrenches
 from supple.multibody.equations import joint_force
-from supple.multibody.equations.balance import Balance, balance
-from supple.multibody.equations.configuration import Configuration, SystemMotion, advance
+from supple.multibody.equations.balance import balance
+from supple.multibody.equations.configuration import Configuration, ControlStep, SystemMotion, advance
 from supple.multibody.equations.joint_force import constraints
 from supple.multibody.equations.places import assembled_vector
 
@@ -42,7 +42,7 @@ __all__ = [
     "joint_rates",
     "motion_residuals",
     "moved",
-    "seen_balance",
+    "seen_motion",
     "shape_rates",
     "station_twists",
 ]
@@ -141,13 +141,13 @@ def moved(arrays: JoinedArrays, now: Instant, change: Motion, time: Any) -> Inst
     )
 
 
-def seen_balance(arrays: JoinedArrays, now: Instant, rates: Motion, multipliers: jax.Array) -> Balance:
-    """The equations of floating bodies, and what joints and forces do to the stations."""
+def seen_motion(
+    arrays: JoinedArrays, now: Instant, rates: Motion, multipliers: Any, control: ControlStep | None = None
+) -> SystemMotion:
+    """Floating bodies and stations as joints, forces and controllers see them."""
     accelerations = jnp.concatenate([rates.acceleration, jnp.zeros(6 * arrays.n_held)])
-    return balance(
-        arrays.model,
-        SystemMotion(now.time, now.floating, all_velocities(arrays, now), accelerations, multipliers),
-    )
+    velocities = all_velocities(arrays, now)
+    return SystemMotion(now.time, now.floating, velocities, accelerations, multipliers, control)
 
 
 def motion_residuals(
@@ -157,14 +157,16 @@ def motion_residuals(
     multipliers: jax.Array,
     closing: jax.Array,
     softness: Callable[[jax.Array], jax.Array],
+    control: ControlStep | None = None,
 ) -> Motion:
     """What rates (of an instant) miss of the equations of motion.
 
     multipliers : (m,) lambda,  closing : (m,) mu
     softness : M^-1, on forces (n,) of the floating bodies
+    control : of the machine's controllers, if it has any
     """
     model, n = arrays.model, arrays.n_floating
-    balanced = seen_balance(arrays, now, rates, multipliers)
+    balanced = balance(model, seen_motion(arrays, now, rates, multipliers, control))
     left = balanced.residual
     push = assembled_vector(
         model.n_velocities, joint_force.force(model, balanced.linearization.joints, closing)

@@ -24,7 +24,20 @@ from supple.intrinsic.machine_of_lines import line_start, machine_of_lines
 from supple.intrinsic.root_drive import RootDrive
 from supple.intrinsic.station_loads import StationLoad
 from supple.intrinsic.strain_integration import rotation_of, station_places
-from supple.machine import GROUND, At, BaseAcceleration, ForceElement, Joint, NodalLoad, Placed, System
+from supple.machine import (
+    GROUND,
+    At,
+    BaseAcceleration,
+    Controller,
+    EndReading,
+    ForceElement,
+    Joint,
+    JointFriction,
+    NodalLoad,
+    Placed,
+    SampledController,
+    System,
+)
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.model import BodyGroup, Model
@@ -97,19 +110,26 @@ def joined_machine(system: System, time: float) -> JoinedMachine:
     others = tuple(placed for placed in system.bodies if placed not in lines)
     _check_bodies(lines, others)
     forces = [load for load in system.loads if isinstance(load, ForceElement)]
-    held = tuple(_held(placed, [*system.joints, *forces]) for placed in lines)
+    held = tuple(_held(placed, _ends(system, forces)) for placed in lines)
+    joints = {joint.name: _seen_ends(system, joint) for joint in system.joints}
     bases = [load for load in system.loads if isinstance(load, BaseAcceleration)]
     nodal = [load for load in system.loads if isinstance(load, NodalLoad)]
     names = {placed.body.name for placed in lines}
     seen = System(
         [*others, *(_station(p, n) for p, own in zip(lines, held, strict=True) for n in own)],
-        [_seen_ends(system, joint) for joint in system.joints],
+        list(joints.values()),
         [
-            *(_seen_ends(system, load) for load in forces),
+            *(
+                replace(load, joint=joints[load.joint.name])
+                if isinstance(load, JointFriction)
+                else _seen_ends(system, load)
+                for load in forces
+            ),
             *(load for load in nodal if load.body not in names),
             *bases,
         ],
         gravity=system.gravity,
+        controllers=[_seen_controller(system, controller) for controller in system.controllers],
     )
     own_loads = [load for load in nodal if load.body in names]
     on_lines = System(lines, loads=[*own_loads, *bases], gravity=system.gravity)
@@ -176,9 +196,18 @@ def _check_bodies(lines: tuple[Placed, ...], others: tuple[Placed, ...]) -> None
             )
 
 
-def _held(placed: Placed, elements: list[Any]) -> tuple[int, ...]:
-    """Stations that joints and forces hold."""
-    ends = [end for element in elements for end in (element.first, element.second)]
+def _ends(system: System, forces: list[ForceElement]) -> list[At]:
+    """Where joints, forces and controllers take hold of bodies, or look at them."""
+    elements: list[Any] = [*system.joints, *forces]
+    read = []
+    for controller in system.controllers:
+        elements += controller.drives.values()
+        read += [each.at for each in controller.reads.values() if isinstance(each, EndReading)]
+    return read + [end for element in elements for end in (element.first, element.second)]
+
+
+def _held(placed: Placed, ends: list[At]) -> tuple[int, ...]:
+    """Stations of a body among these."""
     return tuple(sorted({_number(placed, end) for end in ends if end.body == placed.body.name}))
 
 
@@ -200,16 +229,27 @@ def _station(placed: Placed, number: int) -> Placed:
 
 def _seen_ends(system: System, element: Joint | ForceElement) -> Any:
     """A joint or force between floating bodies and stations."""
+    return replace(element, first=_seen(system, element.first), second=_seen(system, element.second))
 
-    def seen(end: At) -> At:
-        if end == GROUND:
-            return end
-        placed = system.bodies[system.body_index(end.body)]
-        if not isinstance(placed.body, IntrinsicBody):
-            return end
-        return At(_label(placed, _number(placed, end)), "station")
 
-    return replace(element, first=seen(element.first), second=seen(element.second))
+def _seen(system: System, end: At) -> At:
+    """An end, or the station that it is."""
+    if end == GROUND:
+        return end
+    placed = system.bodies[system.body_index(end.body)]
+    if not isinstance(placed.body, IntrinsicBody):
+        return end
+    return At(_label(placed, _number(placed, end)), "station")
+
+
+def _seen_controller(system: System, controller: Controller | SampledController) -> Any:
+    """A controller that reads and drives floating bodies and stations."""
+    reads = {
+        name: EndReading(_seen(system, each.at)) if isinstance(each, EndReading) else each
+        for name, each in controller.reads.items()
+    }
+    drives = {name: _seen_ends(system, element) for name, element in controller.drives.items()}
+    return replace(controller, reads=reads, drives=drives)
 
 
 def held_places(arrays: JoinedArrays, states: States) -> tuple[jax.Array, jax.Array]:

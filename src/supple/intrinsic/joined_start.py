@@ -29,7 +29,9 @@ from supple.intrinsic.rigid_motion import amplitudes_of, rigid_motion
 from supple.machine import System
 from supple.multibody.equations.build_model import row_scales
 from supple.multibody.equations.compiler_options import STARTING
+from supple.multibody.equations.configuration import ControlState, ControlStep
 from supple.multibody.equations.consistent_start import (
+    check_friction_known,
     independent_constraints,
     placed_configuration,
     placed_velocity,
@@ -50,6 +52,8 @@ __all__ = [
 
 OPEN = 1e-6
 """Of the machine's size, and rad."""
+MOST_REACTIONS, SETTLED = 100, 1e-12
+"""Iterations for joint forces under friction, and their change over the largest in the last."""
 
 
 class JoinedStart(NamedTuple):
@@ -108,6 +112,7 @@ def closed_machine(
     if len(active) < len(gaps):
         n_floating = len(arrays.model.sizes) - arrays.n_held
         arrays = replace(arrays, model=seen_model(seen, n_floating, tuple(active.tolist())))
+        check_friction_known(seen, tuple(active.tolist()))
     return ClosedMachine(arrays, now, active, rows, rates, metric)
 
 
@@ -226,10 +231,13 @@ def _rigid_motions(machine: JoinedMachine) -> tuple[list[slice], list[np.ndarray
     return parts, motions
 
 
-def instant_rates(arrays: JoinedArrays, now: Instant) -> tuple[Motion, jax.Array]:
+def instant_rates(
+    arrays: JoinedArrays, now: Instant, control: ControlState | None = None
+) -> tuple[Motion, jax.Array]:
     """Rates of an instant on its joints, and the multipliers of these.
 
-    Equations of motion and d2g/dt2 = 0:  M a + J^T lambda = -b,  J a = -c,  with b and c at a = 0.
+    Equations of motion and d2g/dt2 = 0:  M a + J^T lambda = -b,  J a = -c,  with b and c at a = 0. Where
+    friction in b depends on lambda, by iteration.
     """
     m, n = len(arrays.model.active), arrays.n_floating
     lines = tuple(
@@ -238,8 +246,13 @@ def instant_rates(arrays: JoinedArrays, now: Instant) -> tuple[Motion, jax.Array
     )
     steady = Motion(lines, jnp.zeros(n), now.velocity)
     none = jnp.zeros(m)
-    left = motion_residuals(arrays, now, steady, none, none, jnp.zeros_like)
-    flat, unravel = ravel_pytree((left.acceleration, tuple(line.q1 for line in left.lines)))
+    held = control and ControlStep(control, jnp.zeros(()))
+
+    def unbalanced(multipliers: jax.Array) -> Any:
+        left = motion_residuals(arrays, now, steady, multipliers, none, jnp.zeros_like, held)
+        return left.acceleration, tuple(line.q1 for line in left.lines)
+
+    flat, unravel = ravel_pytree(unbalanced(none))
     if not m:
         found, multipliers = -jnp.linalg.solve(velocity_metric(arrays, now), flat), none
     else:
@@ -251,6 +264,20 @@ def instant_rates(arrays: JoinedArrays, now: Instant) -> tuple[Motion, jax.Array
         rows, _ = _rows(arrays, now)
         matrix = jnp.block([[velocity_metric(arrays, now), rows.T], [rows, jnp.zeros((m, m))]])
         solved = -jnp.linalg.solve(matrix, jnp.concatenate([flat, bias]))
+        if arrays.model.reads_reactions:
+            inverse, size = jnp.linalg.inv(matrix), len(flat)
+
+            def again(carry: tuple[jax.Array, Any, Any]) -> tuple[jax.Array, Any, Any]:
+                known, _, count = carry
+                left = ravel_pytree(unbalanced(known[size:]))[0] - rows.T @ known[size:]
+                after = -inverse @ jnp.concatenate([left, bias])
+                return after, jnp.max(jnp.abs(after - known)), count + 1
+
+            def goes_on(carry: tuple[jax.Array, Any, Any]) -> jax.Array:
+                known, change, count = carry
+                return (count < MOST_REACTIONS) & (change > SETTLED * jnp.max(jnp.abs(known)))
+
+            solved, *_ = jax.lax.while_loop(goes_on, again, (solved, jnp.asarray(jnp.inf), 0))
         found, multipliers = solved[: len(flat)], solved[len(flat) :]
     acceleration, firsts = unravel(found)
     moving = tuple(replace(line, q1=first) for line, first in zip(lines, firsts, strict=True))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import jax
@@ -10,8 +11,17 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 
 from supple.intrinsic.implicit_step import ROUNDING, FirstOrderCoefficients
-from supple.intrinsic.joined_equations import Instant, Motion, joint_equations, motion_residuals, moved
+from supple.intrinsic.joined_equations import (
+    Instant,
+    Motion,
+    joint_equations,
+    motion_residuals,
+    moved,
+    seen_motion,
+)
 from supple.intrinsic.joined_machine import JoinedArrays
+from supple.multibody.equations.configuration import ControlStep
+from supple.multibody.equations.control_force import stepped
 from supple.multibody.equations.inertia import mass_matrix
 
 __all__ = ["JoinedState", "joined_step"]
@@ -21,6 +31,7 @@ class JoinedState(NamedTuple):
     """Where a march is.
 
     multipliers : (m,)      of the last step
+    control : ControlState | None       of the machine's controllers
     worst : ()              largest residual of a step so far, over what was allowed
     iterations : ()         so far
     """
@@ -28,6 +39,7 @@ class JoinedState(NamedTuple):
     now: Instant
     rates: Motion
     multipliers: Any
+    control: Any
     worst: Any
     iterations: Any
 
@@ -45,7 +57,8 @@ def joined_step(
         y_1 = y_0 + h ((1 - gamma) y'_0 + gamma y'_1)
         (1 - alpha_m) y'_0 + alpha_m y'_1 = f(y at alpha_f) + joint forces,     g = 0 and g' = 0 at y_1
 
-    rho_inf = 1 is the implicit midpoint rule, symmetric in time.
+    rho_inf = 1 is the implicit midpoint rule, symmetric in time. States of controllers obey the trapezoidal
+    rule, over a part of the step where loads act and over all of it at its end.
     """
     alpha_m, alpha_f, gamma = coefficients
     now, before = state.now, state.rates
@@ -63,7 +76,13 @@ def joined_step(
         between = moved(arrays, now, mixed(alpha_f * h, 1 - gamma, after), alpha_f * h)
         end = moved(arrays, now, mixed(h, 1 - gamma, after), h)
         left = motion_residuals(
-            arrays, between, mixed(1.0, 1 - alpha_m, after), multipliers, closing, lambda f: inverse @ f
+            arrays,
+            between,
+            mixed(1.0, 1 - alpha_m, after),
+            multipliers,
+            closing,
+            lambda f: inverse @ f,
+            state.control and ControlStep(state.control, alpha_f * h),
         )
         return jnp.concatenate([ravel_pytree(left)[0], *joint_equations(arrays, end)])
 
@@ -99,8 +118,17 @@ def joined_step(
     after = unravel(unknown[:size])
     # A step of no length repeats its start.
     end = moved(arrays, now, mixed(h, 1 - gamma, after), h)
+    multipliers = unknown[size : size + m]
+    ending = seen_motion(
+        arrays, end, after, multipliers, state.control and ControlStep(state.control, jnp.asarray(h))
+    )
     reached = JoinedState(
-        end, after, unknown[size : size + m], jnp.maximum(state.worst, error), state.iterations + count
+        end,
+        after,
+        multipliers,
+        stepped(arrays.model, ending),
+        jnp.maximum(state.worst, error),
+        state.iterations + count,
     )
     return jax.tree.map(lambda a, b: jnp.where(h > 0, a, b), reached, state)
 
@@ -126,7 +154,9 @@ def _sizes(arrays: JoinedArrays, now: Instant, m: int) -> jax.Array:
         own = now.floating.coordinates[first : first + r]
         frames += [jnp.full(3, length), jnp.ones(3), jnp.abs(own)]
         first += r
-    sizes = Motion(jax.tree.map(jnp.abs, now.lines), jnp.abs(now.velocity), jnp.concatenate(frames))
+    # A root in the origin, where a joint holds it, is no smaller than elsewhere.
+    lines = tuple(replace(jax.tree.map(jnp.abs, state), position=jnp.full(3, length)) for state in now.lines)
+    sizes = Motion(lines, jnp.abs(now.velocity), jnp.concatenate(frames))
     return jnp.concatenate([ravel_pytree(sizes)[0], jnp.zeros(2 * m)])
 
 

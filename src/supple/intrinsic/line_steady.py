@@ -30,7 +30,7 @@ from supple.intrinsic.joined_equations import (
     all_velocities,
     motion_residuals,
     moved,
-    seen_balance,
+    seen_motion,
     shape_rates,
     station_twists,
 )
@@ -40,6 +40,7 @@ from supple.intrinsic.line_equations import RootTwist, force_rates, section_stra
 from supple.intrinsic.line_model import LineModel, LineState
 from supple.intrinsic.line_system import system_wrenches
 from supple.intrinsic.strain_integration import rotation_of
+from supple.multibody.equations.balance import balance
 from supple.multibody.equations.compiler_options import STARTING
 from supple.multibody.equations.joint_force import constraints
 from supple.multibody.equations.steady_motion import Turning
@@ -162,7 +163,7 @@ def _unbalanced(
     n, none = arrays.n_floating, jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
     now, rates = _near(arrays, turning, at, none, none, none)
     residual = _residual(arrays, now, rates, multipliers)
-    terms = seen_balance(arrays, now, rates, multipliers)
+    terms = balance(arrays.model, seen_motion(arrays, now, rates, multipliers))
     amplitudes = tuple(state.q1 for state in now.lines)
     _, back = jax.vjp(lambda q1: station_twists(arrays, now.lines, q1), amplitudes)
     roots = tuple(None if drive is None else drive.twist(now.time) for drive in arrays.drives)

@@ -16,6 +16,7 @@ from supple.machine import (
     Cylindrical,
     Fixed,
     Joint,
+    JointFriction,
     Placed,
     PrescribedRotation,
     PrescribedTranslation,
@@ -40,8 +41,11 @@ class HeldRoot(NamedTuple):
 def is_joined(system: System) -> bool:
     """Whether a machine is more than intrinsic bodies that the ground alone holds, by their roots.
 
-    A body whose root is free takes joints as such a machine does: by its rigid motion.
+    A body whose root is free takes joints as such a machine does: by its rigid motion. Controllers, and
+    friction under the force of a joint, act in such machines.
     """
+    if system.controllers or any(isinstance(load, JointFriction) for load in system.loads):
+        return True
     for placed in system.bodies:
         if not isinstance(placed.body, IntrinsicBody):
             return True

@@ -41,11 +41,6 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
     """
     if any(map(is_joined, cases)):
         return batch_in_turn(cases, run, progress)
-    if any(system.controllers for system in cases):
-        raise ModelError(
-            "controllers act in machines of rigid and reduced bodies: leave them out of a batch with "
-            "intrinsic ones"
-        )
     began = clock.perf_counter()
     engines = [IntrinsicEngine(system, run) for system in cases]
     systems = [engine.lines for engine in engines]

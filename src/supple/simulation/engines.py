@@ -10,7 +10,6 @@ from supple.explicit import ExplicitEngine
 from supple.integrate import Engine, ExplicitRule, Kinematic, Run
 from supple.intrinsic import intrinsic_engine
 from supple.machine import System
-from supple.machine.forces import JointFriction
 from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
 
 __all__ = ["EngineFactory", "engine_for", "is_explicit", "register_engine"]
@@ -42,12 +41,6 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
         return ExplicitEngine(system, run)
     factory = next((factory for kind, factory in _ENGINES.items() if kind in kinds), CompiledEngine)
     _check_controllers(system, factory)
-    frictions = [load for load in system.loads if isinstance(load, JointFriction)]
-    if frictions and factory is intrinsic_engine:
-        raise ModelError(
-            f"{frictions[0].label}: machines with intrinsic bodies take friction of a given preload, "
-            "RevoluteFriction or PrismaticFriction"
-        )
     return factory(system, run)
 
 
@@ -58,12 +51,12 @@ def is_explicit(system: System, run: Run) -> bool:
 
 
 def _check_controllers(system: System, factory: Any) -> None:
-    if not system.controllers or factory in (CompiledEngine, FullEngine):
+    if not system.controllers or factory in (CompiledEngine, FullEngine, intrinsic_engine):
         return
     other = next(placed.body for placed in system.bodies if placed.body.kind in _ENGINES)
     raise ModelError(
-        f"controllers act in machines of rigid, reduced and full bodies, and body '{other.name}' is "
-        f"{other.kind}: reduce it, or leave out the controllers"
+        "controllers act in machines of rigid, reduced, full and intrinsic bodies, and body "
+        f"'{other.name}' is {other.kind}: reduce it, or leave out the controllers"
     )
 
 

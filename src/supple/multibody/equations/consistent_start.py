@@ -69,7 +69,7 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
     active = independent_constraints(system, terms.jacobian, machine.metric(configuration))
     if active != machine.model.active:
         machine = machine.restricted(active)
-    _check_friction_known(system, active)
+    check_friction_known(system, active)
     configuration = joints_closed(machine, time, configuration, velocity)
     closed = every.joint_terms(time, configuration, velocity)
     left = closed.residual
@@ -156,7 +156,7 @@ def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) ->
                 )
 
 
-def _check_friction_known(system: System, active: tuple[int, ...]) -> None:
+def check_friction_known(system: System, active: tuple[int, ...]) -> None:
     """ModelError where friction depends on the force of an equation that is left out."""
     rows = system.constraint_slices
     for load in system.loads:
