@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from supple.cases import read_case, run_case
+from supple.cases import modes_case, read_case, run_case, static_case
 from supple.errors import CaseError, ModelError
-from supple.intrinsic import IntrinsicBody
+from supple.intrinsic import CLAMPED, IntrinsicBody, intrinsic_body
 
 WING = Path(__file__).parents[2] / "examples" / "wing.toml"
 WHOLE = [
@@ -47,6 +47,14 @@ def test_a_condensed_strip_swings_as_the_whole_one(case_folder, tmp_path):
     report = json.loads((tmp_path / "condensed" / "strip.json").read_text())
     assert report["bodies"]["strip"]["kind"] == "intrinsic"
     assert report["bodies"]["strip"]["stations"] == 5
+
+
+def test_a_condensed_strip_rests_as_a_cantilever_under_its_weight(case_folder, tmp_path):
+    """Its tip sags by w L^4 / (8 E I), but for the two hundredths of eight elements and five stations."""
+    path = rewritten(case_folder, (", modes = 4", ""))
+    found = static_case(read_case(path), tmp_path / "rest", errors=False)
+    sag = 7850.0 * 0.01 * 9.81 / (8 * 2.1e11 * 0.01**3 / 12)
+    assert found.tracked["strip.TIP"].position[0, 2] == pytest.approx(-sag, rel=0.02)
 
 
 @pytest.mark.slow
@@ -181,10 +189,6 @@ def test_a_strip_hangs_by_its_tip_once_it_is_released(case_folder, tmp_path):
         ((("modes = 4", 'modes = 4, support = "ball"'),), "a fixed joint does not hold a ball root"),
         ((('[[joint]]\nname = "clamp"', '[[spring]]\nname = "clamp"'),), "no joint holds 'strip'"),
         ((("step = 0.002\n\n", "adaptive = { first = 1e-3, largest = 1e-2 }\n\n"),), "give step = TIME"),
-        (
-            ((CONDENSE, RELEASED), ("[simulation]", '[simulation]\nstart = "equilibrium"')),
-            "found where all bodies are condensed and the ground holds their roots",
-        ),
         ((("[simulation]", "[simulation]\nkinematic = true"),), "takes none: make it a rigid body"),
     ],
 )
@@ -218,6 +222,32 @@ def test_beside_a_condensed_body_the_error_is_that_of_the_steps(case_folder, tmp
 def test_beside_a_condensed_body_none_corrects_itself(case_folder, tmp_path):
     with pytest.raises(ModelError, match="give the other bodies reductions of fixed size"):
         run_case(beside(case_folder, ""), tmp_path / "both")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("condense", [CONDENSE, RELEASED], ids=["held", "joined"])
+def test_rest_and_modes_of_a_condensed_strip(case_folder, tmp_path, condense):
+    """A run that starts in the equilibrium stays where `static` has it; modes swing about it."""
+    path = rewritten(
+        case_folder,
+        (CONDENSE, condense),
+        ("[simulation]", '[simulation]\nstart = "equilibrium"'),
+        ("duration = 0.4", "duration = 0.02"),
+    )
+    case = read_case(path)
+    rest = static_case(case, tmp_path / "rest")
+    assert rest.numbers["stable"]
+    run = run_case(case, tmp_path / "run", errors=False)
+    own, moved = rest.tracked["strip.TIP"].position[0], run.tracked["strip.TIP"].position
+    assert own[2] < -1e-5
+    assert moved == pytest.approx(np.broadcast_to(own, moved.shape), abs=1e-9)
+    modes, numbers = modes_case(case, tmp_path / "modes", n_modes=40)
+    line = modes.machine.system.bodies[0].body.line
+    lowest = intrinsic_body(line, CLAMPED).lowest_frequency()
+    swinging = modes.eigenvalues[modes.frequencies > 0]
+    assert abs(swinging[0]) == pytest.approx(lowest, rel=0.02)
+    assert numbers["modes"][0]["kinetic_share"] == {"strip": pytest.approx(1.0)}
+    assert not numbers["modes"][0]["unstable"]
 
 
 def test_a_released_body_may_name_an_accuracy(case_folder):

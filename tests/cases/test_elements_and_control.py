@@ -14,6 +14,8 @@ from supple.cases import modes_case, read_case
 from supple.cases.static_case import starting_system
 from supple.cli.main import app
 from supple.errors import CaseError, ControlWarning
+from supple.sensors import read_sensors
+from supple.simulation import simulate
 
 CASE = """\
 title = "wheel"
@@ -188,6 +190,32 @@ def test_springs_are_those_of_python_and_may_end_on_the_ground(tmp_path):
     rim = np.array([0.4, 0, 0])
     assert own.assembled(np.array(own.anchor), rim).rest_length == pytest.approx(0.8)
     assert given.assembled(np.array(own.anchor), rim) is given
+
+
+def test_a_case_with_what_only_python_had_runs(tmp_path):
+    """A table of 2 N m turns a wheel of 0.5 kg m2 on a hinge without a name; a spring holds its axle."""
+    table = f'kind = "tabled-torque", {AXIS}, angles = [-9, 9], rates = [-9, 9], values = [[2, 2], [2, 2]]'
+    spring = (
+        '[[spring]]\nkind = "straight"\nfirst = "ground"\nsecond = "wheel.axle"\nanchor = [0, 0, 1]\n'
+        "stiffness = 3.0\n"
+    )
+    sensors = (
+        '[[sensor]]\nname = "hinge"\nkind = "joint-motion"\njoint = "revolute ground - wheel.axle"\n'
+        '[[sensor]]\nname = "spin"\nkind = "angular-velocity"\nat = "wheel.axle"\n'
+    )
+    path = written(tmp_path, [table.replace("wheel.rim", "wheel.axle")])
+    text = (
+        path.read_text()
+        .replace('name = "hinge"\n', "")
+        .replace("[simulation]", spring + sensors + "[simulation]")
+    )
+    path.write_text(text)
+    case = read_case(path)
+    readings = read_sensors(case.sensors, case.system, simulate(case.system, case.run))
+    angle, spin = (reading.values for reading in readings)
+    t = case.run.times
+    assert angle[:, 0] == pytest.approx(2 * t**2, abs=1e-9)
+    assert spin == pytest.approx(np.outer(4 * t, [0, 0, 1]), abs=1e-9)
 
 
 def test_code_runs_only_where_it_is_allowed(tmp_path):

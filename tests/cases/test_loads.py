@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from supple import machine as m
 from supple.cases import read_case
+from supple.cli.main import app
 from supple.errors import CaseError
 from supple.simulation import simulate
 
@@ -88,3 +90,15 @@ def test_a_mistake_is_named(path, old, new, message):
     with pytest.raises(Exception, match=message) as seen:
         _ = read_case(rewritten(path, "FACTOR", "1.0")).system
     assert isinstance(seen.value, CaseError) or "a pressure on 'strip.ROOT'" in str(seen.value)
+
+
+def test_info_names_them_and_a_deck_holds_them(path, tmp_path):
+    """Each pushes down with the mass of the strip times 1 m/s2."""
+    clamp = '[[joint]]\nkind = "fixed"\nfirst = "ground"\nsecond = "strip.root"\n[simulation]'
+    rewritten(rewritten(path, "FACTOR", "1.0"), "[simulation]", clamp)
+    shown = CliRunner().invoke(app, ["info", str(path)]).output
+    assert "pressure at strip.ALL" in shown
+    assert "base-acceleration" in shown
+    result = CliRunner().invoke(app, ["export", str(path), "-o", str(tmp_path / "deck.inp"), "--abaqus"])
+    assert result.exit_code == 0, result.output
+    assert f"{-2 * 7850.0 * 0.01 * 0.1:.6g}" in result.output

@@ -125,3 +125,14 @@ def test_what_is_read_at_a_split_body_is_read_at_its_part(case_folder):
         deflection, pull = case.study.quantities
         assert (deflection.body, pull.joint) == (body, "fixed ground - strip.root")
         path.write_text(path.read_text().replace(read, ""))
+
+
+def test_a_set_that_lies_in_several_parts_is_none_to_read_at(case_folder):
+    mesh = case_folder / "strip.inp"
+    mesh.write_text(mesh.read_text() + "*NSET, NSET=ALL, GENERATE\n1, 27, 1\n")
+    sensor = '[[sensor]]\nname = "mean"\nkind = "position"\nat = "strip.ALL"\n[simulation]'
+    path = rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT), ("[simulation]", sensor))
+    with pytest.raises(
+        ModelError, match=r"sensor 'mean': the nodes of 'strip.ALL' lie in 2 of the parts; name an"
+    ):
+        _ = read_case(path).system

@@ -11,7 +11,7 @@ from fixtures.beam_lines import beam_line, straight
 from supple.body import RigidBody
 from supple.errors import ModelError, StartWarning
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Validity
-from supple.intrinsic import CLAMPED, intrinsic_body, line_rest, released
+from supple.intrinsic import CLAMPED, intrinsic_body, released
 from supple.intrinsic.joined_engine import JoinedEngine
 from supple.intrinsic.joined_machine import joined_machine
 from supple.intrinsic.joined_start import joined_start
@@ -30,6 +30,7 @@ from supple.machine import (
     System,
 )
 from supple.multibody.checks.start import report_start
+from supple.simulation import equilibrium
 
 SOFT = {"EA": 1e4, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.05}
 SPIN = 2.0
@@ -46,7 +47,7 @@ def bent():
     """A clamped beam at rest under a force at its tip."""
     clamp = Fixed(name="clamp", first="ground", second="beam.root")
     system = System([beam()], [clamp], [DeadForce(at="beam.tip", force=[0, 0.8, 0.3])])
-    return line_rest(system)["beam"].coordinates[0]
+    return equilibrium(system).solution.bodies["beam"].coordinates[0]
 
 
 def strain_rates(model, state, drive=None):

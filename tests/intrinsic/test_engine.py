@@ -24,12 +24,10 @@ from supple.intrinsic import (
     hinged,
     integrated_places,
     intrinsic_body,
-    line_rest,
     sliding,
 )
 from supple.intrinsic.chosen_step import with_chosen_step
 from supple.intrinsic.expansion import expansion_of_stations
-from supple.linearization import linearize
 from supple.machine import (
     Ball,
     ConstantRate,
@@ -241,7 +239,7 @@ def test_viscous_strains_damp_a_body_that_turns_without_slowing_its_turn():
 def test_a_damped_body_comes_to_the_equilibrium_of_statics():
     body = beam(CLAMPED, n_modes=10, damping=ModalDamping(0.9))
     system = System([body], [CLAMP], [DeadForce(at="beam.tip", force=(0, 0, 2.0))], gravity=GRAVITY / 10)
-    rest = body.positions(line_rest(system)["beam"])[0]
+    rest = body.positions(equilibrium(system).solution.bodies["beam"])[0]
     run = Run(8.0, 2.0, step=FixedStep(0.02), method=GeneralizedAlpha(0.8))
     solution = simulate(system, run)
     assert body.positions(solution.bodies["beam"])[-1] == pytest.approx(rest, abs=1e-5)
@@ -254,7 +252,7 @@ def test_a_damped_body_comes_to_the_equilibrium_of_statics():
 def test_a_dead_torque_acts_at_a_station():
     body = beam(CLAMPED, n_modes=None)
     loads = [DeadTorque(first="beam.tip", torque=(0, -0.5, 0)), DeadForce(at="beam.root", force=(0, 0, 1.0))]
-    rest = line_rest(System([body], [CLAMP], loads))["beam"]
+    rest = equilibrium(System([body], [CLAMP], loads)).solution.bodies["beam"]
     rotations, _ = body.places(rest)
     # Constant moment: the tip turns by M L / EI.
     assert np.arctan2(-rotations[0, -1, 2, 0], rotations[0, -1, 0, 0]) == pytest.approx(-0.5, rel=1e-6)
@@ -303,8 +301,6 @@ def test_what_intrinsic_bodies_cannot_do_is_refused_with_the_remedy():
     refused(System([body], [universal]), "Universal joint leaves freedoms")
     hub = RigidBody("hub", 1.0, np.zeros(3), np.eye(3), {"centre": np.zeros(3)})
     refused(System([body, hub], [CLAMP]), "do not take RungeKutta4")
-    with pytest.raises(ModelError, match=r"body 'hub' is rigid.*simulate, .* with damping"):
-        line_rest(System([body, hub], [CLAMP]))
     refused(System([Placed(body, velocity=[1.0, 0, 0])], [CLAMP]), "velocity at which its root cannot move")
     refused(alone, "of them rigid|unstable", method=ResidualRungeKutta4(6), step=FixedStep(0.1))
 
@@ -338,13 +334,6 @@ def test_implicit_steps_that_do_not_converge_end_the_run():
         method=GeneralizedAlpha(1.0),
         step=FixedStep(0.1),
     )
-
-
-def test_equilibrium_names_what_intrinsic_bodies_have_instead():
-    with pytest.raises(ModelError, match="a line whose root is free to move has no equilibrium of its own"):
-        equilibrium(System([beam(FREE, n_modes=6)]))
-    with pytest.raises(ModelError, match=r"is intrinsic: such a machine is not linearised"):
-        linearize(System([beam(CLAMPED, n_modes=6)], [CLAMP]))
 
 
 def test_supports_say_what_is_wrong_with_them():

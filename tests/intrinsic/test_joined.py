@@ -16,7 +16,6 @@ from supple.intrinsic import (
     condensed_line,
     intrinsic_body,
     intrinsic_modes,
-    line_rest,
     released,
 )
 from supple.machine import (
@@ -31,7 +30,7 @@ from supple.machine import (
 )
 from supple.mesh import CellType, Mesh
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
-from supple.simulation import equilibrium, simulate
+from supple.simulation import simulate
 
 SOFT = {"EA": 1e4, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.05}
 STIFF = {"EA": 1e6, "EI": 1e5, "GJ": 1e5, "mass_per_length": 1.0, "radius": 0.05}
@@ -257,7 +256,3 @@ def test_what_cannot_be_joined_is_refused_with_the_remedy():
     apart = System([released(clamped), Placed(other, position=[1.1, 0, 0])], [HINGE, ELBOW])
     refused(apart, "joint 'elbow' is open .* position x is off by 0.1")
     refused(good, "stepped with FixedStep", step=AdaptiveStep())
-    with pytest.raises(ModelError, match=r"whose roots the ground alone holds.*Simulate, with damping"):
-        line_rest(good)
-    with pytest.raises(ModelError, match=r"where the machine rests by a run with damping"):
-        equilibrium(good)

@@ -78,6 +78,21 @@ class BodyForm(Protocol):
         """Positions, velocities and accelerations (t, k, 3) of some nodes in space."""
         ...
 
+    def motion_near(
+        self,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        coordinates: np.ndarray,
+        displacement: np.ndarray,
+        rates: np.ndarray,
+    ) -> Any:
+        """The motion of small motions p = (A^T dR, psi, dq) about a pose and coordinates.
+
+        displacement : p (t, 6 + r)
+        rates : p' (t, 6 + r)     as at p = 0
+        """
+        ...
+
     def interface_motion(self, motion: Any, name: str) -> InterfaceMotion:
         """Pose, velocities and acceleration (t, ...) of an interface in space: all that joints see of it."""
         ...

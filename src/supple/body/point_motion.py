@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
 from supple.body.floating_kinematics import (
     Deforming,
@@ -24,6 +25,7 @@ __all__ = [
     "NodeMotion",
     "floating_interface_motion",
     "floating_node_motion",
+    "frames_near",
 ]
 
 Array = NDArray[np.float64]
@@ -69,6 +71,25 @@ class FloatingForm(FormDefaults):
     def interface_motion(self: Deforming, motion: FloatingMotion, name: str) -> InterfaceMotion:
         """Pose, velocities and acceleration (t, ...) of an interface in space."""
         return floating_interface_motion(self.interface(name), motion)
+
+    def motion_near(
+        self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
+    ) -> FloatingMotion:
+        """Instants displaced by p (t, 6 + r), at rates p' (t, 6 + r) as at p = 0."""
+        frames = frames_near(position, rotation, displacement, rates)
+        still, q = np.zeros_like(frames[2]), coordinates + displacement[:, 6:]
+        return FloatingMotion(*frames[:2], q, *frames[2:], rates[:, 6:], still, still, np.zeros_like(q))
+
+
+def frames_near(
+    position: Array, rotation: Array, displacement: Array, rates: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Positions, rotations, velocities and angular velocities of frames moved by p = (A^T dR, psi, ..).
+
+    displacement, rates : (t, 6 + r)    rates as at p = 0
+    """
+    turned = rotation @ Rotation.from_rotvec(displacement[:, 3:6]).as_matrix()
+    return position + displacement[:, :3] @ rotation.T, turned, rates[:, :3] @ rotation.T, rates[:, 3:6]
 
 
 def floating_node_motion(body: Deforming, motion: FloatingMotion, nodes: ArrayLike) -> NodeMotion:

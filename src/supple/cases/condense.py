@@ -229,17 +229,8 @@ def _marches_in_fixed_steps(raw: Raw) -> Mistakes:
     if condensed is None:
         return
     given = table(raw, "simulation")
-    joined = any(
-        not is_condensed(body) or table(body, "condense").get("released") is True
-        for _, body in tables(raw, "body")
-    )
     for key, refused, remedy in (
         ("adaptive", "adaptive" in given, "give step = TIME"),
-        (
-            "start",
-            given.get("start") == "equilibrium" and joined,
-            "an equilibrium is found where all bodies are condensed and the ground holds their roots",
-        ),
         ("assemble", given.get("assemble") is True, "place the bodies so that all joints fit"),
         ("kinematic", given.get("kinematic") is True, "make it a rigid body, or leave the key out"),
     ):

@@ -5,6 +5,8 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import getitem
 from typing import Any
 
 import numpy as np
@@ -18,6 +20,7 @@ from supple.cases.interfaces import Interface
 from supple.cases.joints import Joint
 from supple.cases.loads import Force
 from supple.cases.split import SplitSource
+from supple.cases.table import named_in
 from supple.errors import ModelError, SuppleWarning
 from supple.machine import At
 from supple.machine.split_body import SplitBody, cut_name, frequency_changes, part_name
@@ -65,32 +68,40 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
             text = each.place(text)
         return text
 
-    def at_parts(item: Any) -> Any:
-        return item.model_copy(update={"first": placed(item.first), "second": placed(item.second)})
-
-    def named_at_parts(joint: Joint) -> Any:
-        return at_parts(joint.model_copy(update={"name": joint.label}))
-
-    def read_at_part(table: Any) -> Any:
-        return _read_at_part(table, placed, by_name)
+    def at_part(place: str, called: str) -> str:
+        places = _places(placed(place), by_name)
+        if len(places) > 1:
+            raise ModelError(
+                f"{called}: the nodes of '{place}' lie in {len(places)} of the parts; name an interface, or "
+                "a set within one part"
+            )
+        return places[0][0]
 
     bodies = [
-        _judged_at_part(part, read_at_part)
+        part
         for body in tables.body
         for part in (_parts(by_name[body.name]) if body.name in by_name else [body])
     ]
+    joints = [each.model_copy(update={"name": each.label}) for each in tables.joint]
     track = [place for text in tables.output.track for place, _ in _places(placed(text), by_name)]
-    changed = {
+    changed: dict[str, Any] = {
         "body": tuple(bodies),
-        "sensor": tuple(map(read_at_part, tables.sensor)),
-        "error": tables.error.model_copy(update={"of": tuple(map(read_at_part, tables.error.of))}),
-        "joint": (*map(named_at_parts, tables.joint), *(joint for each in given for joint in _ties(each))),
-        "spring": tuple(map(at_parts, tables.spring)),
-        "element": tuple(map(at_parts, tables.element)),
+        "joint": (*joints, *(joint for each in given for joint in _ties(each))),
         "load": tuple(part for load in tables.load for part in _load_parts(load, placed, by_name)),
         "output": tables.output.model_copy(update={"track": tuple(track)}),
     }
-    return tables.model_copy(update=changed)
+    return _renamed(tables.model_copy(update=changed), at_part)
+
+
+def _renamed(tables: CaseTables, at_part: Callable[[str, str], str]) -> CaseTables:
+    """The case with every place that it names at the part that has it."""
+    raw: Any = tables.model_dump(mode="json", exclude_unset=True)
+    for (*outer, key), place, word in list(named_in(CaseTables, raw)):
+        if word != "file":
+            holder = reduce(getitem, outer, raw)
+            name = holder.get("name") if isinstance(holder, dict) else None
+            holder[key] = at_part(place, f"{outer[0]} '{name}'" if name else str(outer[0]))
+    return CaseTables.model_validate(raw)
 
 
 def base_of(body: Body, source: SplitSource) -> At | None:
@@ -219,35 +230,6 @@ def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, 
     nodes = split[name].source.mesh.whole.nodes_of(node_set)
     found = split[name].source.places(nodes)
     return [(f"{part}.{node_set}", len(own) / len(nodes)) for part, own in found]
-
-
-def _judged_at_part(body: Body, read_at_part: Callable[[Any], Any]) -> Body:
-    """A body whose accuracy is that of a quantity at the part that has its place."""
-    accuracy = getattr(body.reduction, "accuracy", None)
-    if body.reduction is None or accuracy is None or accuracy.of is None:
-        return body
-    accuracy = accuracy.model_copy(update={"of": read_at_part(accuracy.of)})
-    return body.model_copy(update={"reduction": body.reduction.model_copy(update={"accuracy": accuracy})})
-
-
-def _read_at_part(read: Any, placed: Callable[[str], str], split: Mapping[str, _SplitTable]) -> Any:
-    """A sensor, or a quantity of the error, at the part that has its place.
-
-    Raises ModelError for a node set whose nodes lie in several parts.
-    """
-    changed = {}
-    if (at := getattr(read, "at", None)) is not None:
-        places = _places(placed(at), split)
-        if len(places) > 1:
-            called = f"sensor '{read.name}'" if hasattr(read, "name") else "a quantity of the error"
-            raise ModelError(
-                f"{called}: the nodes of '{at}' lie in {len(places)} of the parts; name an "
-                "interface, or a set within one part"
-            )
-        changed["at"] = places[0][0]
-    if (base := getattr(read, "seen_from", None)) is not None:
-        changed["seen_from"] = placed(base)
-    return read.model_copy(update=changed)
 
 
 def _load_parts(load: Any, placed: Callable[[str], str], split: Mapping[str, _SplitTable]) -> Iterator[Any]:

@@ -66,6 +66,11 @@ class Made(CheckedTable):
     """The key that chooses among tables."""
     plan: ClassVar[Plan]
 
+    @property
+    def chosen(self) -> str:
+        """The value of that key."""
+        return getattr(self, self.choice)
+
     def build(self, *context: Any) -> Any:
         """The object.
 

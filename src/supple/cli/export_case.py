@@ -35,9 +35,9 @@ def export_case(path: Path, target: Path, *, body: str | None, time: float | Non
         table = next(one for one in case.tables.body if one.name == name)
         instant = case.run.start + case.run.duration if time is None else time
         loads = [
-            load.build(*case.place(load.at), case.folder)
+            load.build(case.folder, case.place, case.meshes)
             for load in case.tables.load
-            if load.at.partition(".")[0] == name
+            if getattr(load, "at", name).partition(".")[0] == name
         ]
         nodal = static_load(
             flexible, loads, time=instant, rotation=table.rotation, gravity=case.tables.gravity

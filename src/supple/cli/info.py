@@ -44,7 +44,7 @@ def _describe_case(path: Path) -> Iterator[Row]:
     yield "units", str(read.units) or "not said"
     yield "what", case.title
     for body in case.body:
-        basis = f", basis {body.reduction.basis}" if body.reduction else ""
+        basis = f", basis {body.reduction.chosen}" if body.reduction else ""
         basis += ", corrects itself" if body.corrects_itself else ""
         basis += f", modal in {body.modal.modes} modes" if body.modal else ""
         basis += ", explicit elements" if body.explicit else ""
@@ -53,14 +53,15 @@ def _describe_case(path: Path) -> Iterator[Row]:
     for joint in case.joint:
         yield f"joint {joint.name or ''}", f"{joint.kind}: {joint.first} - {joint.second}"
     for load in case.load:
-        yield "load", f"{load.kind} at {load.at}"
+        place = getattr(load, "at", None)
+        yield "load", load.chosen if place is None else f"{load.chosen} at {place}"
     for tie in case.tie:
         yield "tie", f"{tie.nodes} on {tie.on}"
     for contact in case.contact:
         obstacle = contact.surface if contact.obstacle is None else contact.obstacle.kind
         yield "contact", f"{contact.nodes} with {obstacle}"
     for spring in case.spring:
-        yield "spring", f"{spring.kind}: {spring.first} - {spring.second}"
+        yield "spring", f"{spring.chosen}: {spring.first} - {spring.second}"
     run = case.simulation
     yield (
         "simulation",

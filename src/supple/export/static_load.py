@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from supple.body import FlexibleBody
 from supple.errors import ModelError
-from supple.machine import ForceElement, NodalLoad
+from supple.machine import BaseAcceleration, ForceElement, NodalLoad
 from supple.multibody.equations.nodal_load import nodal_forces, prepared
 
 
@@ -28,7 +28,7 @@ def static_load(
 
     Parameters
     ----------
-    loads : NodalLoad           on this body, in space; a law is taken at `time`
+    loads : NodalLoad           on this body, in space, or the base's acceleration; a law is taken at `time`
     rotation : (3,)             rotation vector of the body, mesh axes to global, rad
     gravity : (3,)              global, m/s^2; its load is that of the consistent mass
     Returns
@@ -39,11 +39,15 @@ def static_load(
     ------
     ModelError      a load at an interface, which has no node of the mesh
     """
+    loads = tuple(loads)
+    bases = [np.asarray(load.law(time)) for load in loads if isinstance(load, BaseAcceleration)]
     turn = Rotation.from_rotvec(np.asarray(rotation, dtype=float)).as_matrix()
     fall = np.zeros((len(body.nodes), body.dofs_per_node))
-    fall[:, :3] = np.asarray(gravity, dtype=float) @ turn
+    fall[:, :3] = (np.asarray(gravity, dtype=float) - sum(bases)) @ turn
     total = (body.nodal_mass @ fall.ravel()).reshape(fall.shape)
     for load in loads:
+        if isinstance(load, BaseAcceleration):
+            continue
         if not isinstance(load, NodalLoad) or not load.nodes.size:
             raise ModelError(
                 f"body '{body.name}': {getattr(load, 'label', type(load).__name__)} acts at an interface, "

@@ -11,7 +11,6 @@ from supple.intrinsic.intrinsic_body import IntrinsicBody, intrinsic_body
 from supple.intrinsic.intrinsic_modes import IntrinsicModes, intrinsic_modes
 from supple.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.intrinsic.line_balances import line_balances
-from supple.intrinsic.line_rest import line_rest
 from supple.intrinsic.load_path import LoadPath, LoadPaths, NodeSetPath
 from supple.intrinsic.load_path_tree import LoadPathTree, load_path_tree
 from supple.intrinsic.released import released
@@ -46,7 +45,6 @@ __all__ = [
     "intrinsic_engine",
     "intrinsic_modes",
     "line_balances",
-    "line_rest",
     "load_path_tree",
     "read_condensed_line",
     "released",

@@ -18,13 +18,14 @@ from supple.body.floating_kinematics import node_numbers
 from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
 from supple.body.mass_properties import centre_of_gram
-from supple.body.point_motion import InterfaceMotion, NodeMotion
+from supple.body.point_motion import InterfaceMotion, NodeMotion, frames_near
 from supple.errors import ModelError
 from supple.intrinsic.condensed_line import CondensedLine
 from supple.intrinsic.expansion import Expansion, expansion_of_stations
 from supple.intrinsic.intrinsic_modes import IntrinsicModes, intrinsic_modes
 from supple.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.intrinsic.line_equations import section_forces, section_strains
+from supple.intrinsic.line_freedoms import LineFreedoms, line_freedoms
 from supple.intrinsic.line_model import LineModel, line_model
 from supple.intrinsic.root_support import RootSupport
 from supple.intrinsic.second_order_modes import completed_modes, second_order_shapes
@@ -265,6 +266,21 @@ class IntrinsicBody(FormDefaults):
         spin = turning @ rotation.transpose(0, 2, 1)
         angular = np.stack([spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]], axis=1)
         return InterfaceMotion(position, rotation, velocity, there(known.accelerations)[0], angular)
+
+    def freedoms(self, q2: Array) -> LineFreedoms:
+        """Its small motions with strains q_2 (e,)."""
+        return line_freedoms(self.model, self.support, self.line.tree.points[0], q2)
+
+    def motion_near(
+        self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
+    ) -> IntrinsicMotion:
+        """Instants displaced by p (t, 6 + e), at rates p' (t, 6 + e) as at p = 0."""
+        frames = frames_near(position, rotation, displacement, rates)
+        amplitudes = self.freedoms(self.forces_of(coordinates)).amplitudes(rates)
+        still = np.zeros_like(frames[2]), np.zeros_like(frames[2]), np.zeros_like(amplitudes)
+        return IntrinsicMotion(
+            *frames[:2], coordinates + displacement[:, 6:], *frames[2:], amplitudes, *still
+        )
 
     def section_loads(self, motion: IntrinsicMotion) -> Array:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.

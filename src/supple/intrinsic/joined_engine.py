@@ -17,14 +17,12 @@ from supple.intrinsic.full_leg import full_leg
 from supple.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
 from supple.intrinsic.joined_equations import Instant, Motion, all_velocities
 from supple.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine
+from supple.intrinsic.joined_solution import joined_solution
 from supple.intrinsic.joined_start import instant_rates, joined_start
 from supple.intrinsic.joined_step import JoinedState, joined_step
-from supple.intrinsic.machine_of_lines import line_motion
 from supple.machine import System
 from supple.multibody.checks.start import report_start
 from supple.multibody.equations.compiler_options import STARTING
-from supple.multibody.equations.floating_solution import body_motions, joint_multipliers
-from supple.multibody.equations.joint_wrench import joint_wrenches
 
 __all__ = ["ITERATED", "JoinedEngine"]
 
@@ -125,33 +123,13 @@ class JoinedEngine:
     def solution(self, leg: Leg[JoinedState]) -> Solution:
         """The motion of a leg; forces of joints and accelerations are those of its very instants."""
         now: Instant = leg.states.now
-        times = np.asarray(now.time)
         velocities, rates, multipliers = jax.device_get(self._outputs(now))
-        model, seen = self._arrays.model, self._machine.seen
-        still = np.zeros((len(times), 6 * self._arrays.n_held))
-        floating = body_motions(
-            seen, model.slices, now.floating, velocities, np.concatenate([rates.acceleration, still], axis=1)
-        )
-        of_joints = joint_multipliers(seen, model.active, multipliers)
-        bodies: dict[str, Any] = {
-            placed.body.name: line_motion(placed, own, None, state, rate.q1, times)
-            for placed, own, state, rate in zip(
-                self._machine.lines, self._arrays.lines, now.lines, rates.lines, strict=True
-            )
+        state = {
+            f"leaf {number}": np.asarray(leaf, dtype=float)
+            for number, leaf in enumerate(jax.tree.leaves(leg.last))
         }
-        names = [placed.body.name for placed in self._machine.system.bodies]
-        bodies |= {name: motion for name, motion in floating.items() if name in names}
-        return Solution(
-            times=times,
-            bodies={name: bodies[name] for name in names},
-            joint_forces=joint_wrenches(seen, times, floating, of_joints),
-            statistics=leg.statistics,
-            engine_state={
-                f"leaf {number}": np.asarray(leaf, dtype=float)
-                for number, leaf in enumerate(jax.tree.leaves(leg.last))
-            },
-            multipliers=of_joints,
-        )
+        machine = self._machine._replace(arrays=self._arrays)
+        return joined_solution(machine, now, velocities, rates, multipliers, leg.statistics, state)
 
 
 def _march_joined(

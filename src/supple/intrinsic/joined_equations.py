@@ -27,7 +27,7 @@ from supple.intrinsic.line_equations import force_rates, line_rates, section_str
 from supple.intrinsic.line_model import LineModel, LineState
 from supple.intrinsic.line_system import States, root_rates, system_wrenches
 from supple.multibody.equations import joint_force
-from supple.multibody.equations.balance import balance
+from supple.multibody.equations.balance import Balance, balance
 from supple.multibody.equations.configuration import Configuration, SystemMotion, advance
 from supple.multibody.equations.joint_force import constraints
 from supple.multibody.equations.places import assembled_vector
@@ -42,6 +42,7 @@ __all__ = [
     "joint_rates",
     "motion_residuals",
     "moved",
+    "seen_balance",
     "shape_rates",
     "station_twists",
 ]
@@ -140,6 +141,15 @@ def moved(arrays: JoinedArrays, now: Instant, change: Motion, time: Any) -> Inst
     )
 
 
+def seen_balance(arrays: JoinedArrays, now: Instant, rates: Motion, multipliers: jax.Array) -> Balance:
+    """The equations of floating bodies, and what joints and forces do to the stations."""
+    accelerations = jnp.concatenate([rates.acceleration, jnp.zeros(6 * arrays.n_held)])
+    return balance(
+        arrays.model,
+        SystemMotion(now.time, now.floating, all_velocities(arrays, now), accelerations, multipliers),
+    )
+
+
 def motion_residuals(
     arrays: JoinedArrays,
     now: Instant,
@@ -154,14 +164,7 @@ def motion_residuals(
     softness : M^-1, on forces (n,) of the floating bodies
     """
     model, n = arrays.model, arrays.n_floating
-    seen = SystemMotion(
-        now.time,
-        now.floating,
-        all_velocities(arrays, now),
-        jnp.concatenate([rates.acceleration, jnp.zeros(6 * arrays.n_held)]),
-        multipliers,
-    )
-    balanced = balance(model, seen)
+    balanced = seen_balance(arrays, now, rates, multipliers)
     left = balanced.residual
     push = assembled_vector(
         model.n_velocities, joint_force.force(model, balanced.linearization.joints, closing)
@@ -170,12 +173,13 @@ def motion_residuals(
     _, back = jax.vjp(lambda q1: station_twists(arrays, now.lines, q1), amplitudes)
     (held,), (pushed,) = back(-left[n:]), back(push[n:])
     system = arrays.line_system
-    wrenches = system_wrenches(system, now.lines, now.time, (None,) * len(now.lines))
+    roots = tuple(None if drive is None else drive.twist(now.time) for drive in arrays.drives)
+    wrenches = system_wrenches(system, now.lines, now.time, roots)
     lines = []
-    for model_, state, rate, wrench, force, shift in zip(
-        arrays.lines, now.lines, rates.lines, wrenches, held, pushed, strict=True
+    for model_, state, rate, wrench, root, force, shift in zip(
+        arrays.lines, now.lines, rates.lines, wrenches, roots, held, pushed, strict=True
     ):
-        first, _ = line_rates(model_, state.q1, state.q2, wrench)
+        first, _ = line_rates(model_, state.q1, state.q2, wrench, root)
         shape = shape_rates(model_, state, state.q1 + shift)
         found = LineState(first + force, *shape)
         lines.append(jax.tree.map(jnp.subtract, rate, found))

@@ -20,7 +20,8 @@ from supple.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.intrinsic.line_model import LineModel
 from supple.intrinsic.line_system import LineSystem, States
 from supple.intrinsic.machine_loads import machine_loads
-from supple.intrinsic.machine_of_lines import line_start
+from supple.intrinsic.machine_of_lines import line_start, machine_of_lines
+from supple.intrinsic.root_drive import RootDrive
 from supple.intrinsic.station_loads import StationLoad
 from supple.intrinsic.strain_integration import rotation_of, station_places
 from supple.machine import GROUND, At, BaseAcceleration, ForceElement, Joint, NodalLoad, Placed, System
@@ -28,7 +29,15 @@ from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.model import BodyGroup, Model
 
-__all__ = ["JoinedArrays", "JoinedMachine", "held_places", "joined_machine", "seen_model", "with_stations"]
+__all__ = [
+    "JoinedArrays",
+    "JoinedMachine",
+    "held_places",
+    "joined_machine",
+    "seen_model",
+    "supported_machine",
+    "with_stations",
+]
 
 STATIC = {"static": True}
 
@@ -39,12 +48,14 @@ class JoinedArrays:
     """The machine's numbers.
 
     lines : their equations, one per intrinsic body
-    loads : gravity and nodal loads on their stations
+    drives : prescribed motions of their roots, or None
+    loads : on their stations; those of force elements too where the ground alone holds the lines
     model : floating bodies, joints and forces; the stations that these take hold of are bodies without mass
     held : station numbers, line by line
     """
 
     lines: tuple[LineModel, ...]
+    drives: tuple[RootDrive | None, ...]
     loads: tuple[StationLoad, ...]
     model: Model
     held: tuple[tuple[int, ...], ...] = field(metadata=STATIC)
@@ -61,8 +72,8 @@ class JoinedArrays:
 
     @property
     def line_system(self) -> LineSystem:
-        """The lines with their loads, their roots free."""
-        return LineSystem(self.lines, (None,) * len(self.lines), self.loads)
+        """The lines with their drives and loads."""
+        return LineSystem(self.lines, self.drives, self.loads)
 
 
 class JoinedMachine(NamedTuple):
@@ -104,6 +115,7 @@ def joined_machine(system: System, time: float) -> JoinedMachine:
     on_lines = System(lines, loads=[*own_loads, *bases], gravity=system.gravity)
     arrays = JoinedArrays(
         lines=tuple(body_of(placed).model for placed in lines),
+        drives=(None,) * len(lines),
         loads=machine_loads(on_lines),
         model=seen_model(seen, len(others), None),
         held=held,
@@ -111,6 +123,25 @@ def joined_machine(system: System, time: float) -> JoinedMachine:
     return JoinedMachine(
         system, seen, lines, arrays, tuple(line_start(placed, None, time) for placed in lines)
     )
+
+
+def supported_machine(system: System, time: float) -> JoinedMachine:
+    """The arrays of a machine of intrinsic bodies whose roots the ground alone holds, by their supports.
+
+    Its joints are in the modes and the drives, and its forces among the loads of the lines: no station is
+    seen but one, for a model without any body does not exist.
+    """
+    made = machine_of_lines(system, time)
+    first, *others = system.bodies
+    seen = System([_station(first, 0)])
+    arrays = JoinedArrays(
+        lines=made.lines.lines,
+        drives=made.lines.drives,
+        loads=made.lines.loads,
+        model=seen_model(seen, 0, None),
+        held=((0,), *((),) * len(others)),
+    )
+    return JoinedMachine(system, seen, tuple(system.bodies), arrays, made.start)
 
 
 def seen_model(seen: System, n_floating: int, active: tuple[int, ...] | None) -> Model:

@@ -39,7 +39,14 @@ from supple.multibody.equations.joint_force import constraints
 from supple.multibody.equations.start_change import StartChange, StartEnergies
 from supple.multibody.equations.start_velocity import given_parts, levels_of_body, rigid_fit
 
-__all__ = ["JoinedStart", "instant_rates", "joined_start"]
+__all__ = [
+    "ClosedMachine",
+    "JoinedStart",
+    "closed_machine",
+    "instant_rates",
+    "joined_start",
+    "velocity_metric",
+]
 
 OPEN = 1e-6
 """Of the machine's size, and rad."""
@@ -59,6 +66,33 @@ def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
     Raises ModelError for a joint that is open. Warns RedundantConstraintWarning of joints that hold what
     others hold.
     """
+    closed = closed_machine(machine, time)
+    now, change = _on_joints(machine, closed)
+    return JoinedStart(closed.arrays, now, change)
+
+
+class ClosedMachine(NamedTuple):
+    """A machine without redundant equations, as it is placed; rows and rates are of all equations.
+
+    active : equations that are kept
+    metric : mass matrix of all velocities
+    """
+
+    arrays: JoinedArrays
+    now: Instant
+    active: np.ndarray
+    rows: np.ndarray
+    rates: np.ndarray
+    metric: np.ndarray
+
+
+def closed_machine(
+    machine: JoinedMachine, time: float, known: tuple[int, ...] | None = None
+) -> ClosedMachine:
+    """The machine as its bodies are placed; raises and warns as `joined_start`.
+
+    known : equations that are independent, where that is known
+    """
     arrays, seen = machine.arrays, machine.seen
     placed = jax.tree.map(jnp.asarray, placed_configuration(seen))
     given = Instant(
@@ -70,12 +104,11 @@ def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
     now, *found = _BEGUN(arrays, given)
     gaps, rows, rates, metric = map(np.asarray, found)
     _check_closed(machine, gaps)
-    active = np.array(independent_constraints(seen, rows, metric), dtype=int)
+    active = np.array(independent_constraints(seen, rows, metric) if known is None else known, dtype=int)
     if len(active) < len(gaps):
         n_floating = len(arrays.model.sizes) - arrays.n_held
         arrays = replace(arrays, model=seen_model(seen, n_floating, tuple(active.tolist())))
-    now, change = _on_joints(machine, now, active, rows, rates, metric)
-    return JoinedStart(arrays, now, change)
+    return ClosedMachine(arrays, now, active, rows, rates, metric)
 
 
 def _begun(
@@ -84,7 +117,7 @@ def _begun(
     """The instant with its stations in place, and of its joints the gaps, rows and rates; the metric."""
     now = given._replace(floating=with_stations(arrays, given.floating, given.lines))
     gaps = constraints(arrays.model, now.time, now.floating)
-    return now, gaps, *_rows(arrays, now), _metric(arrays, now)
+    return now, gaps, *_rows(arrays, now), velocity_metric(arrays, now)
 
 
 def _check_closed(machine: JoinedMachine, gaps: np.ndarray) -> None:
@@ -119,7 +152,7 @@ def _rows(arrays: JoinedArrays, now: Instant) -> tuple[jax.Array, jax.Array]:
     return jax.jacfwd(rates)(flat), rates(flat)
 
 
-def _metric(arrays: JoinedArrays, now: Instant) -> jax.Array:
+def velocity_metric(arrays: JoinedArrays, now: Instant) -> jax.Array:
     """Mass matrix of all velocities: modes are mass-normal."""
     n = arrays.n_floating
     lines = sum(len(state.q1) for state in now.lines)
@@ -127,15 +160,9 @@ def _metric(arrays: JoinedArrays, now: Instant) -> jax.Array:
     return metric.at[:n, :n].set(mass_matrix(arrays.model, now.floating)[:n, :n])
 
 
-def _on_joints(
-    machine: JoinedMachine,
-    now: Instant,
-    active: np.ndarray,
-    all_rows: np.ndarray,
-    all_rates: np.ndarray,
-    metric: np.ndarray,
-) -> tuple[Instant, StartChange]:
+def _on_joints(machine: JoinedMachine, closed: ClosedMachine) -> tuple[Instant, StartChange]:
     """The instant with velocities that its joints allow, and by what they differ from those given."""
+    _, now, active, all_rows, all_rates, metric = closed
     flat, unravel = ravel_pytree(_velocities(now))
     rows, rates = all_rows[active], all_rates[active]
     soft = np.linalg.solve(metric, rows.T)
@@ -214,7 +241,7 @@ def instant_rates(arrays: JoinedArrays, now: Instant) -> tuple[Motion, jax.Array
     left = motion_residuals(arrays, now, steady, none, none, jnp.zeros_like)
     flat, unravel = ravel_pytree((left.acceleration, tuple(line.q1 for line in left.lines)))
     if not m:
-        found, multipliers = -jnp.linalg.solve(_metric(arrays, now), flat), none
+        found, multipliers = -jnp.linalg.solve(velocity_metric(arrays, now), flat), none
     else:
 
         def later(s: jax.Array) -> jax.Array:
@@ -222,7 +249,7 @@ def instant_rates(arrays: JoinedArrays, now: Instant) -> tuple[Motion, jax.Array
 
         _, bias = jax.jvp(later, (jnp.zeros(()),), (jnp.ones(()),))
         rows, _ = _rows(arrays, now)
-        matrix = jnp.block([[_metric(arrays, now), rows.T], [rows, jnp.zeros((m, m))]])
+        matrix = jnp.block([[velocity_metric(arrays, now), rows.T], [rows, jnp.zeros((m, m))]])
         solved = -jnp.linalg.solve(matrix, jnp.concatenate([flat, bias]))
         found, multipliers = solved[: len(flat)], solved[len(flat) :]
     acceleration, firsts = unravel(found)

@@ -87,7 +87,7 @@ class MachineOfLines:
                 space = np.einsum("tij,twj->twi", motions[placed.body.name].rotation, own)
                 found[root.joint.name] = (space @ axes).reshape(-1, 6)
             else:
-                found[root.joint.name] = -(own @ (placed.rotation.T @ axes)).reshape(-1, 6)
+                found[root.joint.name] = -(own @ (placed.assembly.rotation.T @ axes)).reshape(-1, 6)
         return found
 
 

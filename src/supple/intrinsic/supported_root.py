@@ -98,7 +98,7 @@ def _support(placed: Placed, joint: Joint) -> tuple[RootSupport, RootDrive | Non
             f"{where}: it holds station {station.number} ('{own.interface}'), and its modes hold its root: "
             "place released(body), which takes joints at any station"
         )
-    axis = placed.rotation.T @ joint.initial_axes[:, 2]
+    axis = placed.assembly.rotation.T @ joint.initial_axes[:, 2]
     turn, shift = np.concatenate([np.zeros(3), axis]), np.concatenate([axis, np.zeros(3)])
     free: RootSupport | None = None
     match joint:
@@ -127,5 +127,6 @@ def _support(placed: Placed, joint: Joint) -> tuple[RootSupport, RootDrive | Non
 def _drive(placed: Placed, joint: Joint, screw: np.ndarray, own: object) -> RootDrive:
     # The second end moves against the first: a body that is the first end moves the other way.
     sign = 1.0 if own == joint.second else -1.0
-    root = placed.position + placed.rotation @ body_of(placed).line.tree.points[0]
-    return RootDrive(sign * screw, joint.law, placed.rotation, root)
+    position, rotation = placed.assembly
+    root = position + rotation @ body_of(placed).line.tree.points[0]
+    return RootDrive(sign * screw, joint.law, rotation, root)

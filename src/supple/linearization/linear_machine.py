@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from supple.machine import Spin, System
+from supple.machine import Placed, Spin, System
 from supple.multibody.equations.control_linearization import LinearControl
 
 if TYPE_CHECKING:
@@ -73,6 +73,16 @@ class LinearMachine:
     def size(self) -> int:
         """Number k of independent coordinates."""
         return len(self.mass)
+
+    def motions_of(self, body: str, owner: str) -> tuple[Placed, Array]:
+        """A body as it is placed, and its motions p (6 + r, k) by independent coordinates.
+
+        Raises ModelError for a name that no body has, of the owner that asks.
+        """
+        number = self.system.body_index(body, owner)
+        sizes = [6 + placed.body.n_coordinates for placed in self.system.bodies]
+        first = sum(sizes[:number])
+        return self.system.bodies[number], self.basis[first : first + sizes[number]]
 
     def coordinates_of(self, motions: np.ndarray) -> np.ndarray:
         """Independent coordinates (k, ..) of motions (n, ..), the nearest ones where these open joints."""

@@ -14,14 +14,15 @@ from scipy.spatial.transform import Rotation
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import ModelError
-from supple.intrinsic import IntrinsicBody
+from supple.intrinsic.line_statics import LineStatics, line_statics
 from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
 from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
 from supple.machine.forces import JointFriction
 from supple.multibody import StaticSearch
+from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.compiled.iterate import position_scale
-from supple.multibody.compiled.statics import balanced
+from supple.multibody.compiled.statics import CompiledStatics, balanced
 from supple.multibody.equations.build_model import build_model
 from supple.multibody.equations.consistent_start import placed_configuration
 from supple.multibody.equations.control_linearization import LinearControl, control_at_rest, unrest
@@ -29,7 +30,6 @@ from supple.multibody.equations.joint_force import constraint_rows
 from supple.multibody.equations.static_search import StaticState
 from supple.multibody.equations.steady_motion import (
     LinearEquations,
-    linear_equations,
     steady_motion,
     work_of_turning,
 )
@@ -37,7 +37,7 @@ from supple.multibody.full.full_system import FullSystem
 from supple.multibody.full.statics import FullStatics, carried_state
 from supple.simulation.equilibrium import warn_of_rest
 from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
-from supple.simulation.resting_state import RestingState, placed_at_rest, resting_state
+from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest, resting_state
 
 __all__ = ["linearize"]
 
@@ -84,11 +84,6 @@ def linearize(
         raise ModelError(
             f"{frictions[0].label}: how the friction of what slides follows its force is not linearised; "
             "give it a preload, RevoluteFriction or PrismaticFriction, or leave it out"
-        )
-    if intrinsic := system.bodies_of(IntrinsicBody):
-        raise ModelError(
-            f"body '{next(iter(intrinsic))}' is intrinsic: such a machine is not linearised. Its own "
-            "modes on its support are body.modes; for those of the machine reduce its finite elements"
         )
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
     if system.bodies_of(FullBody):
@@ -175,13 +170,16 @@ def _sparse(found: RestingState, time: float, spin: Spin | None) -> SparseMachin
 
 
 def _equations(found: RestingState, time: float) -> LinearEquations:
-    model, turning, state = found.model, found.turning, found.state
-    motion = steady_motion(model, turning, time, state.configuration, state.multipliers, state.control)
-    return linear_equations(model, turning, motion, balanced(model, motion))
+    return found.machine.linear_equations(found.state, time)
 
 
 def _carried(system: System, found: RestingState, time: float) -> tuple[RestingState, float]:
     """A system where it is placed, its joints carrying what is unbalanced; and what part they cannot."""
+    if isinstance(found.machine, LineStatics):
+        still = replace(system, bodies=tuple(map(at_rest, system.bodies)))
+        there = line_statics(still, found.turning, time, found.model.active)
+        state, left = there.carried_state()
+        return found._replace(machine=there, state=state), left
     model = build_model(system, found.model.active)
     configuration, none = placed_configuration(system), np.zeros(len(found.model.active))
     motion = steady_motion(model, found.turning, time, configuration, none, found.state.control)
@@ -201,7 +199,8 @@ def _carried(system: System, found: RestingState, time: float) -> tuple[RestingS
         system, control_at_rest(model, motion), position_scale(model), motion.velocity, found.state.control
     )
     state = StaticState(configuration, multipliers, control=found.state.control)
-    return found._replace(model=model, state=state), max(left, *rest.values(), 0.0)
+    machine = CompiledStatics(CompiledMachine(system, model), found.turning)
+    return found._replace(model=model, state=state, machine=machine), max(left, *rest.values(), 0.0)
 
 
 class _Projected(NamedTuple):

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from supple.errors import ModelError
-from supple.integrate import FloatingMotion, Solution, Statistics
+from supple.integrate import Solution, Statistics
 from supple.linearization.machine_modes import MachineModes
 
 __all__ = ["mode_motion"]
@@ -41,22 +40,10 @@ def mode_motion(
     swing *= amplitude / max(_largest_translation(modes, number), 1e-300)
     bodies, first = {}, 0
     for placed in machine.system.bodies:
-        r = placed.body.n_coordinates
-        own = swing[:, first : first + 6 + r]
-        first += 6 + r
-        rates = np.zeros((len(own), r))
-        frames = np.zeros((len(own), 3))
-        bodies[placed.body.name] = FloatingMotion(
-            position=placed.position + own[:, :3] @ placed.rotation.T,
-            rotation=placed.rotation @ Rotation.from_rotvec(own[:, 3:6]).as_matrix(),
-            coordinates=placed.coordinates + own[:, 6:],
-            velocity=frames,
-            angular_velocity=frames,
-            coordinate_rates=rates,
-            acceleration=frames,
-            angular_acceleration=frames,
-            coordinate_accelerations=rates,
-        )
+        after = first + 6 + placed.body.n_coordinates
+        pose = placed.position, placed.rotation, placed.coordinates
+        own, first = swing[:, first:after], after
+        bodies[placed.body.name] = placed.body.motion_near(*pose, own, np.zeros_like(own))
     return Solution(
         times=phases / (2 * np.pi) * period,
         bodies=bodies,
@@ -70,11 +57,17 @@ def _largest_translation(modes: MachineModes, number: int) -> float:
     shape, largest, first = modes.shapes[:, number], 0.0, 0
     for placed in modes.machine.system.bodies:
         body = placed.body
-        own = shape[first : first + 6 + body.n_coordinates]
-        first += 6 + body.n_coordinates
-        moving = body.expand_rates(placed.coordinates, np.array([np.real(own[6:]), np.imag(own[6:])]))
-        points = np.concatenate([body.nodes, [face.position for face in body.interfaces], np.zeros((1, 3))])
-        moved = own[:3] + np.cross(own[3:6], points)
-        moved[: len(body.nodes)] += moving[0] + 1j * moving[1]
-        largest = max(largest, float(np.linalg.norm(moved, axis=1).max()))
+        own, first = shape[first : first + 6 + body.n_coordinates], first + 6 + body.n_coordinates
+        rates = np.array([np.real(own), np.imag(own)])
+        pose = placed.position, placed.rotation, placed.coordinates
+        motion = body.motion_near(*pose, np.zeros_like(rates), rates)
+        real, imaginary = np.concatenate(
+            [
+                motion.velocity[:, None],
+                body.node_motion(motion, np.arange(len(body.nodes))).velocity,
+                *(body.interface_motion(motion, end.name).velocity[:, None] for end in body.interfaces),
+            ],
+            axis=1,
+        )
+        largest = max(largest, float(np.linalg.norm(real + 1j * imaginary, axis=1).max()))
     return largest

@@ -3,25 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, Protocol
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
-from supple.algebra.rotation import unskew
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.machine import GROUND, At, as_end
-from supple.multibody.equations.build_model import build_model, end_at
-from supple.multibody.equations.compiler_options import STARTING
-from supple.multibody.equations.configuration import Configuration, advance
-from supple.multibody.equations.consistent_start import placed_configuration
-from supple.multibody.equations.ends import markers
-from supple.multibody.equations.marker import orientation, point
-from supple.multibody.equations.model import Ends, Model
-from supple.multibody.equations.steady_motion import in_turning_axes
 
 __all__ = ["Port", "RotationPort", "TranslationPort"]
 
@@ -108,22 +96,8 @@ def _direction(vector: tuple[float, float, float]) -> str:
 
 def _motions(machine: LinearMachine, at: At) -> tuple[Array, Array]:
     """Displacement and rotation of an interface by independent coordinates, (3, k) each, global."""
-    system = machine.system
-    found = system.bodies[system.body_index(at.body, "port")].body
-    found.interface(at.interface)
-    model = build_model(system)
-    configuration = placed_configuration(system)
-    free = in_turning_axes(model, configuration) @ machine.basis
-    displacement, rotation = _by_increment(model, end_at(system, at), configuration)
-    return np.asarray(displacement) @ free, np.asarray(rotation) @ free
-
-
-@partial(jax.jit, compiler_options=STARTING)
-def _by_increment(model: Model, end: Ends, configuration: Configuration) -> tuple[jax.Array, jax.Array]:
-    def placed(increment: jax.Array) -> tuple[jax.Array, jax.Array]:
-        marker = jax.tree.map(lambda part: part[0], markers(end, advance(model, configuration, increment)))
-        return point(marker), orientation(marker)
-
-    none = jnp.zeros(model.n_velocities)
-    _, axes = placed(none)
-    return jax.jacfwd(lambda step: (placed(step)[0], unskew(placed(step)[1] @ axes.T)))(none)
+    placed, own = machine.motions_of(at.body, "port")
+    placed.body.interface(at.interface)
+    near = placed.position, placed.rotation, placed.coordinates, np.zeros_like(own.T), own.T
+    rates = placed.body.interface_motion(placed.body.motion_near(*near), at.interface)
+    return rates.velocity.T, rates.angular_velocity.T

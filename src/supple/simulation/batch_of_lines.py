@@ -26,28 +26,25 @@ from supple.intrinsic.report_truncation import report_truncation_of_cases
 from supple.intrinsic.supported_root import is_joined
 from supple.machine import System
 from supple.multibody.compiled.batch_start import differing, stacked
+from supple.simulation.batch_in_turn import batch_in_turn
 from supple.simulation.batch_solution import BatchSolution
 
 __all__ = ["batch_of_lines"]
 
 
 def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Progress | None) -> BatchSolution:
-    """The solutions of `simulate` for machines of intrinsic bodies whose roots the ground alone holds.
+    """The solutions of `simulate` for machines of intrinsic bodies.
 
-    Runge and Kutta's rule gains most, where cases differ in loads, motions and starts alone.
-    Raises ModelError for joined machines, and for cases that differ in more than numbers.
+    Joined machines go one after another; those whose roots the ground alone holds march together. Runge and
+    Kutta's rule gains most, where cases differ in loads, motions and starts alone.
+    Raises ModelError for cases that differ in more than numbers.
     """
+    if any(map(is_joined, cases)):
+        return batch_in_turn(cases, run, progress)
     if any(system.controllers for system in cases):
         raise ModelError(
             "controllers act in machines of rigid and reduced bodies: leave them out of a batch with "
             "intrinsic ones"
-        )
-    joined = next((number for number, system in enumerate(cases) if is_joined(system)), None)
-    if joined is not None:
-        raise ModelError(
-            f"case {joined}: a batch with intrinsic bodies takes no others, and only those that the ground "
-            "alone holds by their roots: simulate cases with joints between bodies, with released or with "
-            "other ones, one by one"
         )
     began = clock.perf_counter()
     engines = [IntrinsicEngine(system, run) for system in cases]

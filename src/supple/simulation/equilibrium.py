@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,9 +12,7 @@ from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import BasisWarning
 from supple.integrate import Solution, Statistics
-from supple.intrinsic import IntrinsicBody
-from supple.intrinsic.line_rest import resting_lines
-from supple.intrinsic.supported_root import is_joined
+from supple.intrinsic.line_statics import LineStatics
 from supple.machine import Spin, System
 from supple.multibody.equations.configuration import Configuration, SystemMotion
 from supple.multibody.equations.consistent_start import placed_velocity
@@ -24,8 +22,6 @@ from supple.simulation.full_rest import RestError, full_rest, known_fulls, rest_
 from supple.simulation.rest_stability import is_stable
 from supple.simulation.resting_state import (
     RestingState,
-    at_rest,
-    check_time,
     placed_at_rest,
     resting_state,
 )
@@ -99,14 +95,12 @@ def equilibrium(
     Raises
     ------
     ModelError          whatever the start of a run would find wrong with the joints; a controller that is
-        sampled; a full body that is not the one that was reduced; intrinsic bodies that turn, or that hold
-        other bodies or each other
+        sampled; a full body that is not the one that was reduced; an intrinsic body whose support holds it
+        against the spin
     ConvergenceError    no equilibrium was found, or a controller's state has none
     Warns BasisWarning where a body misses 1 % of its largest displacement or more.
-    Source: Kelley & Keyes (1998) for the search; intrinsic bodies by `line_rest`.
+    Source: Kelley & Keyes (1998) for the search.
     """
-    if system.bodies_of(IntrinsicBody) and not is_joined(system) and spin is None:
-        return _equilibrium_of_lines(system, time)
     search = search or StaticSearch()
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
     known = known_fulls(system, fulls)
@@ -122,17 +116,6 @@ def equilibrium(
         None if balanced is None else (placed_at_rest(balanced), _one_instant(balanced, time)),
         is_stable(found, time),
     )
-
-
-def _equilibrium_of_lines(system: System, time: float) -> Equilibrium:
-    """Of intrinsic bodies whose roots the ground holds."""
-    check_time(time)
-    still = replace(system, bodies=tuple(at_rest(placed) for placed in system.bodies))
-    found = resting_lines(still, time=time)
-    bodies = tuple(
-        replace(placed, coordinates=found.bodies[placed.body.name].coordinates[0]) for placed in still.bodies
-    )
-    return Equilibrium(replace(still, bodies=bodies), found, found.statistics.iterations)
 
 
 def warn_of_rest(errors: Mapping[str, RestError]) -> None:
@@ -160,6 +143,8 @@ REMEDY = (
 
 def _one_instant(found: RestingState, time: float) -> Solution:
     """The equilibrium as a motion of one instant."""
+    if isinstance(found.machine, LineStatics):
+        return found.machine.solution(found.state, time, found.iterations)
     system, state = placed_at_rest(found), found.state
     configuration = Configuration(*(np.asarray(part)[None] for part in state.configuration))
     moving = placed_velocity(system)[None]

@@ -20,6 +20,7 @@ import numpy as np
 from supple.algebra import read_only
 from supple.body import FullBody, MeanAxisFrame, frame_projector
 from supple.errors import AccuracyError, ConvergenceError
+from supple.intrinsic.line_statics import LineStatics
 from supple.machine import Placed, System
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.static_search import (
@@ -133,11 +134,12 @@ def full_rest(
 ) -> FullRest | None:
     """The equilibrium with all coordinates, from that of the reduced machine; None where no body is reduced.
 
+    None beside intrinsic bodies too: no engine takes them together with full ones.
     fulls : the bodies that were reduced, by name; others stay as they are
     Raises ModelError for a full body that is not the one that was reduced.
     """
     bases = kept_bases(reduced.system, fulls)
-    if not bases:
+    if not bases or isinstance(reduced.machine, LineStatics):
         return None
     expanded = _expanded(reduced, bases, fulls)
     bodies = tuple(
@@ -164,7 +166,11 @@ def full_rest(
         except ConvergenceError:
             return FullRest(None, bases, began, second)
     found = reduced._replace(
-        system=machine.system, model=machine.model, slices=tuple(machine.slices), state=state
+        system=machine.system,
+        model=machine.model,
+        slices=tuple(machine.slices),
+        state=state,
+        machine=statics,
     )
     return FullRest(found, bases, began, second)
 

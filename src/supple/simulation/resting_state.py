@@ -11,15 +11,22 @@ import numpy as np
 from supple.body import FullBody
 from supple.errors import ModelError
 from supple.intrinsic import IntrinsicBody
+from supple.intrinsic.line_statics import line_statics
 from supple.machine import Placed, Spin, System
 from supple.machine.control import Controller, SampledController
 from supple.multibody import CompiledStatics, FullStatics
 from supple.multibody.compiled.compiled_machine import CompiledMachine
 from supple.multibody.equations.build_model import build_model
+from supple.multibody.equations.configuration import Configuration
 from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.equations.control_force import first_states, states_by_controller
 from supple.multibody.equations.model import Model
-from supple.multibody.equations.static_search import StaticSearch, StaticState, search_equilibrium
+from supple.multibody.equations.static_search import (
+    StaticMachine,
+    StaticSearch,
+    StaticState,
+    search_equilibrium,
+)
 from supple.multibody.equations.steady_motion import Turning
 from supple.multibody.full.full_system import FullSystem
 
@@ -37,6 +44,13 @@ class RestingState(NamedTuple):
     turning: Turning
     state: StaticState
     iterations: int
+    machine: StaticMachine
+    """In the hands of its engine"""
+
+    @property
+    def configuration(self) -> Configuration:
+        """Where the bodies are, in their order."""
+        return self.machine.bodies_at(self.state.configuration)
 
 
 def resting_state(
@@ -48,12 +62,6 @@ def resting_state(
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> RestingState:
     """The arrays behind an `equilibrium`, with its arguments and errors."""
-    if intrinsic := system.bodies_of(IntrinsicBody):
-        raise ModelError(
-            f"body '{next(iter(intrinsic))}' is intrinsic: its equilibrium is known where all bodies are, "
-            "the ground alone holds their roots, and nothing spins. Leave out the spin, or find where the "
-            "machine rests by a run with damping"
-        )
     check_time(time)
     _refuse_sampled(system)
     search = StaticSearch() if search is None else search
@@ -61,6 +69,10 @@ def resting_state(
     if spin is not None:
         turning = Turning(spin.angular_velocities(system), spin.point)
     still = replace(system, bodies=tuple(at_rest(placed) for placed in system.bodies))
+    if system.bodies_of(IntrinsicBody):
+        lines = line_statics(still, turning if spin else None, time)
+        state, iterations = search_equilibrium(lines, lines.start, time, search, progress)
+        return RestingState(still, lines.machine.arrays.model, (), turning, state, iterations, lines)
     if system.bodies_of(FullBody):
         machine, configuration, *_ = consistent_start(FullSystem(still), time)
         statics, model = FullStatics(machine, turning if spin else None), machine.model
@@ -72,7 +84,7 @@ def resting_state(
         slices = compiled.slices
     start = StaticState(configuration, np.zeros(len(model.active)), frames, first_states(model))
     state, iterations = search_equilibrium(statics, start, time, search, progress)
-    return RestingState(still, model, slices, turning, state, iterations)
+    return RestingState(still, model, slices, turning, state, iterations, statics)
 
 
 def check_time(time: float) -> None:
@@ -100,12 +112,12 @@ def at_rest(placed: Placed) -> Placed:
 def placed_at_rest(found: RestingState) -> System:
     """The system with its bodies where the state says, turning steadily."""
     bodies, first = [], 0
-    system, (velocities, point), state = found.system, found.turning, found.state
+    system, (velocities, point), configuration = found.system, found.turning, found.configuration
     for index, placed in enumerate(system.bodies):
         after = first + placed.body.n_coordinates
-        rotation = np.asarray(state.configuration.rotations[index])
-        moved = placed.moved_to(np.asarray(state.configuration.origins[index]), rotation)
-        resting = replace(moved, coordinates=state.configuration.coordinates[first:after])
+        rotation = np.asarray(configuration.rotations[index])
+        moved = placed.moved_to(np.asarray(configuration.origins[index]), rotation)
+        resting = replace(moved, coordinates=configuration.coordinates[first:after])
         if velocities.any():
             resting = replace(
                 resting,

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from supple.body import AveragingInterface, FullBody, NodalFixedFrame, RigidInterface, flexible_body
 from supple.errors import ConvergenceError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.intrinsic import LoadPath, condense, line_rest
+from supple.intrinsic import LoadPath, condense
 from supple.machine import DeadForce, Fixed, System, split_body
 from supple.mesh import AlongAxis, strip
 from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
@@ -116,4 +116,4 @@ def _intrinsic(force: float) -> NDArray[np.float64]:
     body = condense(shells, LoadPath("root", "tip", N_LENGTH + 1), n_modes=60)
     clamp = Fixed(first="ground", second="strip.root")
     system = System([body], [clamp], [DeadForce(at="strip.tip", force=(0.0, 0.0, force))])
-    return body.places(line_rest(system, n_steps=3)["strip"])[1][0, -1]
+    return body.places(equilibrium(system).solution.bodies["strip"])[1][0, -1]

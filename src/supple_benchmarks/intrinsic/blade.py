@@ -28,7 +28,7 @@ from supple.body import (
 )
 from supple.errors import ConvergenceError
 from supple.fem import GREEN_LAGRANGE, FiniteElementModel, shell_model
-from supple.intrinsic import LoadPath, condense, line_rest
+from supple.intrinsic import LoadPath, condense
 from supple.machine import DeadForce, Fixed, Placed, System, split_body
 from supple.mesh import AlongAxis
 from supple.multibody import StaticSearch
@@ -187,5 +187,5 @@ def _shares(held: Held) -> Array:
 
 def _intrinsic(held: Held, n_stations: int, n_modes: int) -> Array:
     body = condense(held.body, LoadPath("root", "tip", n_stations), n_modes=n_modes)
-    rest = line_rest(held.system(body), n_steps=3)[BODY]
+    rest = equilibrium(held.system(body)).solution.bodies[BODY]
     return body.positions(rest, held.tip)[0]

@@ -24,6 +24,7 @@ from supple.multibody.equations.static_search import (
     Unbalance,
 )
 from supple.multibody.equations.steady_motion import (
+    LinearEquations,
     Turning,
     in_turning_axes,
     linear_equations,
@@ -104,14 +105,26 @@ class CompiledStatics:
         """The configuration after an increment (n,)."""
         return self.machine.moved(configuration, increment)
 
+    def bodies_at(self, configuration: Configuration) -> Configuration:
+        """The same."""
+        return configuration
+
+    def linear_equations(self, state: StaticState, time: float) -> LinearEquations:
+        """The equations of motion, linearised about a state."""
+        model, motion = self.machine.model, self._motion(state, time)
+        return linear_equations(model, self.turning or self._still, motion, balanced(model, motion))
+
     @property
     def position_scale(self) -> np.ndarray:
         """What counts as a large change of each freedom, (n,)."""
         return np.asarray(position_scale(self.machine.model))
 
+    @property
+    def _still(self) -> Turning:
+        return Turning(np.zeros((len(self.machine.model.sizes), 3)), np.zeros(3))
+
     def _motion(self, state: StaticState, time: float) -> SystemMotion:
-        still = Turning(np.zeros((len(self.machine.model.sizes), 3)), np.zeros(3))
-        motion = self.turning or still, time, state.configuration, state.multipliers, state.control
+        motion = self.turning or self._still, time, state.configuration, state.multipliers, state.control
         return steady_motion(self.machine.model, *motion)
 
 

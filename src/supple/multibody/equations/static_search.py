@@ -101,7 +101,8 @@ class StaticSearch:
 class StaticState(NamedTuple):
     """A configuration and the forces that hold it."""
 
-    configuration: Configuration
+    configuration: Any
+    """In the machine's own form"""
     multipliers: AnyArray
     frame_multipliers: tuple[np.ndarray, ...] = ()
     """Of full bodies, (6,) each"""
@@ -158,8 +159,16 @@ class StaticMachine(Protocol):
         """The machine at a share of its spin's rate, with forces (n,) held back."""
         ...
 
-    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
+    def moved(self, configuration: Any, increment: np.ndarray) -> Any:
         """The configuration after an increment (n,)."""
+        ...
+
+    def bodies_at(self, configuration: Any) -> Configuration:
+        """Where the bodies are, in their order."""
+        ...
+
+    def linear_equations(self, state: StaticState, time: float) -> Any:
+        """The equations of motion, linearised about a state."""
         ...
 
     @property

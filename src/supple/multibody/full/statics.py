@@ -106,6 +106,10 @@ class FullStatics:
         """The configuration after an increment (n,)."""
         return self.machine.moved(configuration, increment)
 
+    def bodies_at(self, configuration: Configuration) -> Configuration:
+        """The same."""
+        return configuration
+
     @property
     def position_scale(self) -> np.ndarray:
         """What counts as a large change of each freedom, (n,)."""
