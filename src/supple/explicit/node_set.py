@@ -36,11 +36,6 @@ class NodeSet:
         return averaged_motion(self.part.nodes[self.nodes], np.ones(len(self.nodes)), self.position, 3)
 
     @property
-    def tied_nodes(self) -> NDArray[np.int64]:
-        """None."""
-        return np.empty(0, dtype=np.int64)
-
-    @property
     def motion(self) -> FloatArray:
         """The same per coordinate of the part, (6, r)."""
         unit = np.eye(self.part.n_coordinates)
