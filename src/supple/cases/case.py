@@ -234,7 +234,7 @@ class Case:
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
         loads = [table.build(self.folder, self.place, self.meshes) for table in tables.load]
-        elements = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
+        forces = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
         frictions = [
             table.friction.build(joint)
             for table, joint in zip(tables.joint, joints, strict=True)
@@ -242,7 +242,7 @@ class Case:
         ]
         return replace(
             unloaded,
-            loads=(*loads, *elements, *frictions),
+            loads=(*loads, *forces, *frictions),
             ties=[table.build() for table in tables.tie],
             contacts=[table.build() for table in tables.contact],
             supports=[table.build() for table in tables.support],

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import Field
 
 from supple.cases.shared_rules import PlaceOf
+from supple.cases.table import Key, Made, OneOf, table_of
 from supple.importers.toml import (
-    ZERO,
     CheckedTable,
     KeyPath,
     Mistakes,
@@ -35,7 +35,6 @@ from supple.machine import (
     SurfaceContact,
     Tie,
 )
-from supple.machine.obstacles import Obstacle
 
 
 def _end(place: str) -> At:
@@ -43,58 +42,34 @@ def _end(place: str) -> At:
     return At(body, nodes)
 
 
-class _Rigid(CheckedTable):
-    """A rigid surface that translates."""
-
-    velocity: Vector = Field(ZERO, description="at the start; kept where no mass is given")
-    mass: Positive | None = Field(None, description="of an obstacle that is free to move; driven if left out")
-
-    def _moving(self) -> dict[str, Any]:
-        return {"velocity": self.velocity, "mass": float("inf") if self.mass is None else self.mass}
-
-
-class Plane(_Rigid):
-    """The half space behind a plane."""
-
-    kind: Literal["plane"]
-    point: Vector = Field(description="on the plane, global axes")
-    normal: Vector = Field(description="towards the side where the nodes belong")
-
-    def build(self) -> Obstacle:
-        """The obstacle."""
-        return RigidPlane(self.point, self.normal, **self._moving())
-
-
-class Cylinder(_Rigid):
-    """A cylinder without end."""
-
-    kind: Literal["cylinder"]
-    point: Vector = Field(description="on the axis, global axes")
-    axis: Vector = Field(description="direction")
-    radius: Positive = Field(description="a length")
-
-    def build(self) -> Obstacle:
-        """The obstacle."""
-        return RigidCylinder(self.point, self.axis, self.radius, **self._moving())
-
-
-class Sphere(_Rigid):
-    """A ball."""
-
-    kind: Literal["sphere"]
-    centre: Vector = Field(description="global axes")
-    radius: Positive = Field(description="a length")
-
-    def build(self) -> Obstacle:
-        """The obstacle."""
-        return RigidSphere(self.centre, self.radius, **self._moving())
+_MOVING: dict[str, Any] = {
+    "velocity": Key(Vector, "at the start; kept where no mass is given"),
+    "mass": Key(Positive, "of an obstacle that is free to move; driven if left out"),
+}
+_RADIUS = Key(Positive, "a length")
+Plane = table_of(
+    RigidPlane,
+    "plane",
+    point=Key(Vector, "on the plane, global axes"),
+    normal=Key(Vector, "towards the side where the nodes belong"),
+    **_MOVING,
+)
+Cylinder = table_of(
+    RigidCylinder,
+    "cylinder",
+    point=Key(Vector, "on the axis, global axes"),
+    axis=Key(Vector, "direction"),
+    radius=_RADIUS,
+    **_MOVING,
+)
+Sphere = table_of(RigidSphere, "sphere", centre=Key(Vector, "global axes"), radius=_RADIUS, **_MOVING)
 
 
 class ContactTable(CheckedTable):
     """Nodes that must not enter an obstacle or another part, by penalty."""
 
     nodes: PlaceOf = Field(description="BODY.NODE_SET")
-    obstacle: Annotated[Plane | Cylinder | Sphere, Field(discriminator="kind")] | None = None
+    obstacle: Annotated[Made, OneOf(Plane, Cylinder, Sphere)] | None = None
     surface: PlaceOf | None = Field(
         None, description="BODY.NODE_SET: instead of an obstacle, the outer faces of another part on this set"
     )
@@ -114,47 +89,17 @@ class ContactTable(CheckedTable):
         return Contact(_end(self.nodes), self.obstacle.build(), self.stiffness, self.fraction)
 
 
-class MeanContinuity(CheckedTable):
-    """Mean displacement and turn of the interfaces are equal."""
-
-    kind: Literal["mean-motion"]
-
-    def build(self) -> MeanMotion:
-        """The continuity."""
-        return MeanMotion()
-
-
-class NodalContinuity(CheckedTable):
-    """All nodes of the interfaces meet."""
-
-    kind: Literal["every-node"]
-    tolerance: float = Field(
-        1e-4, gt=0.0, lt=1.0, description="of what opens farthest: what opens less follows from the rest"
-    )
-
-    def build(self) -> EveryNode:
-        """The continuity."""
-        return EveryNode(self.tolerance)
-
-
-class CollocatedTransfer(CheckedTable):
-    """Each node follows the point where it stands."""
-
-    kind: Literal["collocated"]
-
-    def build(self) -> Collocated:
-        """The transfer."""
-        return Collocated()
-
-
-class MortarTransfer(CheckedTable):
-    """Nodes follow in the mean over the faces about them."""
-
-    kind: Literal["mortar"]
-
-    def build(self) -> Mortar:
-        """The transfer."""
-        return Mortar()
+MeanContinuity = table_of(MeanMotion, "mean-motion")
+_OPENING = Field(gt=0.0, lt=1.0)
+NodalContinuity = table_of(
+    EveryNode,
+    "every-node",
+    tolerance=Key(
+        Annotated[float, _OPENING], "of what opens farthest: what opens less follows from the rest"
+    ),
+)
+CollocatedTransfer = table_of(Collocated, "collocated")
+MortarTransfer = table_of(Mortar, "mortar")
 
 
 class TieTable(CheckedTable):
@@ -162,10 +107,10 @@ class TieTable(CheckedTable):
 
     nodes: PlaceOf = Field(description="BODY.NODE_SET; of a modal part where the other one is modal, too")
     on: str = Field(description="the part they are tied to")
-    transfer: Annotated[CollocatedTransfer | MortarTransfer, Field(discriminator="kind")] = Field(
+    transfer: Annotated[Made, OneOf(CollocatedTransfer, MortarTransfer)] = Field(
         CollocatedTransfer(kind="collocated"), description="how nodes follow a modal part of another mesh"
     )
-    continuity: Annotated[MeanContinuity | NodalContinuity, Field(discriminator="kind")] = Field(
+    continuity: Annotated[Made, OneOf(MeanContinuity, NodalContinuity)] = Field(
         MeanContinuity(kind="mean-motion"), description="what two modal parts have in common there"
     )
     within: Positive = Field(1e-6, description="of the size of the set: how far from the part they may lie")

@@ -58,8 +58,7 @@ def _describe_case(path: Path) -> Iterator[Row]:
     for tie in case.tie:
         yield "tie", f"{tie.nodes} on {tie.on}"
     for contact in case.contact:
-        obstacle = contact.surface if contact.obstacle is None else contact.obstacle.kind
-        yield "contact", f"{contact.nodes} with {obstacle}"
+        yield "contact", f"{contact.nodes} with {getattr(contact.obstacle, 'kind', contact.surface)}"
     for spring in case.spring:
         yield "spring", f"{spring.chosen}: {spring.first} - {spring.second}"
     run = case.simulation

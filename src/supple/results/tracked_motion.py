@@ -99,17 +99,14 @@ def tracked_motion(
     ------
     ModelError  a node number outside the body, an interface that it does not have
     """
-    if body.kind in ("modal", "explicit"):  # which deflect against no frame that others could see
-        chosen: Any = getattr(body.interface(at), "nodes") if isinstance(at, str) else at  # noqa: B009
-        where = body.positions(motion, chosen).mean(axis=1)
-        return TrackedMotion(where, "", np.zeros_like(where), is_elastic=False)
     if isinstance(at, str):
         place = observer(body, motion, at)
         rest, position = place.rest, place.origin
     else:
         nodes = np.asarray(at)
         rest, position = body.nodes[nodes].mean(axis=0), body.positions(motion, nodes).mean(axis=1)
-    if not body.n_coordinates:
+    # Parts of an explicit march deflect against no frame that others could see.
+    if not body.n_coordinates or body.kind in ("modal", "explicit"):
         return TrackedMotion(position, "", np.zeros_like(position), is_elastic=False)
     if seen_from is None and body.interfaces:
         seen_from = observer(body, motion, body.interfaces[0].name)
