@@ -13,6 +13,8 @@ from supple.aero.polar import BlendedPolars
 from supple.aero.rotor import Rotor
 from supple.errors import ConvergenceError, ModelError
 
+__all__ = ["AirLoads", "Operation", "air_loads", "rotor_power", "rotor_thrust"]
+
 FloatArray = NDArray[np.float64]
 
 # Axial induction above which momentum theory gives way to Glauert's empirical line.

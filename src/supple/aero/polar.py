@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from supple.algebra.read_only import read_only
 from supple.errors import ModelError
 
+__all__ = ["Polar"]
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

@@ -14,6 +14,8 @@ from supple.aero.wind import Wind
 from supple.algebra.read_only import read_only
 from supple.errors import ModelError
 
+__all__ = ["CosineRamp", "NodalForces", "lumped_forces", "prescribed_forces"]
+
 FloatArray = NDArray[np.float64]
 
 

@@ -11,6 +11,8 @@ from supple.aero.polar import BlendedPolars, Polar, blend_polars
 from supple.algebra.read_only import read_only
 from supple.errors import ModelError
 
+__all__ = ["Rotor"]
+
 FloatArray = NDArray[np.float64]
 
 

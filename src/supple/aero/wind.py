@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from supple.algebra.read_only import read_only
 from supple.errors import ModelError
 
+__all__ = ["HarmonicSeries", "PowerLawShear", "Wind", "golden_phases", "kaimal_series", "random_phases"]
+
 FloatArray = NDArray[np.float64]
 
 GOLDEN_RATIO_PART = 0.618034

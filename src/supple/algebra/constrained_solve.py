@@ -13,6 +13,8 @@ from supple.algebra.constraint_rows import constraint_rows
 from supple.algebra.sparse_factor import DirectSolver, SparseFactor, factorize_symmetric
 from supple.errors import AccuracyError, ModelError
 
+__all__ = ["ConstrainedFactor", "GroundedFactor", "constrained_factor", "grounded_factor"]
+
 LARGEST_RESIDUAL = 1e-8
 SMALLEST_RECIPROCAL_CONDITION = 1e-14
 

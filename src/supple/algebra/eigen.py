@@ -16,6 +16,8 @@ from supple.algebra.orthonormalize import mass_orthonormalize
 from supple.algebra.sparse_factor import DirectSolver, SparseFactor, factorize_symmetric
 from supple.errors import AccuracyError, ModelError
 
+__all__ = ["Eigenpairs", "count_below", "lowest_modes"]
+
 # Below this size a dense solution is as fast and finds every mode at once.
 LARGEST_DENSE = 400
 

@@ -14,6 +14,8 @@ from supple.algebra.eigen import Eigenpairs, lowest_modes
 from supple.algebra.tall_matrix import TallMatrix
 from supple.errors import AccuracyError, ModelError
 
+__all__ = ["GrowingModes", "RitzModes"]
+
 Array = NDArray[np.float64]
 
 # Solving for eight right-hand sides takes twice the time of one; wider blocks need a longer Krylov space.

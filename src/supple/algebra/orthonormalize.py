@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import AccuracyError, ModelError
 
+__all__ = ["OrthonormalBasis", "mass_orthonormalize"]
+
 LARGEST_GRAM_ERROR = 1e-10
 
 

@@ -16,6 +16,17 @@ from scipy.sparse.linalg import splu
 
 from supple.errors import AccuracyError, ModelError, SuppleWarning
 
+__all__ = [
+    "DirectSolver",
+    "Inertia",
+    "Rslab",
+    "SparseFactor",
+    "SuperLU",
+    "factorize_general",
+    "factorize_symmetric",
+    "installed_solver",
+]
+
 # Sparse solvers share the work between right-hand sides: in blocks of about 50 a column costs 4-5 times less
 # than alone; much larger blocks only fill the cache.
 BLOCK_COLUMNS = 64

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from supple.body.interface import Interface
 from supple.body.point_motion import InterfaceMotion, NodeMotion
 
+__all__ = ["BodyForm"]
+
 
 class BodyForm(Protocol):
     """A body as a machine holds it. Code that uses these members need not know the form of the body."""

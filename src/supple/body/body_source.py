@@ -22,6 +22,8 @@ from supple.fem import GREEN_LAGRANGE, FiniteElementModel, ShellKinematics
 from supple.importers import Connection, numbers_of, read_matrix, read_nastran
 from supple.mesh import Mesh
 
+__all__ = ["BodySource", "elements_source", "labelled_matrices_source", "matrices_source", "nastran_source"]
+
 IntArray = NDArray[np.int64]
 
 

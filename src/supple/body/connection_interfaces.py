@@ -8,6 +8,8 @@ from supple.body.interface import AveragingInterface, RigidInterface
 from supple.errors import ModelError
 from supple.importers import Connection
 
+__all__ = ["check_rigid_connections", "connection_interface", "connection_named"]
+
 
 def connection_interface(
     connection: Connection, name: str | None = None

@@ -15,6 +15,15 @@ from supple.body.flexible_body import FlexibleBody
 from supple.body.frame import NodalFixedFrame, frame_projector
 from supple.errors import ModelError
 
+__all__ = [
+    "Damping",
+    "LinearRayleighDamping",
+    "ModalDamping",
+    "RayleighDamping",
+    "rayleigh_at_modes",
+    "rayleigh_from_ratios",
+]
+
 
 @dataclass(frozen=True)
 class RayleighDamping:

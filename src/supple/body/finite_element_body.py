@@ -14,6 +14,8 @@ from supple.body.interface import AveragingInterface, RigidInterface
 if TYPE_CHECKING:
     from supple.fem import FiniteElementModel
 
+__all__ = ["flexible_body"]
+
 
 def flexible_body(
     name: str,

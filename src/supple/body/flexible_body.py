@@ -17,6 +17,8 @@ from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.errors import ModelError
 from supple.fem import Assembly, FiniteElementModel
 
+__all__ = ["FlexibleBody"]
+
 
 @dataclass(frozen=True, eq=False)
 class FlexibleBody:

@@ -12,6 +12,8 @@ from supple.body.interface import Interface
 from supple.errors import ModelError
 from supple.integrate.motion import FloatingMotion
 
+__all__ = ["floating_positions", "in_space", "node_displacements"]
+
 Array = NDArray[np.float64]
 
 # Numbers of the displacement field held at a time (32 MiB), for a long run of a large body would not fit.

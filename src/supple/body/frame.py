@@ -13,6 +13,8 @@ from supple.arguments import check_fields
 from supple.body.flexible_body import FlexibleBody
 from supple.errors import ModelError
 
+__all__ = ["Frame", "MeanAxisFrame", "NodalFixedFrame", "frame_projector", "smaller_rotations"]
+
 
 class Frame(Protocol):
     """A choice of frame: six linear conditions D q = 0 on a body's coordinates."""

@@ -10,6 +10,8 @@ from supple.body.inertia_polynomial import InertiaPolynomial
 from supple.body.rigid_motion import cross_of_axes
 from supple.errors import ModelError
 
+__all__ = ["inertia_gram"]
+
 
 def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
     """The matrix of the kinetic energy of a body that moves as a basis allows.

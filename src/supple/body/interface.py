@@ -14,6 +14,15 @@ from scipy.spatial.transform import Rotation
 from supple.arguments import check_numbers, check_text
 from supple.errors import ModelError, did_you_mean
 
+__all__ = [
+    "AveragingInterface",
+    "BodyInterface",
+    "Interface",
+    "PointInterface",
+    "RigidInterface",
+    "place_in_frame",
+]
+
 
 @dataclass(frozen=True, eq=False)
 class RigidInterface:

@@ -17,6 +17,8 @@ from scipy import sparse
 from supple.body.second_order_tie import RigidSet, second_order_strains
 from supple.fem import Assembly, FiniteElementModel, QuadraticStrain, assemble_strains
 
+__all__ = ["LinearForce", "QuadraticStrainForce"]
+
 Array = NDArray[np.float64]
 
 

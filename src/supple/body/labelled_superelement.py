@@ -27,6 +27,14 @@ from supple.importers import (
     read_nodes,
 )
 
+__all__ = [
+    "NodalMatrices",
+    "labelled_superelement",
+    "nodal_matrices",
+    "read_labelled_superelement",
+    "read_nodal_matrices",
+]
+
 IntArray = NDArray[np.int64]
 
 # Rounded entries: rows of some hundred of them cancel to this many times the error of one.

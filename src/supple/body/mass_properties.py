@@ -15,6 +15,8 @@ from supple.fem.quadrature import conical_tetrahedron, gauss_cube
 from supple.mesh import CellType
 from supple.mesh.reference_cell import shape_functions, shape_gradients
 
+__all__ = ["MassProperties", "mesh_mass_properties", "rigid_mass_properties"]
+
 FloatArray = NDArray[np.float64]
 
 # Exact for x x^T det J: degree 4 + 5 in one direction of a HEXA20, 4 + 3 in all of a TETRA10.

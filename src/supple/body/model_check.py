@@ -24,6 +24,8 @@ from supple.errors import AccuracyError, ModelError
 from supple.fem import FiniteElementModel
 from supple.mesh import Mesh
 
+__all__ = ["Finding", "ModelCheck", "Verdict", "check_elements", "check_model", "check_nodal_matrices"]
+
 FloatArray = NDArray[np.float64]
 
 LOWEST_FREQUENCIES = "lowest free frequencies"

@@ -28,6 +28,8 @@ from supple.importers import (
     read_nastran,
 )
 
+__all__ = ["nastran_model", "read_nastran_body"]
+
 
 def read_nastran_body(
     name: str, path: str | Path, *, unused_nodes: UnusedNodes = UnusedNodes.REFUSE

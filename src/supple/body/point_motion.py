@@ -19,14 +19,7 @@ from supple.body.form_defaults import FormDefaults
 from supple.body.interface import Interface, place_in_frame
 from supple.integrate.motion import FloatingMotion
 
-__all__ = [
-    "FloatingForm",
-    "InterfaceMotion",
-    "NodeMotion",
-    "floating_interface_motion",
-    "floating_node_motion",
-    "frames_near",
-]
+__all__ = ["InterfaceMotion", "NodeMotion"]
 
 Array = NDArray[np.float64]
 

@@ -16,6 +16,8 @@ from supple.body.interface import PointInterface, interface_named
 from supple.body.point_motion import FloatingForm
 from supple.errors import ModelError
 
+__all__ = ["RigidBody"]
+
 # Inertias typed with a few digits may break the triangle inequality in the last one (thin discs, rods).
 ROUNDING = 1e-6
 

@@ -16,6 +16,8 @@ from supple.body.interface import AveragingInterface, RigidInterface
 from supple.errors import ModelError
 from supple.importers import read_matrix
 
+__all__ = ["read_superelement", "superelement"]
+
 
 def superelement(
     name: str,

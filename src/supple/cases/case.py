@@ -36,6 +36,8 @@ from supple.simulation.full_rest import known_fulls
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
 
+__all__ = ["Case"]
+
 
 @dataclass(frozen=True, eq=False)
 class Case:

@@ -24,6 +24,8 @@ from supple.importers.toml import (
     listed_mistakes,
 )
 
+__all__ = ["read_case"]
+
 _Root = TypeVar("_Root", bound=CheckedTable)
 
 LARGEST = 1e60

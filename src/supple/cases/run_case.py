@@ -30,6 +30,8 @@ from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
 from supple.storage.run_inputs import changes
 
+__all__ = ["CaseResult", "run_case"]
+
 
 @dataclass(frozen=True, eq=False)
 class CaseResult:

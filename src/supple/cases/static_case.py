@@ -21,7 +21,7 @@ from supple.simulation import AssembledMachine, Equilibrium, assemble, equilibri
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
 
-__all__ = ["StaticResult", "looked_at", "spin_of", "starting_system", "static_case"]
+__all__ = ["StaticResult", "static_case"]
 
 
 @dataclass(frozen=True, eq=False)

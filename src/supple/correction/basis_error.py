@@ -10,7 +10,7 @@ import numpy as np
 from supple.algebra import read_only
 from supple.reduction.locking import TOLERATED
 
-__all__ = ["ASK_FOR_LESS", "ENRICH", "FIRST_ORDER", "BasisError", "BodyError"]
+__all__ = ["BasisError", "BodyError"]
 
 FIRST_ORDER = 1 / 3
 """Size of a second correction over the first above which the first is an order of magnitude only."""

@@ -32,6 +32,8 @@ from supple.storage.file_seal import sealed, unsealed
 from supple.storage.result_reader import read_header, read_solution
 from supple.storage.run_inputs import Inputs, changes
 
+__all__ = ["CorrectionFolder"]
+
 
 class CorrectionFolder:
     """Keeps the rounds of a self-correction (a `RoundArchive`); the next one reads what the last one kept.

@@ -39,17 +39,7 @@ from supple.multibody.equations.consistent_start import consistent_start
 from supple.multibody.full.full_system import FullSystem
 from supple.reduction import ReducedBody, ReductionBasis
 
-__all__ = [
-    "ErrorEstimate",
-    "ErrorEstimator",
-    "body_error",
-    "deformed_rows",
-    "estimate_error",
-    "is_smooth",
-    "modal_damping",
-    "reduced_form",
-    "untold",
-]
+__all__ = ["ErrorEstimate", "ErrorEstimator", "estimate_error"]
 
 INSTANTS = 50
 FRESH = 16

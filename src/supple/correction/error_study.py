@@ -19,7 +19,7 @@ from supple.machine import System
 from supple.reduction import ReductionBasis
 from supple.simulation.kept_basis import kept_bases
 
-__all__ = ["ErrorStudy", "state_errors", "statements"]
+__all__ = ["ErrorStudy", "state_errors"]
 
 Told = Callable[[str, float], None]
 """Hears what is done, in words, and the completed fraction of it."""

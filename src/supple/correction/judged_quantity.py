@@ -13,7 +13,7 @@ from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.machine import System
 
-__all__ = ["Deflection", "JointForce", "JudgedQuantity", "WholeBody", "quantity_distance"]
+__all__ = ["Deflection", "JointForce", "JudgedQuantity", "WholeBody"]
 
 Array = NDArray[np.float64]
 

@@ -30,6 +30,8 @@ from supple.storage.result_content import Metadata, errors_metadata
 from supple.storage.result_file import check_nothing_lost
 from supple.storage.run_inputs import Inputs
 
+__all__ = ["ROUNDS_FOLDER", "correct_recorded"]
+
 ROUNDS_FOLDER = "self_correction"
 
 

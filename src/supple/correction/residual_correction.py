@@ -41,15 +41,7 @@ from supple.multibody.full.full_system import FullSystem
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.full_rest import holds_all
 
-__all__ = [
-    "ExpandedStates",
-    "ResidualCorrections",
-    "corrections_of",
-    "expanded_states",
-    "residual_corrections",
-    "static_answer",
-    "system_corrections",
-]
+__all__ = ["ResidualCorrections", "residual_corrections", "system_corrections"]
 
 _SLOWNESS = 100.0
 """How many times slower than the body's lowest vibration the missing motion is taken to be: slow enough that

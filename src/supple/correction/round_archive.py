@@ -14,7 +14,7 @@ from supple.machine.system import System
 from supple.reduction import ReductionBasis
 from supple.simulation.watched_run import watched_run
 
-__all__ = ["InMemoryArchive", "MissedMotion", "RoundArchive", "RoundBases"]
+__all__ = ["MissedMotion", "RoundArchive", "RoundBases"]
 
 
 class MissedMotion(NamedTuple):

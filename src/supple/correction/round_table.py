@@ -9,6 +9,8 @@ import numpy as np
 
 from supple.correction.correction_rounds import Round
 
+__all__ = ["best_round", "correction_numbers"]
+
 
 def correction_numbers(rounds: Sequence[Round]) -> list[dict[str, Any]]:
     """One record a round and body, in their order; errors that are not finite are None."""

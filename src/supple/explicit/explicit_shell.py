@@ -21,7 +21,7 @@ from supple.fem.shell_kinematics import DRILLING
 from supple.fem.shell_triangle import element_axes, plane_coordinates, resultant_strains
 from supple.mesh import CellType
 
-__all__ = ["ExplicitShell", "ShellElements", "explicit_shell"]
+__all__ = ["ExplicitShell", "explicit_shell"]
 
 FloatArray = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from supple.explicit.projected_difference import ProjectedDifference
 from supple.explicit.published_scheme import PublishedScheme
 from supple.integrate import ExplicitRule, Run
 
-__all__ = ["Explicit", "explicit_method"]
+__all__ = ["Explicit"]
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from supple.body import FlexibleBody
 from supple.body.mass_properties import rigid_mass_properties
 from supple.explicit.frame_moments import arms
 
-__all__ = ["PAIRS", "CentrifugalStiffness", "largest_of_unit_spin", "spin_products", "spun_limit"]
+__all__ = ["CentrifugalStiffness"]
 
 FloatArray = NDArray[np.float64]
 

@@ -25,6 +25,8 @@ from supple.reduction import ReducedBody
 from supple.results import StressModes
 from supple.storage.atomic_write import replacing
 
+__all__ = ["exudyn_arrays", "interface_nodes", "write_exudyn"]
+
 Array = NDArray[np.float64]
 
 ARM = 0.01

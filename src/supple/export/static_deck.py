@@ -20,6 +20,8 @@ from supple.fem.section import Section
 from supple.mesh import CellType, Mesh
 from supple.storage.atomic_write import replacing
 
+__all__ = ["ABAQUS", "CALCULIX", "DeckProgram", "resultant", "write_static_deck"]
+
 IntArray = NDArray[np.int64]
 
 CLAMPED, LOADED, EVERY_NODE = "SUPPLE_CLAMPED", "SUPPLE_LOADED", "SUPPLE_ALL"

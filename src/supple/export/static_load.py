@@ -15,6 +15,8 @@ from supple.errors import ModelError
 from supple.machine import BaseAcceleration, ForceElement, NodalLoad
 from supple.multibody.equations.nodal_load import nodal_forces, prepared
 
+__all__ = ["static_load"]
+
 
 def static_load(
     body: FlexibleBody,

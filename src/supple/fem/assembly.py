@@ -18,6 +18,8 @@ from supple.fem.model import FiniteElementModel
 from supple.fem.node_sparsity import NodeSparsity, compressed_columns, node_sparsity
 from supple.fem.quadratic_strain import QuadraticStrain
 
+__all__ = ["Assembly", "StrainWorks", "assemble", "assemble_strains"]
+
 Array = NDArray[Any]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.integer]

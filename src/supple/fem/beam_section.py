@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from supple.errors import ModelError
 from supple.fem.material import Isotropic
 
+__all__ = ["BeamSection"]
+
 
 @dataclass(frozen=True, eq=False)
 class BeamSection:

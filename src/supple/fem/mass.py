@@ -11,6 +11,8 @@ from scipy.sparse import coo_array, csc_array, kron
 from supple.algebra.narrow_indices import narrow_indices
 from supple.fem.shell_section import ShellSection
 
+__all__ = ["CellMass"]
+
 FloatArray = NDArray[np.float64]
 
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from supple.arguments import check_fields
 from supple.errors import ModelError
 
+__all__ = ["Isotropic"]
+
 
 @dataclass(frozen=True)
 class Isotropic:

@@ -30,6 +30,8 @@ from supple.fem.tetra4 import TETRA4_ELEMENT
 from supple.fem.tetra10 import TETRA10_ELEMENT
 from supple.mesh import CellType, Mesh, MeshPart
 
+__all__ = ["FiniteElementModel", "cell_masses", "lumped_mass", "part_of_model", "shell_model", "solid_model"]
+
 SOLID_ELEMENTS = {
     element.cell_type: element for element in (TETRA4_ELEMENT, TETRA10_ELEMENT, HEXA8_ELEMENT, HEXA20_ELEMENT)
 }

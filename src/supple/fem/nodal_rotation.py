@@ -8,6 +8,8 @@ from scipy.sparse import coo_array, csc_array
 from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel, nodal_freedoms
 from supple.fem.solid_element import solid_rotation
 
+__all__ = ["nodal_rotation_operator"]
+
 
 def nodal_rotation_operator(model: FiniteElementModel) -> csc_array:
     """Operator (3 P, n) that gives the rotation vector at P points from the nodal freedoms.

@@ -15,6 +15,8 @@ from supple.fem.material import Isotropic
 from supple.fem.shell_section import ShellSection
 from supple.mesh import CellType, Mesh
 
+__all__ = ["Section"]
+
 IntArray = NDArray[np.int64]
 Property = ShellSection | BeamSection | Isotropic
 

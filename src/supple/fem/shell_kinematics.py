@@ -29,6 +29,8 @@ from numpy.typing import NDArray
 
 from supple.fem.kinematics import green_lagrange_form
 
+__all__ = ["GREEN_LAGRANGE", "VON_KARMAN", "ShellKinematics"]
+
 FloatArray = NDArray[np.float64]
 
 # Places of the gradients a = G q.

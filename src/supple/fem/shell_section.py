@@ -12,6 +12,8 @@ from supple.arguments import check_fields
 from supple.errors import ModelError
 from supple.fem.material import Isotropic
 
+__all__ = ["HomogeneousSection", "LaminateSection", "ShellSection"]
+
 FloatArray = NDArray[np.float64]
 
 

@@ -23,6 +23,15 @@ from supple.fem.shell_section import HomogeneousSection
 from supple.fem.shell_triangle import element_axes, layer_strain
 from supple.fem.solid_element import extrapolation
 
+__all__ = [
+    "StressRecovery",
+    "has_stress",
+    "strain_recovery",
+    "stress_recovery",
+    "von_mises",
+    "von_mises_strain",
+]
+
 FloatArray = NDArray[np.float64]
 
 LAYERS = (-1.0, 0.0, 1.0)

@@ -25,6 +25,8 @@ from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
 from supple.mesh import CellType, Mesh
 
+__all__ = ["read_abaqus"]
+
 IntArray = NDArray[np.int64]
 
 _CELL_TYPES = {

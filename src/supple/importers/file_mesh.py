@@ -14,6 +14,8 @@ from supple.errors import CellError, ImportFormatError, MeshError
 from supple.mesh import CellType, Mesh
 from supple.mesh.mesh import no_ids
 
+__all__ = ["UnusedNodes"]
+
 IntArray = NDArray[np.int64]
 
 

@@ -19,6 +19,8 @@ from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, spli
 from supple.importers.text_file import file_content
 from supple.mesh import CellType, Mesh
 
+__all__ = ["read_gmsh"]
+
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 

@@ -12,6 +12,8 @@ from supple.importers.gmsh import read_gmsh
 from supple.importers.nastran.model import NASTRAN_SUFFIXES, read_nastran_mesh
 from supple.mesh import Mesh
 
+__all__ = ["MESH_SUFFIXES", "read_mesh"]
+
 READERS = {".inp": read_abaqus, ".msh": read_gmsh} | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran_mesh)
 
 MESH_SUFFIXES = tuple(READERS)

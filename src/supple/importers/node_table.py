@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from supple.importers.connection import Connection
 
+__all__ = ["NodeTable"]
+
 IntArray = NDArray[np.int64]
 
 

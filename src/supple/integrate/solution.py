@@ -12,7 +12,7 @@ import numpy as np
 from supple.integrate.error_statement import ErrorPart, ErrorStatement
 from supple.integrate.motion import FloatingMotion
 
-__all__ = ["JOINT_AXES", "JOINT_COMPONENTS", "LARGEST", "Solution", "Statistics", "concatenate"]
+__all__ = ["JOINT_AXES", "JOINT_COMPONENTS", "Solution", "Statistics", "concatenate"]
 
 JOINT_COMPONENTS = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
 """Columns of the forces of a joint."""

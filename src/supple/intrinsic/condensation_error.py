@@ -17,7 +17,7 @@ from supple.intrinsic.intrinsic_body import IntrinsicBody
 from supple.intrinsic.load_path import LoadPath
 from supple.intrinsic.root_support import CLAMPED, RootSupport
 
-__all__ = ["AccurateBody", "CondensationError", "accurate_condensation", "condensation_error"]
+__all__ = ["accurate_condensation", "condensation_error"]
 
 Array = NDArray[np.float64]
 

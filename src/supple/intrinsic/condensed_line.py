@@ -16,7 +16,7 @@ from supple.errors import ModelError
 from supple.intrinsic.load_path_tree import LoadPathTree, load_path_tree
 from supple.intrinsic.station_mass import cleaned_mass
 
-__all__ = ["CondensedLine", "clamped_line", "condensed_line", "rigid_twists"]
+__all__ = ["CondensedLine", "clamped_line", "condensed_line"]
 
 Array = NDArray[np.float64]
 

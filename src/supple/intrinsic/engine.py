@@ -32,7 +32,7 @@ from supple.intrinsic.stable_step import check_stable
 from supple.intrinsic.supported_root import is_joined
 from supple.machine import System
 
-__all__ = ["IntrinsicEngine", "intrinsic_engine", "line_rule"]
+__all__ = ["IntrinsicEngine", "intrinsic_engine"]
 
 
 def intrinsic_engine(system: System, run: Run) -> IntrinsicEngine | JoinedEngine:

@@ -14,7 +14,7 @@ from supple.intrinsic.intrinsic_body import body_of
 from supple.intrinsic.truncation_error import TruncationError, truncation_error
 from supple.machine import System
 
-__all__ = ["EnoughModes", "enough_modes"]
+__all__ = ["enough_modes"]
 
 FEWEST = 6
 

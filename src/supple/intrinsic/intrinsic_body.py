@@ -33,7 +33,7 @@ from supple.intrinsic.station_motion import StationMotion, station_motion
 from supple.intrinsic.strain_integration import Places, station_places
 from supple.machine import Placed
 
-__all__ = ["IntrinsicBody", "Station", "body_of", "intrinsic_body"]
+__all__ = ["IntrinsicBody", "intrinsic_body"]
 
 Array = NDArray[np.float64]
 

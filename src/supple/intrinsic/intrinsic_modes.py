@@ -16,7 +16,7 @@ from supple.intrinsic.load_path_tree import LoadPathTree
 from supple.intrinsic.root_support import RootSupport
 from supple.intrinsic.station_mass import mass_factor
 
-__all__ = ["IntrinsicModes", "checked_modes", "intrinsic_modes"]
+__all__ = ["IntrinsicModes", "intrinsic_modes"]
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from supple.body.virtual_node import interface_motions, virtual_nodes
 from supple.errors import ModelError, did_you_mean
 from supple.intrinsic.load_path_tree import ROOT
 
-__all__ = ["BodyStations", "LoadPath", "LoadPaths", "NodeSetPath", "StationPlan"]
+__all__ = ["LoadPath", "LoadPaths", "NodeSetPath"]
 
 Array = NDArray[np.float64]
 

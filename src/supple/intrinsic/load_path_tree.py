@@ -14,7 +14,7 @@ from supple.algebra import read_only
 from supple.arguments import check_numbers
 from supple.errors import ModelError
 
-__all__ = ["ROOT", "LoadPathTree", "load_path_tree"]
+__all__ = ["LoadPathTree", "load_path_tree"]
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from supple.intrinsic.complete_motion import complete_motion, intrinsic_of
 from supple.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.machine import System
 
-__all__ = ["TruncationError", "instants_of", "truncation_error"]
+__all__ = ["TruncationError", "truncation_error"]
 
 Array = NDArray[np.float64]
 

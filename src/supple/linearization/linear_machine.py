@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from supple.linearization.sparse_machine import SparseMachine
     from supple.simulation.full_rest import RestError
 
-__all__ = ["FullMachine", "LinearMachine"]
+__all__ = ["LinearMachine"]
 
 Array = np.ndarray
 

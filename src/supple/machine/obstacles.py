@@ -12,7 +12,7 @@ from jax import Array
 from supple.arguments import check_fields
 from supple.errors import ModelError
 
-__all__ = ["Obstacle", "RigidCylinder", "RigidPlane", "RigidSphere"]
+__all__ = ["RigidCylinder", "RigidPlane", "RigidSphere"]
 
 Vector = tuple[float, float, float]
 

@@ -18,7 +18,7 @@ from supple.machine.ends import At
 from supple.machine.joints.fixed import Fixed
 from supple.mesh import DividedMesh, Division, divided
 
-__all__ = ["SplitBody", "cut_name", "frequency_changes", "part_name", "split_body"]
+__all__ = ["SplitBody", "split_body"]
 
 # Changes of frequencies by the ties from which a run is another body's.
 NOTABLE = 0.02

@@ -28,7 +28,7 @@ from supple.machine.ties import Tie
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody
 
-__all__ = ["Assembly", "Body", "Placed", "System"]
+__all__ = ["Placed", "System"]
 
 Body = RigidBody | ReducedBody | FullBody
 _Form = TypeVar("_Form")

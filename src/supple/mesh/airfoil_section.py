@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from supple.algebra.read_only import read_only
 from supple.errors import MeshError
 
+__all__ = ["AirfoilSection", "TrailingEdge"]
+
 FloatArray = NDArray[np.float64]
 
 FEWEST_POINTS = 5

@@ -15,6 +15,8 @@ from supple.mesh.mesh import Mesh
 from supple.mesh.shape_arguments import check_counts
 from supple.mesh.structured_grid import alternating_triangles, grid_quads
 
+__all__ = ["BladeGrid", "ShearWebs", "loft_blade"]
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

@@ -13,6 +13,8 @@ from supple.algebra.read_only import read_only
 from supple.errors import MeshError
 from supple.mesh.airfoil_section import AirfoilSection
 
+__all__ = ["BladeStations"]
+
 FloatArray = NDArray[np.float64]
 
 # Sections are resampled at this many points of x/c, close together at both edges (cosine spacing).

@@ -10,6 +10,8 @@ from supple.mesh.mesh import Mesh
 from supple.mesh.shape_arguments import check_counts, check_sizes
 from supple.mesh.structured_grid import grid_quads
 
+__all__ = ["block"]
+
 
 def block(
     length: float,

@@ -9,6 +9,8 @@ from supple.mesh.mesh import Mesh
 from supple.mesh.shape_arguments import check_counts, check_sizes
 from supple.mesh.structured_grid import alternating_triangles, grid_perimeter
 
+__all__ = ["box_beam"]
+
 
 def box_beam(length: float, width: float, height: float, n_length: int, n_width: int, n_height: int) -> Mesh:
     """Mid-surface of a rectangular tube along x, open at both ends; normals point outward.

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from enum import Enum
 
+__all__ = ["CellType"]
+
 _TRIANGLE_EDGES = ((0, 1), (1, 2), (2, 0))
 _TETRA_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
 _HEXA_EDGES = (

@@ -14,6 +14,8 @@ from supple.mesh.mesh import Mesh
 from supple.mesh.shape_arguments import check_counts, check_sizes
 from supple.mesh.structured_grid import grid_quads
 
+__all__ = ["Eye", "RodCells", "RodOutline", "connecting_rod"]
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

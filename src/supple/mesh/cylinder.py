@@ -13,6 +13,8 @@ from supple.mesh.mesh import Mesh
 from supple.mesh.shape_arguments import check_counts, check_sizes
 from supple.mesh.structured_grid import grid_perimeter, grid_quads
 
+__all__ = ["cylinder"]
+
 # Half the side of the square core, over the radius: keeps core and ring cells of like size and shape.
 CORE = 0.45
 

@@ -12,6 +12,8 @@ from supple.mesh.mesh import Mesh
 from supple.mesh.shape_arguments import check_counts, check_sizes
 from supple.mesh.structured_grid import alternating_triangles
 
+__all__ = ["cylinder_shell"]
+
 
 def cylinder_shell(
     radius: float,

@@ -16,6 +16,8 @@ from supple.mesh.mesh import Mesh
 from supple.mesh.mesh_part import MeshPart, mesh_part
 from supple.mesh.node_sections import NodeSection, flat_section, sections_along, shared_pieces
 
+__all__ = ["AlongAxis", "ByCellSets", "Cut", "DividedMesh", "Division", "divided"]
+
 IntArray = NDArray[np.int64]
 CellNumbers = Mapping[CellType, IntArray]
 

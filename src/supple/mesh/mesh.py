@@ -14,6 +14,8 @@ from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.checks import check_ids, check_mesh
 
+__all__ = ["Mesh"]
+
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
 
+__all__ = ["MeshPart", "mesh_part"]
+
 IntArray = NDArray[np.int64]
 
 

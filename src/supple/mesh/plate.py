@@ -9,6 +9,8 @@ from supple.mesh.mesh import Mesh
 from supple.mesh.shape_arguments import check_counts, check_sizes
 from supple.mesh.structured_grid import alternating_triangles, grid_perimeter
 
+__all__ = ["plate"]
+
 
 def plate(length: float, width: float, n_length: int, n_width: int) -> Mesh:
     """Rectangle of triangles over 0 <= x <= length, 0 <= y <= width, z = 0; normals along z.

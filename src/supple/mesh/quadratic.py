@@ -8,6 +8,8 @@ from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import IntArray, Mesh
 
+__all__ = ["to_quadratic"]
+
 _QUADRATIC = {CellType.TETRA4: CellType.TETRA10, CellType.HEXA8: CellType.HEXA20}
 
 

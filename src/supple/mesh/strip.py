@@ -10,6 +10,8 @@ from supple.mesh.mesh import Mesh
 from supple.mesh.shape_arguments import check_counts, check_sizes
 from supple.mesh.structured_grid import alternating_triangles
 
+__all__ = ["strip"]
+
 
 def strip(length: float, width: float, n_length: int, n_width: int) -> Mesh:
     """Strip of triangles over 0 <= x <= length, -width/2 <= y <= width/2, z = 0; normals along z.

@@ -13,6 +13,8 @@ from supple.algebra.constraint_rows import constraint_rows
 from supple.body import FlexibleBody
 from supple.reduction.reduced_body import ReducedBody
 
+__all__ = ["BodyModes", "ClampedModes", "body_modes", "clamped_modes"]
+
 
 @dataclass(frozen=True, eq=False)
 class BodyModes:

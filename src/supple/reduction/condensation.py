@@ -17,6 +17,8 @@ from supple.reduction.condensed_inertia import condensed_moments
 from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.reduction_basis import ReductionBasis
 
+__all__ = ["Condensation"]
+
 Array = NDArray[np.float64]
 
 # Numbers of the pairs' forces held at once (128 MiB); those of a larger body are evaluated in blocks.

@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra import read_only
 
+__all__ = ["CondensedMotion"]
+
 Array = NDArray[np.float64]
 
 

@@ -13,6 +13,8 @@ from supple.errors import ModelError
 from supple.reduction.derivatives.leading_directions import leading_directions
 from supple.reduction.reduction_basis import ReductionBasis, check_frame_motion
 
+__all__ = ["Enrichment", "enrich"]
+
 
 class Enrichment(NamedTuple):
     """A basis with more columns, and what they were chosen from."""

@@ -19,6 +19,8 @@ from supple.reduction.stopwatch import timed
 from supple.reduction.tensor_memory import require_tensor_memory
 from supple.reduction.tensors import strain_products
 
+__all__ = ["project"]
+
 LARGEST_GRAM_ERROR = 1e-8
 
 

@@ -9,6 +9,8 @@ from supple.reduction.condensation import Condensation
 from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.tensors import StrainProducts
 
+__all__ = ["CondensedQuartic", "PlainQuartic", "QuarticChoice"]
+
 
 class QuarticChoice(Protocol):
     """CondensedQuartic() or PlainQuartic()."""

@@ -15,6 +15,8 @@ from supple.reduction.quartic_choice import CondensedQuartic, QuarticChoice
 from supple.reduction.reduced_body import ReducedBody
 from supple.reduction.reduction_basis import reduction_basis
 
+__all__ = ["reduce"]
+
 
 @checked_arguments
 def reduce(

@@ -24,6 +24,8 @@ from supple.reduction.tensors import InternalForceTensors
 if TYPE_CHECKING:
     from supple.body import Frame, FullBody
 
+__all__ = ["ReducedBody", "ReducedInterface"]
+
 # Of the largest number of a tensor: what its sums may miss the symmetry of a potential by.
 LARGEST_ASYMMETRY = 1e-8
 

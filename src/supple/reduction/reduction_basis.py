@@ -15,6 +15,8 @@ from supple.reduction.derivatives.derivative_columns import DerivativeChoice
 from supple.reduction.reduction_report import ReductionReport
 from supple.reduction.stopwatch import timed
 
+__all__ = ["ReductionBasis", "reduction_basis"]
+
 LARGEST_FRAME_MOTION = 1e-8
 
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from supple.algebra import read_only
 from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
 
+__all__ = ["Locking", "ReductionReport"]
+
 Array = NDArray[np.float64]
 
 ROTATION = 0.1

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from supple.body import FlexibleBody
     from supple.fem import QuadraticStrain
 
+__all__ = ["InternalForceTensors", "internal_force_tensors", "unpack_symmetric"]
+
 # The largest work array. Measured at r = 25 and 60: larger chunks cost memory for no gain, smaller ones time.
 CHUNK_BYTES = 16 * 2**20
 

@@ -13,6 +13,8 @@ from supple.errors import ModelError
 from supple.integrate.motion import FloatingMotion
 from supple.integrate.solution import Solution
 
+__all__ = ["MotionError", "motion_error", "relative_error", "rms_error"]
+
 Array = NDArray[np.float64]
 
 

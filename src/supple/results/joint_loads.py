@@ -7,6 +7,8 @@ import numpy as np
 from supple.integrate import JOINT_AXES, Solution
 from supple.machine import Joint, System
 
+__all__ = ["joint_loads", "joint_meanings"]
+
 
 def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, np.ndarray]]:
     """Loads on the second end of each joint, along the joint axes that turn with its first end.

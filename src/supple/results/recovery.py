@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from supple.body import BodyForm
 from supple.integrate.motion import FloatingMotion
 
+__all__ = ["displacement_from_axes", "node_positions"]
+
 Array = NDArray[np.float64]
 
 

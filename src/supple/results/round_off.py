@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+__all__ = ["without_noise"]
+
 # Motions and forces are exact to some 1e-12 of their size; what is shown has five digits.
 ROUND_OFF = 1e-9
 

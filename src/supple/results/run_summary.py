@@ -23,6 +23,8 @@ from supple.results.stress_history import largest_stress
 from supple.results.tracked_motion import TrackedMotion
 from supple.units import UNNAMED, UnitSystem, headed
 
+__all__ = ["body_numbers", "stress_numbers", "summarize", "unit_names"]
+
 N_FREQUENCIES = 5
 N_DRAWN_MODES = 6
 """Of a body: frequencies in tables, modes in pictures."""

@@ -22,6 +22,18 @@ from supple.fem import (
 from supple.reduction import ReducedBody
 from supple.results.stress_modes import StrainModes, StressModes, strain_modes, stress_modes
 
+__all__ = [
+    "LargestStress",
+    "TensorBlock",
+    "largest_stress",
+    "strain_blocks",
+    "strain_history",
+    "stress_blocks",
+    "stress_history",
+    "von_mises_history",
+    "von_mises_strain_history",
+]
+
 Array = NDArray[np.float64]
 # Numbers held at a time: of the modes of some nodes (128 MiB), and of the field of some instants (32 MiB).
 _MODE_NUMBERS, _FIELD_NUMBERS = 2**24, 2**22

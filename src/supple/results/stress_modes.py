@@ -18,6 +18,8 @@ from supple.fem import (
 from supple.reduction import ReducedBody
 from supple.results.tensor_modes import TensorModes, tensor_modes
 
+__all__ = ["StrainModes", "StressModes", "strain_modes", "stress_modes"]
+
 Array = NDArray[np.float64]
 
 

@@ -15,6 +15,16 @@ from supple.integrate import Solution
 from supple.machine import At, System
 from supple.results.recovery import displacement_from_axes, node_positions
 
+__all__ = [
+    "Observer",
+    "TrackedMotion",
+    "deflections",
+    "observer",
+    "observer_of",
+    "tracked_motion",
+    "tracked_places",
+]
+
 
 class Observer(NamedTuple):
     """An interface over time, from which deflections are seen, its axes turning with it.

@@ -21,7 +21,7 @@ from supple.sensors.end_motion import both_ends, check_ends
 from supple.sensors.joint_motion_sensor import joint_named
 from supple.sensors.reading import Channel, Quantity
 
-__all__ = ["JointForceSensor", "SpringForceSensor", "six_channels"]
+__all__ = ["JointForceSensor", "SpringForceSensor"]
 
 Array = NDArray[np.float64]
 

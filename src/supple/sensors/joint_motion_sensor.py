@@ -15,7 +15,7 @@ from supple.machine import Joint, System
 from supple.sensors.end_motion import both_ends, check_ends
 from supple.sensors.reading import Channel, Quantity
 
-__all__ = ["JointMotionSensor", "joint_named"]
+__all__ = ["JointMotionSensor"]
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Combined", "Maximum", "Mean", "MeasuredBlock", "Nearest", "OverNodes"]
+__all__ = ["Maximum", "Mean", "Nearest", "OverNodes"]
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

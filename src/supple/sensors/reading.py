@@ -19,15 +19,7 @@ from supple.errors import ModelError
 from supple.storage.atomic_write import replacing
 from supple.units import UNNAMED, UnitSystem, labelled
 
-__all__ = [
-    "Channel",
-    "Located",
-    "Quantity",
-    "Reading",
-    "as_dataset",
-    "write_readings",
-    "write_readings_hdf5",
-]
+__all__ = ["Located", "Reading", "as_dataset", "write_readings", "write_readings_hdf5"]
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -14,7 +14,7 @@ from supple.integrate import Solution
 from supple.machine import System
 from supple.sensors.reading import Channel, Located, Quantity, Reading
 
-__all__ = ["Channel", "LocatedSensor", "Quantity", "Sensor", "read_sensors", "vector_channels"]
+__all__ = ["Channel", "LocatedSensor", "Quantity", "Sensor", "read_sensors"]
 
 Array = NDArray[np.float64]
 

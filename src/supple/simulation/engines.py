@@ -12,7 +12,7 @@ from supple.intrinsic import intrinsic_engine
 from supple.machine import System
 from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
 
-__all__ = ["EngineFactory", "engine_for", "is_explicit", "register_engine"]
+__all__ = ["register_engine"]
 
 EngineFactory = Callable[[System, Run], Engine[Any]]
 """Makes a machine ready for one method."""

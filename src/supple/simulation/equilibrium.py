@@ -26,7 +26,7 @@ from supple.simulation.resting_state import (
     resting_state,
 )
 
-__all__ = ["Equilibrium", "equilibrium", "warn_of_rest"]
+__all__ = ["Equilibrium", "equilibrium"]
 
 LARGEST_ERROR = 0.01
 """Of a displacement: what is warned of."""

@@ -10,6 +10,8 @@ from supple.machine import System
 from supple.reduction import ReducedBody
 from supple.storage import file_name, read_reduced_body, write_reduced_body
 
+__all__ = ["keep_bodies", "keep_body", "reduced_bodies", "with_kept_bodies"]
+
 
 def reduced_bodies(system: System, names: Collection[str]) -> list[ReducedBody]:
     """The bodies of a system that are reduced, among those named."""

@@ -15,6 +15,8 @@ from supple.storage import ResultFile, read_header
 from supple.storage.result_content import Metadata
 from supple.storage.run_inputs import Inputs
 
+__all__ = ["simulate_kept"]
+
 
 def simulate_kept(
     system: System,

@@ -18,6 +18,8 @@ from supple.storage.dataset_labels import second_end_key
 from supple.storage.result_content import Metadata, ResultHeader
 from supple.storage.run_inputs import Inputs, changes
 
+__all__ = ["begin_recorded", "continue_recorded", "simulate_recorded"]
+
 
 def begin_recorded(
     system: System,

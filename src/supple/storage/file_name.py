@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 
+__all__ = ["file_name"]
+
 LONGEST = 150
 """Bytes; a file system takes 255, of which the rest is for endings and for temporary files."""
 

@@ -13,6 +13,8 @@ import numpy as np
 
 from supple.storage.atomic_write import replacing
 
+__all__ = ["write_json"]
+
 
 def write_json(path: Path | str, data: Any) -> Path:
     """Write nested mappings, sequences, dataclasses, numbers, strings and arrays as a JSON file, atomically.

@@ -48,6 +48,8 @@ from supple.storage.hdf5_record import (
     store_record,
 )
 
+__all__ = ["holds_reduced_body", "read_interface_names", "read_reduced_body", "write_reduced_body"]
+
 FORMAT = "supple-reduced-body"
 VERSION = 2
 """2: the condensed motion has inertia, which files of version 1 do not hold and bodies from them lack."""

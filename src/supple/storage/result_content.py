@@ -20,6 +20,8 @@ from supple.storage.result_seals import NO_END, SIZE, content_seal, end_seal, he
 from supple.storage.run_inputs import Inputs
 from supple.storage.solution_arrays import Array, from_arrays, statistics_from_rows, statistics_row
 
+__all__ = ["DamagedResultError", "ResultHeader"]
+
 FORMAT = "supple-result"
 VERSION = 4
 

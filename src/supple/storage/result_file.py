@@ -65,6 +65,8 @@ from supple.storage.result_reader import read_header, read_solution
 from supple.storage.run_inputs import Inputs, changes
 from supple.storage.solution_arrays import Array, to_arrays
 
+__all__ = ["ResultFile", "write_errors", "write_solution"]
+
 
 class ResultFile:
     """A result file being written, chunk by chunk; use it as a context manager.

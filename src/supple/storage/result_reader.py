@@ -16,6 +16,8 @@ from supple.storage.file_errors import DAMAGE, file_errors
 from supple.storage.hdf5_superblock import is_current_hdf5, is_marked, open_settled
 from supple.storage.result_content import DamagedResultError, ResultContent, ResultHeader, damaged, not_ours
 
+__all__ = ["read_header", "read_last_instant", "read_solution", "read_sound_part"]
+
 # A reader may come between two writes of a run that goes on: it looks again, for half a second in all.
 _PAUSES = (0.02, 0.08, 0.4)
 

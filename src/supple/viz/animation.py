@@ -28,6 +28,8 @@ from supple.viz.mesh_skin import Skin
 from supple.viz.shaded_surface import Page, carry, page_around, render
 from supple.viz.style import COLOUR_MAP, COLOURS, SURFACE_COLOUR, textbook_style
 
+__all__ = ["Traces", "animate"]
+
 Array = NDArray[np.float64]
 Array8 = NDArray[np.uint8]
 

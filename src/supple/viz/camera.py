@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
 
+__all__ = ["Camera"]
+
 Array = NDArray[np.float64]
 
 

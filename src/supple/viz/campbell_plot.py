@@ -12,6 +12,8 @@ from supple.arguments import checked_arguments
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import TEXT_WIDTH, new_figure, save_figure, textbook_style
 
+__all__ = ["plot_campbell"]
+
 Array = NDArray[np.float64]
 
 N_ORDERS = 4

@@ -20,6 +20,8 @@ from supple.viz.mesh_skin import Skin
 from supple.viz.shaded_surface import Page, is_seen
 from supple.viz.style import COLOUR_MAP, INK, save_figure, textbook_style
 
+__all__ = ["plot_contour", "stress_field"]
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

@@ -21,6 +21,8 @@ from supple.viz.style import (
     textbook_style,
 )
 
+__all__ = ["plot_eigenvalue_error"]
+
 Array = NDArray[np.float64]
 
 

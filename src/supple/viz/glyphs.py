@@ -20,6 +20,8 @@ from supple.results import tracked_motion
 from supple.viz.camera import Camera
 from supple.viz.style import COLOURS, INK, PALE_INK
 
+__all__ = ["Glyphs", "glyphs_of"]
+
 Array = NDArray[np.float64]
 
 

@@ -16,6 +16,8 @@ from supple.viz.mesh_skin import Skin
 from supple.viz.shaded_surface import page_around, render, show
 from supple.viz.style import TEXT_WIDTH, new_figure, save_figure, textbook_style
 
+__all__ = ["plot_machine"]
+
 Array = NDArray[np.float64]
 
 

@@ -31,6 +31,8 @@ from supple.viz.style import (
     textbook_style,
 )
 
+__all__ = ["NodalField", "displacement_magnitude", "plot_mesh"]
+
 Array = NDArray[np.float64]
 
 N_COLUMNS = 1260

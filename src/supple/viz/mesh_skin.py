@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from supple.errors import ModelError
 from supple.mesh import CellType, Mesh
 
+__all__ = ["Skin", "skin_of"]
+
 IntArray = NDArray[np.int64]
 
 # Corners of the faces, turning about the outward normal.

@@ -17,6 +17,8 @@ from supple.viz.mesh_skin import Skin
 from supple.viz.shaded_surface import page_around, render, show
 from supple.viz.style import COLOUR_MAP, TEXT_WIDTH, new_figure, save_figure, textbook_style
 
+__all__ = ["mode_titles", "plot_mode_shapes"]
+
 Array = NDArray[np.float64]
 
 _PIXELS_PER_INCH = 200

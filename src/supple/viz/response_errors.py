@@ -15,6 +15,8 @@ from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import PALE_INK, draw_curve, new_figure, save_figure, textbook_style
 from supple.viz.time_history import Series
 
+__all__ = ["Response", "plot_response_errors"]
+
 _LARGE = 1e4
 _FEWEST_DECADES, _MOST_DECADES = 1.0, 12.0
 

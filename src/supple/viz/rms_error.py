@@ -24,6 +24,8 @@ from supple.viz.style import (
     textbook_style,
 )
 
+__all__ = ["plot_error_over_parameter", "plot_rms_error"]
+
 Bounds = Mapping[str, float]
 
 

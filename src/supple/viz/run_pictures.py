@@ -41,6 +41,8 @@ from supple.viz.scene import Actor, scene_of
 from supple.viz.style import as_written
 from supple.viz.time_history import Panel, Series, plot_time_history
 
+__all__ = ["animate_run", "draw_machine", "draw_run"]
+
 ElasticBody = ReducedBody | FullBody | IntrinsicBody
 Elements = Mapping[str, FiniteElementModel]
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from supple.errors import ModelError
 from supple.viz.mesh_skin import Skin
 
+__all__ = ["Actor", "Scene", "scene_of"]
+
 Array = NDArray[np.float64]
 
 

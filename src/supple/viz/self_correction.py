@@ -23,6 +23,8 @@ from supple.viz.style import (
     textbook_style,
 )
 
+__all__ = ["RoundErrors", "plot_rounds", "plot_self_correction"]
+
 
 @dataclass(frozen=True, eq=False)
 class RoundErrors:

@@ -16,6 +16,8 @@ from matplotlib.ticker import Formatter, ScalarFormatter
 from supple.errors import ModelError
 from supple.storage.atomic_write import replacing
 
+__all__ = ["PUBLISHED", "REFERENCE", "SOLID", "Stroke"]
+
 # Okabe and Ito (2008), ordered so that neighbours also differ in grey; the yellow is too light for lines.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 INK = "#222222"

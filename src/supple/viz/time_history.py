@@ -26,6 +26,8 @@ from supple.viz.style import (
     textbook_style,
 )
 
+__all__ = ["Panel", "Series", "plot_time_history"]
+
 _LARGE = 1e4
 """Values from here on are written with k, M, G."""
 

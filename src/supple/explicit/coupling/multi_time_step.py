@@ -20,7 +20,7 @@ from supple.errors import ModelError
 from supple.explicit.coupling.interface_operator import InterfaceOperator, interface_operator
 from supple.explicit.coupling.sides import Coupling
 
-__all__ = ["CoupledArrays", "CoupledState", "GravouilCombescure", "MultiTimeStep", "PrakashHjelmstad", "Side"]
+__all__ = ["GravouilCombescure", "MultiTimeStep", "PrakashHjelmstad"]
 
 
 class Side(NamedTuple):

@@ -30,7 +30,7 @@ from supple.explicit.elements.mean_gradient import SolidPoints
 from supple.explicit.tensor3 import Tensor, cofactor, determinant
 from supple.fem import Isotropic
 
-__all__ = ["BulkArrays", "BulkViscosity", "bulk_arrays", "bulk_pressure", "bulk_share"]
+__all__ = ["BulkArrays", "BulkViscosity", "bulk_arrays"]
 
 FloatArray = NDArray[np.float64]
 

@@ -35,9 +35,7 @@ from supple.explicit.materials.plane_stress import LayerState, mises_of, plane_s
 
 __all__ = [
     "LayerArrays",
-    "LayeredForce",
     "ShellBlock",
-    "ShellForce",
     "layered_force",
     "layered_von_mises",
     "rest_layers",

@@ -16,7 +16,7 @@ from supple.explicit.tensor3 import Tensor, as_array, cofactor, tensor
 from supple.explicit.worked_out import worked_out
 from supple.fem import Isotropic
 
-__all__ = ["BlockForce", "SolidBlock", "block_force", "deformation", "hourglass_stiffness", "solid_block"]
+__all__ = ["BlockForce", "SolidBlock", "block_force", "solid_block"]
 
 
 class SolidBlock(NamedTuple):

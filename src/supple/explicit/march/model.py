@@ -17,7 +17,7 @@ from supple.explicit.method import Explicit
 from supple.explicit.modal_tie import ModalTie
 from supple.machine.obstacles import Obstacle
 
-__all__ = ["Energies", "FrameArrays", "MarchModel", "MarchState", "Methods", "NodesTouching", "ObstacleState"]
+__all__ = ["Energies"]
 
 
 class NodesTouching(NamedTuple):

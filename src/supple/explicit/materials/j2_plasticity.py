@@ -38,7 +38,7 @@ from supple.explicit.tensor3 import (
 from supple.explicit.worked_out import worked_out
 from supple.fem import Isotropic
 
-__all__ = ["J2Plasticity", "PlasticState"]
+__all__ = ["J2Plasticity"]
 
 
 class PlasticState(NamedTuple):

@@ -18,7 +18,7 @@ from supple.explicit.tensor3 import (
 )
 from supple.fem import Isotropic
 
-__all__ = ["Law", "Response", "lame", "linear_stress", "viscous_stress"]
+__all__ = ["Law", "Response"]
 
 
 class Response(NamedTuple):

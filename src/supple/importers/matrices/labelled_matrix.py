@@ -13,6 +13,8 @@ from scipy.sparse import coo_array, csc_array
 
 from supple.errors import ImportFormatError
 
+__all__ = ["LabelledMatrix", "MatrixRole", "freedom_name"]
+
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 

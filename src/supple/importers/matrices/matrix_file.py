@@ -14,6 +14,8 @@ from supple.importers.matrices.output4 import read_output4
 from supple.importers.nastran.model import NASTRAN_SUFFIXES, read_nastran_nodes
 from supple.importers.node_table import NodeTable
 
+__all__ = ["HDF5_SUFFIXES", "NODE_SUFFIXES", "read_labelled_matrix", "read_nodes"]
+
 DMIG_SUFFIXES = (".pch", *NASTRAN_SUFFIXES)
 HDF5_SUFFIXES = (".h5", ".hdf5")
 """Names of HDF5 files end so."""

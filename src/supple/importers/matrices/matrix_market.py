@@ -13,6 +13,8 @@ from supple.errors import ImportFormatError
 from supple.importers.plain_number import plain_integer
 from supple.importers.text_file import file_lines
 
+__all__ = ["read_matrix"]
+
 FloatArray = NDArray[np.float64]
 
 MOST_EMPTY = 100_000

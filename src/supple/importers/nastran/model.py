@@ -24,6 +24,8 @@ from supple.importers.node_table import NodeTable
 from supple.importers.plain_number import is_plain_digits
 from supple.mesh import CellType, Mesh
 
+__all__ = ["NASTRAN_SUFFIXES", "NastranModel", "read_nastran"]
+
 IntArray = NDArray[np.int64]
 
 NASTRAN_SUFFIXES = (".bdf", ".dat", ".nas", ".blk")

@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 
+__all__ = ["BeamProperty", "ElasticMaterial", "ShellProperty", "SolidProperty"]
+
 # E, G and nu of a MAT1 may all be given; beyond this they no longer describe one isotropic material.
 LARGEST_INCONSISTENCY = 0.01
 

@@ -6,6 +6,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
+__all__ = ["ZERO", "CheckedTable", "Matrix", "NodeIndices", "NonNegative", "Positive", "Vector"]
+
 # Strict numbers and strings (no "0.02" for 0.02), but a TOML array may fill a tuple.
 Vector = Annotated[tuple[float, float, float], Field(strict=False)]
 Matrix = Annotated[tuple[Vector, Vector, Vector], Field(strict=False)]

@@ -15,6 +15,8 @@ from supple.importers.toml.checked_table import CheckedTable
 from supple.importers.toml.line_index import KeyPath, LineIndex
 from supple.importers.toml.raw_tables import did_you_mean
 
+__all__ = ["checked", "listed_mistakes"]
+
 _Schema = Mapping[str, Any]
 _Root = TypeVar("_Root", bound=CheckedTable)
 

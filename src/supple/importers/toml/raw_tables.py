@@ -12,6 +12,19 @@ from typing import Any
 from supple.errors import nearest_name
 from supple.importers.toml.line_index import KeyPath
 
+__all__ = [
+    "Mistakes",
+    "Raw",
+    "Rule",
+    "RuleOfOne",
+    "did_you_mean",
+    "names",
+    "on_each",
+    "table",
+    "tables",
+    "unknown",
+]
+
 Raw = Mapping[str, Any]
 Mistakes = Iterator[tuple[KeyPath, str]]
 """Paths of the keys to look at, each with what is wrong there and the remedy."""

@@ -9,6 +9,8 @@ from supple.importers.turbine.rotor_table import read_rotor
 from supple.importers.turbine.station_table import read_stations
 from supple.mesh import BladeGrid, BladeStations, ShearWebs
 
+__all__ = ["NREL5MW_WEBS", "WU2019_GRID", "nrel5mw_rotor", "nrel5mw_stations"]
+
 _FOLDER = files("supple") / "data" / "nrel5mw"
 
 HUB_RADIUS = 1.5

@@ -12,6 +12,8 @@ from supple.errors import ImportFormatError
 from supple.importers.csv_table import read_csv_table
 from supple.importers.text_file import is_file
 
+__all__ = ["read_polar", "read_rotor"]
+
 
 def read_rotor(path: str | Path | Traversable, *, polars: str | Path | Traversable, n_blades: int) -> Rotor:
     """Rotor of a table with columns radius_m, chord_m, twist_deg, polar, and of a folder of polars.

@@ -12,6 +12,8 @@ from supple.importers.csv_table import CsvTable, read_csv_table
 from supple.importers.text_file import is_file
 from supple.mesh import AirfoilSection, BladeStations, TrailingEdge
 
+__all__ = ["read_stations"]
+
 _TRAILING_EDGES = {
     "round": TrailingEdge.ROUND,
     "flat": TrailingEdge.AIRFOIL,

@@ -17,6 +17,8 @@ from supple.importers.text_file import file_text
 from supple.mesh import AirfoilSection, BladeStations
 from supple.mesh.blade_stations import SHAPE_POINTS
 
+__all__ = ["read_windio_blade"]
+
 FloatArray = NDArray[np.float64]
 
 

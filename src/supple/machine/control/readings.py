@@ -8,7 +8,7 @@ from typing import Any
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, At, as_end
 
-__all__ = ["EndReading", "JointReading", "Reading"]
+__all__ = ["EndReading", "JointReading"]
 
 
 @dataclass(frozen=True)

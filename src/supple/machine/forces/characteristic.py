@@ -11,7 +11,7 @@ import numpy as np
 from supple.arguments import check_numbers
 from supple.errors import ModelError
 
-__all__ = ["Curve", "Surface", "curve_at", "surface_at"]
+__all__ = ["Curve", "Surface"]
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from supple.machine.ends import GROUND, At, as_end
 from supple.machine.laws.time_law import TimeLaw, check_law_kind
 from supple.machine.pose import Pose, Wrench
 
-__all__ = ["ForceElement", "check_anchor"]
+__all__ = ["ForceElement"]
 
 
 @dataclass(frozen=True, kw_only=True)

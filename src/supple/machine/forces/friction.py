@@ -15,7 +15,7 @@ from supple.machine.forces.relative_motion import axial_motion, force_pair, mome
 from supple.machine.laws.time_law import TimeLaw, as_time_law
 from supple.machine.pose import Pose, Wrench
 
-__all__ = ["Coulomb", "PrismaticFriction", "RevoluteFriction", "regularized_direction"]
+__all__ = ["Coulomb", "PrismaticFriction", "RevoluteFriction"]
 
 
 @dataclass(frozen=True, kw_only=True)

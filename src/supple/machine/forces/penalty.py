@@ -11,7 +11,7 @@ import numpy as np
 from supple.arguments import NotNegative, Positive, check_fields
 from supple.errors import ModelError
 
-__all__ = ["Penalty", "penalty_energy", "penalty_force"]
+__all__ = ["Penalty"]
 
 
 @dataclass(frozen=True, kw_only=True)

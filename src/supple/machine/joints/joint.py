@@ -23,7 +23,7 @@ from supple.machine.ends import GROUND, At, as_end
 from supple.machine.laws.time_law import TimeLaw, check_law_kind
 from supple.machine.pose import Pose
 
-__all__ = ["Joint", "axes_along", "closing", "relative_turn", "stack", "tilt"]
+__all__ = ["Joint"]
 
 
 def relative_turn(first: Pose, second: Pose) -> jax.Array:

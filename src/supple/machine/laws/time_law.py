@@ -16,7 +16,7 @@ from supple.errors import ArgumentError, ModelError, SuppleError
 from supple.machine.laws.constant import Constant
 from supple.machine.laws.time_function import TimeFunction, traced
 
-__all__ = ["TimeLaw", "as_time_law", "check_law_kind", "check_law_shape"]
+__all__ = ["TimeLaw"]
 
 _EXPECTED = "a number, an array, a law such as Ramp(1.0, 2.0), or a function of time"
 

@@ -17,7 +17,7 @@ from supple.arguments import check_numbers
 from supple.errors import ModelError
 from supple.machine.laws.time_law import TimeLaw
 
-__all__ = ["NodalLoad", "node_numbers"]
+__all__ = ["NodalLoad"]
 
 
 @dataclass(frozen=True, kw_only=True)

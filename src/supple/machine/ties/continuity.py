@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from supple.errors import ModelError
 
-__all__ = ["Continuity", "EveryNode", "MeanMotion"]
+__all__ = ["EveryNode", "MeanMotion"]
 
 FloatArray = NDArray[np.float64]
 

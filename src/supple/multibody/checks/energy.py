@@ -21,7 +21,7 @@ from supple.multibody.equations.polynomial_force import Quartic, polynomial_ener
 from supple.multibody.full.full_inertia import FullInertia
 from supple.reduction import ReducedBody
 
-__all__ = ["Balances", "balances", "body_balances"]
+__all__ = ["Balances", "balances"]
 
 # Numbers of a full body's nodal field held at a time (8 MiB), for a long run of a large body would not fit.
 _FIELD_NUMBERS = 2**20

@@ -36,15 +36,7 @@ from supple.multibody.equations.model import Model
 from supple.multibody.equations.sampling import sampling_of
 from supple.multibody.equations.stops import Stops, stepping_instants
 
-__all__ = [
-    "CompiledEngine",
-    "as_solution",
-    "controls",
-    "engine_state",
-    "initial_state",
-    "system_motion",
-    "tangents_made",
-]
+__all__ = ["CompiledEngine"]
 
 WARNING = Validity()
 

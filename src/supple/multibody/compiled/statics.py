@@ -33,7 +33,7 @@ from supple.multibody.equations.steady_motion import (
     work_of_turning,
 )
 
-__all__ = ["CompiledStatics", "balanced"]
+__all__ = ["CompiledStatics"]
 
 
 @dataclass(frozen=True, eq=False)

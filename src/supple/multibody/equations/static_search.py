@@ -33,16 +33,7 @@ import numpy as np
 from supple.errors import AccuracyError, ConvergenceError
 from supple.multibody.equations.configuration import AnyArray, Configuration
 
-__all__ = [
-    "ROUND_OFF",
-    "StaticCorrection",
-    "StaticMachine",
-    "StaticSearch",
-    "StaticState",
-    "Unbalance",
-    "moved_state",
-    "search_equilibrium",
-]
+__all__ = ["StaticSearch"]
 
 _KINDS = ("forces", "moments", "deformation")
 

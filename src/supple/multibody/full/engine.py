@@ -31,7 +31,7 @@ from supple.multibody.full.kept_tangent import KeptTangent, numbers_of, tangent_
 from supple.multibody.full.newton import NewtonIteration, modified_newton
 from supple.multibody.full.predictor import Earlier, earlier_numbers, earlier_of, predicted, unknowns_of
 
-__all__ = ["FullEngine", "March"]
+__all__ = ["FullEngine"]
 
 
 class March(NamedTuple):

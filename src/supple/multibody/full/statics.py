@@ -24,7 +24,7 @@ from supple.multibody.full.linear_equations import (
     to_border,
 )
 
-__all__ = ["FullStatics", "StaticTangent", "carried_state"]
+__all__ = ["FullStatics"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,8 @@ from supple.body import FlexibleBody, Frame, MeanAxisFrame
 from supple.reduction.bases.interface_columns import column_labels, motion_rows, require_interfaces
 from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe
 
+__all__ = ["AttachmentModes"]
+
 
 @dataclass(frozen=True)
 class AttachmentModes:

@@ -11,6 +11,8 @@ from supple.body import FlexibleBody
 from supple.reduction.bases.mode_selection import ChosenModes, ranked_modes
 from supple.reduction.components.fixed_interface_component import FixedInterfaceComponent
 
+__all__ = ["CouplingMoment", "coupling_moments"]
+
 
 @dataclass(frozen=True)
 class CouplingMoment:

@@ -12,6 +12,8 @@ from supple.reduction.bases.guyan import constraint_modes
 from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
 from supple.reduction.bases.mode_selection import LowestFrequency, ModeSelection
 
+__all__ = ["CraigBampton"]
+
 
 @dataclass(frozen=True)
 class CraigBampton:

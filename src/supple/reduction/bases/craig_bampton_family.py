@@ -18,6 +18,8 @@ from supple.reduction.components.fixed_interface_component import (
 from supple.reduction.components.free_vibration import FreeVibrations, free_vibrations
 from supple.reduction.eigenvalues.eigenvalue_error import ErrorEstimator, error_terms
 
+__all__ = ["CraigBamptonFamily"]
+
 N_RIGID = 6
 
 # When modes run out, this many more at least: searches that add one at a time would ask again and again.

@@ -14,6 +14,8 @@ from supple.reduction.bases.interface_columns import column_labels, motion_rows
 from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
 from supple.reduction.components.deflation import residual_response
 
+__all__ = ["CraigBamptonResidual"]
+
 
 @dataclass(frozen=True)
 class CraigBamptonResidual:

@@ -9,6 +9,8 @@ import numpy as np
 from supple.reduction.components.component_model import ReducedMatrices, block_diagonal
 from supple.reduction.components.free_interface_component import FreeInterfaceComponent, require_residual
 
+__all__ = ["DualCraigBampton"]
+
 
 @dataclass(frozen=True, eq=False)
 class DualCraigBampton:

@@ -12,6 +12,8 @@ from supple.reduction.bases.interface_columns import motion_rows
 from supple.reduction.bases.mode_selection import ChosenModes, ranked_modes
 from supple.reduction.components.fixed_interface_component import FixedInterfaceComponent
 
+__all__ = ["EffectiveInterfaceMass", "effective_interface_masses", "interior_interface_mass"]
+
 # Directions of interface motion, in a unit-diagonal matrix, that carry less move no mass inside.
 SMALLEST_SHARE = 1e-10
 

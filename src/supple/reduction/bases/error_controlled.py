@@ -21,6 +21,8 @@ from supple.reduction.eigenvalues.eigenvalue_error import ErrorEstimator, KnownE
 from supple.reduction.eigenvalues.mode_search import Bisection, ModeSearch, SearchStep
 from supple.reduction.stopwatch import timed
 
+__all__ = ["ErrorControlled", "ErrorControlledModes", "error_controlled_modes"]
+
 SMALLEST_TOLERANCE = 1e-7
 """Below this, round-off in the eigenvalues of large bodies could decide."""
 

@@ -15,6 +15,8 @@ from supple.reduction.bases.interface_columns import (
 )
 from supple.reduction.bases.linear_basis import LinearBasis
 
+__all__ = ["Guyan", "constraint_modes", "interface_shapes"]
+
 
 @dataclass(frozen=True)
 class Guyan:

@@ -12,6 +12,8 @@ from supple.reduction.bases.interface_columns import MOTIONS, motion_rows, requi
 from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
 from supple.reduction.bases.normal_modes import NormalModes
 
+__all__ = ["Herting", "inertia_relief_modes"]
+
 
 @dataclass(frozen=True)
 class Herting:

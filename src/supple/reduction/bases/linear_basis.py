@@ -13,6 +13,8 @@ from supple.body import FlexibleBody, Frame, frame_projector
 from supple.errors import AccuracyError, ModelError
 from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
 
+__all__ = ["LinearBasis", "LinearBasisRecipe", "rayleigh_ritz"]
+
 
 @dataclass(frozen=True, eq=False)
 class LinearBasis:

@@ -10,6 +10,8 @@ from scipy import linalg
 from supple.reduction.components.component_model import ReducedMatrices, block_diagonal
 from supple.reduction.components.free_interface_component import FreeInterfaceComponent, require_residual
 
+__all__ = ["MacNealComponent"]
+
 
 @dataclass(frozen=True, eq=False)
 class MacNealComponent:

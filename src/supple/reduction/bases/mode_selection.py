@@ -15,6 +15,8 @@ from supple.reduction.components.fixed_interface_component import (
     fixed_interface_modes,
 )
 
+__all__ = ["ChosenModes", "LowestFrequency", "ModeSelection"]
+
 
 class ChosenModes(NamedTuple):
     """Fixed-interface modes in ascending order of frequency."""

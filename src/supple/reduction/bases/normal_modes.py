@@ -9,6 +9,8 @@ import numpy as np
 from supple.body import FlexibleBody, Frame
 from supple.reduction.bases.linear_basis import LinearBasis, check_mode_count
 
+__all__ = ["CompleteBasis", "NormalModes"]
+
 
 @dataclass(frozen=True)
 class NormalModes:

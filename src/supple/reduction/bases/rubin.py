@@ -16,6 +16,8 @@ from supple.reduction.bases.interface_columns import (
 from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
 from supple.reduction.bases.normal_modes import NormalModes
 
+__all__ = ["Rubin"]
+
 
 @dataclass(frozen=True)
 class Rubin:

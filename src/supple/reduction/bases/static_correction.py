@@ -11,6 +11,8 @@ from supple.body import FlexibleBody, Frame
 from supple.errors import ModelError
 from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe
 
+__all__ = ["StaticCorrection"]
+
 
 @dataclass(frozen=True, eq=False)
 class StaticCorrection:

@@ -13,6 +13,8 @@ from supple.body.inertia_polynomial import SPIN_PAIRS, InertiaPolynomial
 from supple.reduction.bases.interface_columns import fixed_interfaces
 from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe
 
+__all__ = ["NoLoads", "SteadyLoads"]
+
 NAMES = (
     *(f"acceleration {axis}" for axis in "xyz"),
     *(f"angular acceleration {axis}" for axis in "xyz"),

@@ -12,6 +12,8 @@ from scipy import linalg
 from supple.algebra import Eigenpairs, read_only
 from supple.errors import AccuracyError, ModelError
 
+__all__ = ["ComponentModel", "ReducedMatrices", "RitzComponent"]
+
 # Squared length, of a column of length one, below which it counts as a combination of the others.
 DEPENDENT = 1e-13
 

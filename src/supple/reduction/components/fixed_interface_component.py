@@ -15,6 +15,15 @@ from supple.reduction.bases.linear_basis import check_mode_count
 from supple.reduction.components.component_model import RitzComponent, block_diagonal
 from supple.reduction.components.deflation import SMALLEST_RESIDUAL, residual_response, residual_shares
 
+__all__ = [
+    "FixedInterfaceComponent",
+    "craig_bampton_component",
+    "enhanced_component",
+    "fixed_interface_component",
+    "fixed_interface_modes",
+    "residual_component",
+]
+
 
 @dataclass(frozen=True, eq=False)
 class FixedInterfaceComponent:

@@ -15,6 +15,8 @@ from supple.reduction.bases.linear_basis import check_mode_count
 from supple.reduction.components.component_model import RitzComponent, block_diagonal
 from supple.reduction.components.deflation import SMALLEST_RESIDUAL, residual_response, residual_shares
 
+__all__ = ["FreeInterfaceComponent", "free_interface_component", "free_interface_modes", "rubin_component"]
+
 
 @dataclass(frozen=True, eq=False)
 class FreeInterfaceComponent:

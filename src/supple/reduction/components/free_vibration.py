@@ -10,6 +10,8 @@ from scipy import linalg
 from supple.algebra import read_only
 from supple.reduction.components.fixed_interface_component import FixedInterfaceComponent
 
+__all__ = ["FreeVibrations", "free_vibrations"]
+
 
 @dataclass(frozen=True, eq=False)
 class FreeVibrations:

@@ -14,6 +14,8 @@ from supple.reduction.derivatives.leading_directions import leading_directions
 from supple.reduction.derivatives.modal_derivatives import ModalDerivatives, modal_derivatives
 from supple.reduction.derivatives.pair_weights import AmplitudeProduct
 
+__all__ = ["CompressedDerivatives", "compress"]
+
 # Singular values below this, relative to the first, are round-off of the solves.
 ROUND_OFF = 1e-10
 

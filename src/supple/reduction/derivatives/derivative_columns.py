@@ -12,6 +12,8 @@ from supple.body import FlexibleBody, Frame
 from supple.errors import ModelError
 from supple.reduction.bases.linear_basis import LinearBasis
 
+__all__ = ["DerivativeChoice", "DerivativeColumns", "NoDerivatives"]
+
 
 @dataclass(frozen=True, eq=False)
 class DerivativeColumns:

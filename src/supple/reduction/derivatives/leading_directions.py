@@ -9,6 +9,8 @@ from scipy import sparse
 
 from supple.algebra import mass_orthonormalize
 
+__all__ = ["LeadingDirections", "leading_directions"]
+
 
 class LeadingDirections(NamedTuple):
     """Directions by decreasing length."""

@@ -11,6 +11,8 @@ from supple.body import FlexibleBody, Frame, frame_projector
 from supple.errors import ModelError
 from supple.reduction.bases.linear_basis import LinearBasis
 
+__all__ = ["ModalDerivatives", "modal_derivatives"]
+
 
 @dataclass(frozen=True, eq=False)
 class ModalDerivatives:

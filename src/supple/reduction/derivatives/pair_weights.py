@@ -13,6 +13,15 @@ from supple.errors import ModelError
 from supple.reduction.bases.linear_basis import LinearBasis
 from supple.reduction.derivatives.modal_derivatives import ModalDerivatives
 
+__all__ = [
+    "AmplitudeProduct",
+    "ModalAmplitudes",
+    "ModalVirtualWork",
+    "PairCriterion",
+    "StaticLoad",
+    "UnitLoad",
+]
+
 
 class ModalAmplitudes(Protocol):
     """Expected static amplitude of each column of a linear basis: UnitLoad or StaticLoad."""

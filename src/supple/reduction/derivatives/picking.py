@@ -14,6 +14,8 @@ from supple.reduction.derivatives.derivative_columns import DerivativeColumns, c
 from supple.reduction.derivatives.modal_derivatives import ModalDerivatives, modal_derivatives
 from supple.reduction.derivatives.pair_weights import AmplitudeProduct, PairCriterion
 
+__all__ = ["PickedDerivatives", "pick"]
+
 
 @dataclass(frozen=True)
 class PickedDerivatives:

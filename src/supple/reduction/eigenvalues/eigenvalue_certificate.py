@@ -11,6 +11,8 @@ from supple.algebra import read_only
 from supple.reduction.eigenvalues.eigenvalue_enclosure import EigenvalueEnclosure
 from supple.reduction.eigenvalues.mode_search import SearchStep
 
+__all__ = ["EigenvalueCertificate"]
+
 
 @dataclass(frozen=True, eq=False)
 class EigenvalueCertificate:

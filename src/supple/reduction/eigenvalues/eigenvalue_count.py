@@ -11,6 +11,8 @@ from supple.algebra import count_below
 from supple.body import FlexibleBody
 from supple.errors import ModelError
 
+__all__ = ["CountedGroup", "count_eigenvalues"]
+
 N_RIGID = 6
 
 # Modes closer than this part of the tolerance are counted together first.

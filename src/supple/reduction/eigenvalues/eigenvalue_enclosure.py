@@ -12,6 +12,8 @@ from supple.algebra import count_below, read_only
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.errors import AccuracyError
 
+__all__ = ["EigenvalueEnclosure", "enclose_eigenvalues"]
+
 # Of subspace iteration; those that halve the distance of the bounds do not count.
 ROUNDS = 12
 RIGID_MOTIONS = 6

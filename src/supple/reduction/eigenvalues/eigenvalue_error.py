@@ -11,6 +11,17 @@ from supple.algebra import read_only
 from supple.reduction.components.fixed_interface_component import FixedInterfaceComponent
 from supple.reduction.components.free_vibration import FreeVibrations
 
+__all__ = [
+    "ErrorEstimator",
+    "ErrorTerms",
+    "FirstOrderEstimate",
+    "Han2020Bound",
+    "KnownEigenvalues",
+    "SharperBound",
+    "TwoTermEstimate",
+    "error_terms",
+]
+
 
 @dataclass(frozen=True, eq=False)
 class ErrorTerms:

@@ -11,6 +11,8 @@ import numpy as np
 
 from supple.algebra import read_only
 
+__all__ = ["Bisection", "ModeSearch", "OneByOne", "SearchStep"]
+
 # Steps are at most doubled: an error that falls slowly at first would promise too many modes.
 LARGEST_GROWTH = 2.0
 SMALLEST_GROWTH = 1.05
