@@ -153,7 +153,7 @@ def _rested(held: Held, form: Any) -> Array:
     """The tip where the body rests; the load in steps."""
     placed = Placed(form)
     for share in _shares(held):
-        (placed,) = equilibrium(held.system(placed, share), search=SEARCH).system.bodies
+        (placed,) = equilibrium(held.system(placed, share), search=SEARCH, fulls=()).system.bodies
     return placed.positions(held.tip)
 
 
@@ -175,7 +175,7 @@ def _split(held: Held, form: Callable[[FlexibleBody, Array, Frame], Any]) -> Arr
     for share in _shares(held):
         forces = [DeadForce(body=name, at=nodes, force=share * force) for name, nodes, force in loads]
         system = System(bodies, [clamp, *split.joints], forces)
-        bodies = list(equilibrium(system, search=SEARCH).system.bodies)
+        bodies = list(equilibrium(system, search=SEARCH, fulls=()).system.bodies)
     return bodies[-1].positions(split.mesh.parts[-1].numbers(held.tip))
 
 

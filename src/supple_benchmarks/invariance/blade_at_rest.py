@@ -33,7 +33,7 @@ def blade_at_rest(blade: Blade, progress: Callable[[float], None] = lambda _: No
     found = {}
     for name, frame in FRAMES.items():
         system = System((Placed(FullBody(body, frame)),), (clamp,), (load,))
-        rest = equilibrium(system, search=StaticSearch(residual=RESIDUAL))
+        rest = equilibrium(system, search=StaticSearch(residual=RESIDUAL), fulls=())
         (placed,) = rest.system.bodies
         moved = placed.positions(tip) - body.nodes[tip]
         found[name] = Rest(moved.mean(axis=0).tolist(), rest.iterations)

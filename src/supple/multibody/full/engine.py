@@ -117,7 +117,8 @@ class FullEngine:
         before, stopped = state, None
         stops, outputs = self._stops.on_the_way(state.state.time, times)
         for number, end in enumerate(stops):
-            state = state._replace(state=self._sampled(state.state))
+            if end > state.state.time:  # what is due is called when the march goes on
+                state = state._replace(state=self._sampled(state.state))
             state, residual = self._to_output(state, float(end))
             if residual is not None:
                 undamped = bool(self._machine.system.joints) and not damps_joint_forces(
