@@ -129,6 +129,7 @@ def test_a_line_that_turns_as_a_rigid_body_has_its_energy_and_momentum():
     inertia = body.line.twists.T @ body.line.mass @ body.line.twists
     assert found.kinetic[0] == pytest.approx(0.5 * spin @ inertia[3:, 3:] @ spin, rel=1e-9)
     assert found.angular_momentum[0] == pytest.approx(inertia[3:, 3:] @ spin, rel=1e-9)
+    assert body.interface_motion(motion, "tip").velocity[0] == pytest.approx(np.cross(spin, [1.0, 0, 0]))
     with pytest.raises(ModelError, match="recorded by an earlier version"):
         AccelerationSensor("a", Place("a", "tip")).values(
             system, still.__class__(**{**still.__dict__, "times": np.zeros(1), "bodies": {"a": motion}})

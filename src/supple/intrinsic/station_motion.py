@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import jax
@@ -61,6 +62,10 @@ def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMo
     root : (3,)     of the root in the body's axes, undeformed
     q2 : (t, e)     of the motion
     """
+    unknown = np.isnan(motion.accelerations).any()
+    if unknown:  # velocities do not need them
+        names = ("acceleration", "angular_acceleration", "accelerations")
+        motion = replace(motion, **{name: np.zeros_like(getattr(motion, name)) for name in names})
     A, w, dw = motion.rotation, motion.angular_velocity, motion.angular_acceleration
     arm, arm_rate = np.einsum("tij,j->ti", A, root), np.cross(w, root)
     driven, driven_rate = _driven(model, root, motion)
@@ -77,7 +82,11 @@ def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMo
         motion.accelerations,
         driven_rate,
     )
-    return jax.device_get(_motion(model, now))
+    found: StationMotion = jax.device_get(_motion(model, now))
+    if unknown:
+        none = jax.tree.map(lambda each: np.full_like(each, np.nan), found.accelerations)
+        found = found._replace(accelerations=none)
+    return found
 
 
 def station_twists(model: LineModel, root: Array, motion: IntrinsicMotion) -> Array:
