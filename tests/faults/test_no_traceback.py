@@ -198,6 +198,6 @@ def test_hundreds_of_mistakes_are_told_at_once(tmp_path):
     path = tmp_path / "case.toml"
     path.write_text('title = "t"\nbody = []\n' + 500 * "[[load]]\n")
     began = time.process_time()
-    with pytest.raises(CaseError, match=r"case\.toml has 1502 mistakes"):
+    with pytest.raises(CaseError, match=r"case\.toml has 502 mistakes"):
         sp.read_case(path)
     assert time.process_time() - began < 10.0
