@@ -124,7 +124,7 @@ class BodyForm(Protocol):
         ...
 
     def section_softness(self, interface: str, /) -> np.ndarray:
-        """C / C (3,) of the section of an averaging interface (`averaging_error`); zeros of any other."""
+        """Softness c / C (3,) of the section of an averaging interface; zeros of any other."""
         ...
 
     @property

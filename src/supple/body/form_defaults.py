@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,17 @@ Array = NDArray[np.float64]
 
 
 class _Form(Protocol):
-    @property
-    def mass(self) -> float: ...
+    """What the defaults are made of."""
 
     @property
-    def is_linear(self) -> bool: ...
+    def mass(self) -> float:
+        """Of the whole body, kg."""
+        ...
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the internal force is proportional to the deformation."""
+        ...
 
 
 class FormDefaults:
@@ -42,6 +48,11 @@ class FormDefaults:
     def coordinate_size(self: _Form) -> float:
         """sqrt(kg): the norm of mass-orthonormal coordinates (r,) when all nodes move by one."""
         return float(np.sqrt(self.mass))
+
+    @property
+    def rotation_rows(self) -> Any:
+        """None: no rotation against a frame is watched."""
+        return None
 
     @property
     def missing_centrifugal_stiffness(self) -> Array:

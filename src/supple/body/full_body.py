@@ -112,7 +112,7 @@ class FullBody(FloatingForm):
         return float(np.sqrt(len(self.nodes)))
 
     def section_softness(self, interface: str) -> np.ndarray:
-        """C / C (3,) of the section of an averaging interface; zeros of any other."""
+        """Softness c / C (3,) of the section of an averaging interface; zeros of any other."""
         return section_softness(self.body, self.interface(interface))
 
     @property

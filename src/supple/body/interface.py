@@ -94,8 +94,22 @@ class BodyInterface:
     tied_nodes: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
 
+class UntiedInterface:
+    """What holds of an interface that ties no nodes to itself."""
+
+    @property
+    def cubic_turn(self) -> float:
+        """None: its rotation vector is that of its motion."""
+        return 0.0
+
+    @property
+    def tied_nodes(self) -> NDArray[np.int64]:
+        """None."""
+        return np.empty(0, dtype=np.int64)
+
+
 @dataclass(frozen=True, eq=False)
-class PointInterface:
+class PointInterface(UntiedInterface):
     """A point of a rigid body: no coordinate moves it against the body.
 
     position : (3,) in the body's axes
@@ -108,16 +122,6 @@ class PointInterface:
     def motion(self) -> NDArray[np.float64]:
         """(6, 0)."""
         return np.zeros((6, 0))
-
-    @property
-    def cubic_turn(self) -> float:
-        """None: it does not turn."""
-        return 0.0
-
-    @property
-    def tied_nodes(self) -> NDArray[np.int64]:
-        """None."""
-        return np.empty(0, dtype=np.int64)
 
 
 class Interface(Protocol):

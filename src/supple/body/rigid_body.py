@@ -118,11 +118,6 @@ class RigidBody(FloatingForm):
         """None, for nothing turns against the frame."""
         return np.inf
 
-    @property
-    def rotation_rows(self) -> None:
-        """None, for nothing turns against the frame."""
-        return
-
     def _position(self, what: str, given: ArrayLike) -> NDArray[np.float64]:
         check_numbers(f"rigid body '{self.name}', {what}", given)
         position = read_only(given)

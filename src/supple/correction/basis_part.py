@@ -19,7 +19,7 @@ from supple.correction.error_estimate import ErrorEstimate, ErrorEstimator
 from supple.correction.judged_quantity import JudgedQuantity, quantity_distance
 from supple.correction.run_distance import largest_displacement
 from supple.integrate import ErrorPart, Run, Solution
-from supple.machine import Placed, System
+from supple.machine import System
 from supple.reduction import ReductionBasis
 
 __all__ = ["basis_parts", "distances", "in_full", "stated_of"]
@@ -93,17 +93,8 @@ def _negligible(system: System, solution: Solution, name: str) -> float:
 
 def in_full(system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]) -> System:
     """The machine with its reduced bodies in full, as deformed at the start as they were."""
-
-    def whole(placed: Placed) -> Placed:
-        name = placed.body.name
-        if name not in bases:
-            return placed
-        V = bases[name].vectors
-        return replace(
-            placed,
-            body=fulls[name],
-            coordinates=V @ placed.coordinates,
-            coordinate_rates=V @ placed.coordinate_rates,
-        )
-
-    return replace(system, bodies=tuple(whole(each) for each in system.bodies))
+    bodies = [
+        placed.in_form(fulls[name], bases[name].vectors) if (name := placed.body.name) in bases else placed
+        for placed in system.bodies
+    ]
+    return replace(system, bodies=tuple(bodies))

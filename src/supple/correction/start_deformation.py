@@ -34,12 +34,6 @@ def with_reduced(
         name = placed.body.name
         if name not in reduced:
             return placed
-        onto = bases[name].vectors.T @ fulls[name].body.mass
-        return replace(
-            placed,
-            body=reduced[name],
-            coordinates=onto @ placed.coordinates,
-            coordinate_rates=onto @ placed.coordinate_rates,
-        )
+        return placed.in_form(reduced[name], bases[name].vectors.T @ fulls[name].body.mass)
 
     return replace(system, bodies=tuple(on_basis(placed) for placed in system.bodies))

@@ -103,16 +103,11 @@ class ElementPart(FormDefaults):
         """False: its strains are those of any displacement."""
         return False
 
-    def lowest_frequency(self) -> float:
-        """Not sought: nothing depends on it."""
-        return np.inf
-
     @property
     def rotation_limit(self) -> float:
         """None: any rotation."""
         return np.inf
 
-    @property
-    def rotation_rows(self) -> None:
-        """None: rotations are unlimited, and not looked after."""
-        return
+    def lowest_frequency(self) -> float:
+        """Not sought: nothing depends on it."""
+        return np.inf

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body.averaged_motion import averaged_motion
+from supple.body.interface import UntiedInterface
 from supple.body.point_motion import InterfaceMotion, NodeMotion
 
 __all__ = ["NodeSet", "node_sets"]
@@ -18,7 +19,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class NodeSet:
+class NodeSet(UntiedInterface):
     """Nodes of a part, whose mean motion is that of the interface, and which share a force on it evenly.
 
     part : the body that has them
@@ -40,16 +41,6 @@ class NodeSet:
         """The same per coordinate of the part, (6, r)."""
         unit = np.eye(self.part.n_coordinates)
         return np.einsum("ank,rnk->ar", self.averaging, self.part.expand(unit, self.nodes), optimize=True)
-
-    @property
-    def cubic_turn(self) -> float:
-        """None: of small rotations."""
-        return 0.0
-
-    @property
-    def tied_nodes(self) -> NDArray[np.int64]:
-        """None: its nodes move as they like."""
-        return np.empty(0, dtype=np.int64)
 
     def moving(self, nodes: NodeMotion) -> InterfaceMotion:
         """Its motion from that of its nodes: the mean, and the rotation and spin that fit them best.

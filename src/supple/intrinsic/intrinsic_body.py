@@ -16,7 +16,7 @@ from supple.algebra import read_only
 from supple.body import Damping
 from supple.body.floating_kinematics import node_numbers
 from supple.body.form_defaults import FormDefaults
-from supple.body.interface import interface_named
+from supple.body.interface import UntiedInterface, interface_named
 from supple.body.mass_properties import centre_of_gram
 from supple.body.point_motion import InterfaceMotion, NodeMotion, frames_near
 from supple.errors import ModelError
@@ -42,7 +42,7 @@ ROOM = 2**22
 
 
 @dataclass(frozen=True, eq=False)
-class Station:
+class Station(UntiedInterface):
     """An interface at a station.
 
     position : (3,)     in the body's axes
@@ -54,16 +54,6 @@ class Station:
     position: Array
     motion: Array
     number: int
-
-    @property
-    def cubic_turn(self) -> float:
-        """None: stations turn as far as they like."""
-        return 0.0
-
-    @property
-    def tied_nodes(self) -> NDArray[np.int64]:
-        """None."""
-        return np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,19 +290,14 @@ class IntrinsicBody(FormDefaults):
         """False: its equations are quadratic."""
         return False
 
-    def lowest_frequency(self) -> float:
-        """Of the elastic modes on its support, rad/s; infinite where nothing deforms."""
-        return float(self.modes.frequencies.min(initial=np.inf))
-
     @property
     def rotation_limit(self) -> float:
         """None: any rotation."""
         return np.inf
 
-    @property
-    def rotation_rows(self) -> None:
-        """None: rotations are unlimited, and not looked after."""
-        return
+    def lowest_frequency(self) -> float:
+        """Of the elastic modes on its support, rad/s; infinite where nothing deforms."""
+        return float(self.modes.frequencies.min(initial=np.inf))
 
 
 def body_of(placed: Placed) -> IntrinsicBody:

@@ -13,7 +13,7 @@ __all__ = ["IntrinsicMotion"]
 
 
 UNKNOWN = np.empty(0)
-"""Accelerations that nobody computed, as of files written before there were any: they become nan."""
+"""Accelerations that were not computed, as in files of earlier versions: they become nan."""
 
 
 @register_motion

@@ -123,6 +123,18 @@ class Placed:
         given = (self.velocity, self.angular_velocity)
         return np.concatenate([np.zeros(3) if part is None else part for part in given])
 
+    def in_form(self, form: Any, onto: Any) -> Placed:
+        """The body in another form, of coordinates `onto @ coordinates`, and their rates likewise.
+
+        onto : (r', r)     a matrix, dense or sparse
+        """
+        return replace(
+            self,
+            body=form,
+            coordinates=onto @ self.coordinates,
+            coordinate_rates=onto @ self.coordinate_rates,
+        )
+
     def with_centre_velocity(self, velocity: ArrayLike) -> Placed:
         """The same body with another velocity (3,) of its centre of mass, global, undeformed.
 

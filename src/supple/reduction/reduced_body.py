@@ -216,7 +216,7 @@ class ReducedBody(FloatingForm):
         return not self.elastic_elsewhere
 
     def section_softness(self, interface: str) -> np.ndarray:
-        """C / C (3,) of the section of an averaging interface; zeros of any other."""
+        """Softness c / C (3,) of the section of an averaging interface; zeros of any other."""
         return self.interface(interface).softness
 
     @property

@@ -21,7 +21,7 @@ from supple.algebra import read_only
 from supple.body import FullBody, MeanAxisFrame, frame_projector
 from supple.errors import AccuracyError, ConvergenceError
 from supple.intrinsic.line_statics import LineStatics
-from supple.machine import Placed, System
+from supple.machine import System
 from supple.multibody.equations.model import Model
 from supple.multibody.equations.static_search import (
     StaticSearch,
@@ -143,7 +143,7 @@ def full_rest(
         return None
     expanded = _expanded(reduced, bases, fulls)
     bodies = tuple(
-        _in_full(placed, fulls[placed.body.name], bases[placed.body.name])
+        placed.in_form(fulls[placed.body.name], bases[placed.body.name].vectors)
         if placed.body.name in bases
         else placed
         for placed in reduced.system.bodies
@@ -211,16 +211,6 @@ def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: Full
 def holds_all(system: System, model: Model) -> bool:
     """Whether the joints determine all rigid motion."""
     return len(model.active) >= 6 * len(system.bodies)
-
-
-def _in_full(placed: Placed, full: FullBody, basis: ReductionBasis) -> Placed:
-    """The body with all its coordinates, deformed as it was."""
-    return replace(
-        placed,
-        body=full,
-        coordinates=basis.vectors @ placed.coordinates,
-        coordinate_rates=basis.vectors @ placed.coordinate_rates,
-    )
 
 
 def _expanded(
