@@ -130,7 +130,7 @@ def _marches_one_way(path: KeyPath, body: Raw) -> Mistakes:
 
 
 def _keys_have_an_effect(path: KeyPath, body: Raw) -> Mistakes:
-    """Explicit shells are elastic or yield; keys of the other kind have no effect, nor have layers of a solid."""
+    """Shells are elastic or yield, and solids have no layers: keys of the other kind have no effect."""
     given = table(body, "explicit")
     kind = table(given, "law").get("kind")
     if "shell" not in body:
